@@ -1,0 +1,132 @@
+// Everything that bends the nominal rigid body is an Effect: a gust, rotor drag, a motor's lag, a late log.
+//
+// There are exactly five places where physics can enter: body, actuation, rotor, wrench, measurement. An effect fills in
+// the hooks that it needs; every hook does nothing by default. The simulator applies it and the diagnosis fits the very
+// same object: its author writes the forward model once, and no derivative by hand.
+//
+// Contract: at zero strength no hook changes a bit. Hooks are const: an effect's memory is the slice of the plant's state
+// that it is handed, so that a snapshot of the plant carries everything.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gustlab/parameters.hpp"
+#include "gustlab/random.hpp"
+#include "gustlab/types.hpp"
+#include "gustlab/vehicle.hpp"
+
+namespace gustlab {
+
+enum class Place { body, actuation, rotor, wrench, measurement };
+std::string_view to_string(Place place);
+
+// The command's way to the rotors during one step. `command` is the mean over the step of what is asked for.
+struct Actuation {
+  int count = 0;
+  double time_s = 0.0;      // start of the step
+  double step_s = 0.0;
+  double voltage_V = 0.0;   // 0: not known
+  bool speed_is_measured = false;      // rotor speed in the log drives the body; only command → speed is modelled
+  RotorArray command_radps{};          // in, and changed by delay, saturation, sag
+  RotorArray start_speed_radps{};      // Ω at the start of the step
+  RotorArray end_speed_radps{};        // Ω at its end; the command when there is no lag
+  RotorArray mean_speed_radps{};       // what the air feels during the step; likewise
+  // mean command over the interval [time − age, time − age + step] before this one; ages up to the largest lookback
+  struct Past {
+    virtual ~Past() = default;
+    virtual void command(double age_s, RotorArray& speed_radps) const = 0;
+  };
+  const Past* past = nullptr;
+};
+
+// The flight condition at one instant. Velocities are of the centre of mass.
+struct Flow {
+  double time_s = 0.0;
+  Vector3 position_W_m = Vector3::Zero();       // of the body's origin
+  Vector3 velocity_W_mps = Vector3::Zero();     // of the centre of mass
+  Matrix3 R_WB = Matrix3::Identity();
+  Vector3 body_rate_B_radps = Vector3::Zero();
+  Vector3 air_velocity_B_mps = Vector3::Zero();  // v_r = Rᵀ(v − wind); steady_wind changes it
+  double voltage_V = 0.0;
+  bool speed_is_measured = false;
+  const VehicleModel* vehicle = nullptr;        // with body effects applied
+};
+
+// The rotors at one instant. Hubs are from the centre of mass.
+struct RotorSet {
+  int count = 0;
+  std::array<Vector3, max_rotors> hub_B_m;
+  std::array<Vector3, max_rotors> axis_B;
+  RotorArray direction{};            // s_i
+  RotorArray speed_radps{};          // Ω_i
+  RotorArray acceleration_radps2{};  // dΩ_i/dt
+  RotorArray thrust_N{};             // f_i along axis
+  RotorArray reaction_Nm{};          // magnitude; torque on the body is −s_i reaction axis
+
+  // Velocity of hub i through the air: v_r + ω × r_i.
+  Vector3 hub_velocity_B_mps(const Flow& flow, int i) const {
+    return flow.air_velocity_B_mps + flow.body_rate_B_radps.cross(hub_B_m[static_cast<std::size_t>(i)]);
+  }
+};
+
+// What the sensors say at one instant, and the past that a late sensor needs.
+struct Measured {
+  Vector3 position_W_m = Vector3::Zero();
+  Vector3 velocity_W_mps = Vector3::Zero();
+  Quaternion attitude_WB = Quaternion::Identity();
+  Vector3 body_rate_B_radps = Vector3::Zero();
+  Vector3 specific_force_B_mps2 = Vector3::Zero();
+};
+struct MeasurementContext {
+  double time_s = 0.0;
+  Vector3 angular_acceleration_B_radps2 = Vector3::Zero();
+  std::int64_t tick = 0;                         // counts observations, for random streams
+  struct Past {
+    virtual ~Past() = default;
+    virtual VehicleState at(double time_s) const = 0;  // interpolated truth; never later than now
+  };
+  const Past* past = nullptr;
+};
+
+class Effect : public Parameterized {
+ public:
+  // Called once, after every body effect: the vehicle that flies, the plant's step, the run's random stream.
+  virtual void prepare(const VehicleModel&, double /*step_s*/, const RandomStream&) {}
+  // The longest memory that actuation or measurement asks of the past, s.
+  virtual double lookback_s() const { return 0.0; }
+
+  virtual int state_size() const { return 0; }
+  virtual void reset_state(std::span<double>) const {}
+  // Advances the memory over one step from its start.
+  virtual void advance(const Flow&, const RotorSet&, double /*step_s*/, std::span<double>) const {}
+
+  virtual void on_body(VehicleModel&) const {}
+  virtual void on_actuation(Actuation&) const {}
+  virtual void on_rotor(Flow&, RotorSet&) const {}
+  virtual void wrench(const Flow&, const RotorSet&, std::span<const double>, Wrench&) const {}
+  virtual void on_measurement(const MeasurementContext&, Measured&) const {}
+};
+
+// A row of the registry: what is said of an effect without making one. Order of rows is the catalogue's (DIAGNOSIS.md §5).
+struct EffectRow {
+  std::string_view name;
+  Place place;
+  int order;                    // of application within its place
+  bool per_flight;              // fitted per flight, otherwise per vehicle
+  bool diagnosable;             // false: simulator only (measurement_noise, sindy_residual)
+  bool external;                // a disturbance from outside, logged as fx…tz
+  std::string_view says;        // one plain sentence of what it does
+  std::string_view shows_in;    // the flight that makes it visible
+  std::string_view confused_with;  // rivals, and what separates them
+  std::string_view source;
+  std::unique_ptr<Effect> (*make)();
+};
+
+std::span<const EffectRow> effect_registry();
+const EffectRow* find_effect(std::string_view name);
+
+}  // namespace gustlab

@@ -1,0 +1,34 @@
+// What can go wrong on the user's side, and the exit code that says so.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace gustlab {
+
+// A message `file:line:col: problem (why) suggestion`, written once to stderr by main().
+class UserError : public std::runtime_error {
+ public:
+  UserError(int exit_code, const std::string& message) : std::runtime_error(message), exit_code_(exit_code) {}
+  int exit_code() const { return exit_code_; }
+
+ private:
+  int exit_code_;
+};
+
+// usage or configuration: exit 2
+struct ConfigError : UserError {
+  explicit ConfigError(const std::string& message) : UserError(2, message) {}
+};
+
+// input data: exit 3
+struct DataError : UserError {
+  explicit DataError(const std::string& message) : UserError(3, message) {}
+};
+
+// internal, or the disk said no: exit 4
+struct IoError : UserError {
+  explicit IoError(const std::string& message) : UserError(4, message) {}
+};
+
+}  // namespace gustlab

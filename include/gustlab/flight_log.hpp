@@ -1,0 +1,60 @@
+// A flight as columns on one time base: what the recorder writes and every reader returns (FORMATS.md §1).
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gustlab/vehicle.hpp"
+
+namespace gustlab {
+
+enum class ActuatorKind { rotor_speed, thrust, throttle, pwm, collective_thrust };
+enum class Hold { unknown, zoh, linear };
+std::string_view to_string(ActuatorKind kind);
+std::string_view to_string(Hold hold);
+
+struct LogColumn {
+  std::string name;
+  std::vector<double> values;  // one per row; NaN: no sample
+};
+
+struct LogMeta {
+  std::string vehicle;                      // as written: a name under models/ or a path
+  ActuatorKind actuator = ActuatorKind::rotor_speed;
+  std::string source = "recording";         // simulation | recording
+  Hold hold = Hold::unknown;
+  std::string notes;
+  Environment environment;
+  std::vector<std::pair<std::string, std::string>> condition;  // free keys, shown and never fitted
+  std::vector<std::pair<std::string, std::string>> origin;     // original file, sha256, importer, known issues
+};
+
+// What was found and repaired while reading, in words; file:line:col first.
+struct LogRepair {
+  std::string kind;   // duplicate | quaternion_norm | unknown_column
+  std::string says;
+};
+
+struct FlightLog {
+  std::string path;                  // as given
+  std::vector<double> time_s;        // strictly increasing
+  std::vector<LogColumn> columns;    // every column but time_s, in file order
+  LogMeta meta;
+  std::vector<LogRepair> repairs;
+
+  std::size_t rows() const { return time_s.size(); }
+  // nullptr when absent
+  const std::vector<double>* find(std::string_view name) const;
+  bool has(std::string_view name) const { return find(name) != nullptr; }
+  // Number of columns prefix1, prefix2, … (u1…uN, rotor1…rotorN).
+  int count(std::string_view prefix) const;
+};
+
+// Reads NAME.csv or NAME.csv.gz and NAME.meta.toml. Throws DataError with file:line:col. Repairs only what needs no guess.
+FlightLog read_flight_log(const std::string& csv_path);
+// Writes both files atomically, 17 significant digits or fewer, the shortest text that reads back the same.
+void write_flight_log(const FlightLog& log, const std::string& csv_path);
+
+}  // namespace gustlab

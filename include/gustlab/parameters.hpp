@@ -1,0 +1,57 @@
+// Parameters are declared once, by a visitor over the struct that holds them.
+//
+// One declaration serves reading TOML, `gustlab defaults`, range checks, the canonical text of a run key, the tables of
+// the docs, and the diagnosis, which perturbs and fits the very same values.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gustlab/types.hpp"
+
+namespace gustlab {
+
+// What a vehicle's size is multiplied with to give a parameter's natural size and tolerance.
+enum class Scale {
+  one,     // the number itself
+  weight,  // m g, N
+  arm,     // mean horizontal distance of the hubs from the centre of mass, m
+  rotor_torque_per_speed,  // m g · arm / sum of hover speeds, N m/(rad/s)
+  yaw_inertia,             // J_zz, kg m²
+};
+
+struct ParameterInfo {
+  std::string_view unit = "-";
+  std::string_view help = "";
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  // what the diagnosis needs: a typical size and the strength below which it is calibration, not missing physics
+  double natural = 1.0;
+  double tolerance = 0.0;
+  Scale scale = Scale::one;
+};
+
+class ParameterVisitor {
+ public:
+  virtual ~ParameterVisitor() = default;
+  virtual void number(std::string_view name, double& value, const ParameterInfo& info) = 0;
+  virtual void integer(std::string_view name, std::int64_t& value, const ParameterInfo& info) = 0;
+  virtual void flag(std::string_view name, bool& value, const ParameterInfo& info) = 0;
+  virtual void text(std::string_view name, std::string& value, const ParameterInfo& info) = 0;
+  virtual void numbers(std::string_view name, std::vector<double>& value, const ParameterInfo& info) = 0;
+  virtual void texts(std::string_view name, std::vector<std::string>& value, const ParameterInfo& info) = 0;
+  // three numbers of one meaning, written as an array [x, y, z]
+  virtual void vector(std::string_view name, Vector3& value, const ParameterInfo& info) = 0;
+};
+
+// Anything with declared parameters.
+class Parameterized {
+ public:
+  virtual ~Parameterized() = default;
+  virtual void visit(ParameterVisitor& visitor) = 0;
+};
+
+}  // namespace gustlab

@@ -1,0 +1,75 @@
+// TOML with positions: every value knows file:line:col, every key must be known.
+//
+// Messages: `file:line:col: problem (why) suggestion`, thrown as ConfigError (or DataError for sidecars of recordings).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gustlab/parameters.hpp"
+#include "gustlab/vehicle.hpp"
+
+namespace gustlab::config {
+
+// A table being read. Keys are taken one by one; finish() throws for the first key that nobody took, with the nearest
+// known name as suggestion. Copies share what was taken.
+class Table {
+ public:
+  // Parses a file; `overrides` are --set key=value pairs with dotted keys, their position is the command line.
+  static Table read_file(const std::string& path, const std::vector<std::string>& overrides = {});
+  static Table parse(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});
+
+  bool has(std::string_view key) const;
+  std::string where(std::string_view key = {}) const;  // file:line:col of a key, or of the table
+  const std::string& path() const;
+  std::vector<std::string> keys() const;               // in file order
+
+  // std::nullopt when absent; ConfigError on a wrong type. number() also takes an integer.
+  std::optional<double> number(std::string_view key);
+  std::optional<std::int64_t> integer(std::string_view key);
+  std::optional<bool> flag(std::string_view key);
+  std::optional<std::string> text(std::string_view key);
+  std::optional<std::vector<double>> numbers(std::string_view key);
+  std::optional<std::vector<std::string>> texts(std::string_view key);
+  std::optional<Table> table(std::string_view key);
+  std::vector<Table> tables(std::string_view key);     // array of tables; empty when absent
+  // the value as a TOML literal, whatever it is
+  std::optional<std::string> literal(std::string_view key);
+
+  // as above, with a message when absent
+  double need_number(std::string_view key);
+  std::string need_text(std::string_view key);
+
+  // Throws ConfigError at a key: where(key): problem (why) suggestion.
+  [[noreturn]] void fail(std::string_view key, const std::string& problem, const std::string& why,
+                         const std::string& suggestion) const;
+  void finish() const;
+
+ private:
+  struct Node;
+  std::shared_ptr<Node> node_;
+};
+
+// Reads declared parameters from a table: types, ranges and unknown keys checked; absent keys keep their defaults.
+void read_parameters(Table& table, Parameterized& target);
+// Reads the parameters of an [[effect]] that a vehicle or an experiment carries as an EffectSpec.
+void read_parameters(const EffectSpec& spec, Parameterized& target);
+// One `name = value` per line, every parameter, shortest round-trip text: the part of a run key that it contributes.
+std::string canonical_text(Parameterized& target);
+// The same with units, ranges and help as comments: `gustlab defaults NAME`.
+std::string commented_text(Parameterized& target);
+// `[[effect]]` tables of a document.
+std::vector<EffectSpec> read_effects(Table& document);
+// Later specs replace earlier ones of the same type; the same type twice in one list is an error (rotor_loss: same rotor).
+std::vector<EffectSpec> merge_effects(const std::vector<EffectSpec>& base, const std::vector<EffectSpec>& over);
+
+// The known name nearest to a mistyped one, as `did you mean "…"?`, or empty.
+std::string suggest(std::string_view mistyped, const std::vector<std::string>& known);
+// The shortest text that reads back as the same double.
+std::string shortest(double value);
+
+}  // namespace gustlab::config

@@ -1,0 +1,13 @@
+// From [[effect]] tables to effects that fly.
+#pragma once
+
+#include <vector>
+
+#include "plant/force_model.hpp"
+
+namespace gustlab {
+
+// Throws ConfigError at the table: unknown type with suggestion, unknown key, range.
+std::vector<NamedEffect> make_effects(const std::vector<EffectSpec>& specs);
+
+}  // namespace gustlab

@@ -1,0 +1,58 @@
+// motor_lag: rotor speed follows its command as a first-order lag, faster up than down where the vehicle says so.
+//
+// Ω̇ = (Ω_c − Ω)/τ, solved exactly over a step of constant command; the air feels the mean speed of the step, so that the
+// effect is differentiable at τ = 0.
+#include <cmath>
+
+#include "effects/effects.hpp"
+
+namespace gustlab {
+
+namespace {
+
+class MotorLag final : public Effect {
+ public:
+  void visit(ParameterVisitor& visitor) override {
+    visitor.number("time_constant", up_s_,
+                   {.unit = "s", .help = "time constant while the speed rises", .min = 0.0, .max = 1.0,
+                    .natural = 0.01, .tolerance = 0.004});
+    visitor.number("time_constant_down", down_s_,
+                   {.unit = "s", .help = "time constant while the speed falls; negative: as when it rises", .min = -1.0,
+                    .max = 1.0, .natural = 0.01, .tolerance = 0.004});
+  }
+
+  void prepare(const VehicleModel&, double step_s, const RandomStream&) override {
+    up_ = response(up_s_, step_s);
+    down_ = response(down_s_ < 0.0 ? up_s_ : down_s_, step_s);
+  }
+
+  void on_actuation(Actuation& actuation) const override {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(actuation.count); ++i) {
+      const double gap = actuation.start_speed_radps[i] - actuation.command_radps[i];
+      const Response& r = gap > 0.0 ? down_ : up_;
+      if (r.mean == 0.0) continue;
+      actuation.end_speed_radps[i] = actuation.command_radps[i] + gap * r.end;
+      actuation.mean_speed_radps[i] = actuation.command_radps[i] + gap * r.mean;
+    }
+  }
+
+ private:
+  // what is left of a gap at the end of a step, and on its average
+  struct Response {
+    double end = 0.0, mean = 0.0;
+  };
+  static Response response(double tau_s, double step_s) {
+    if (tau_s <= 0.0) return {};
+    const double end = std::exp(-step_s / tau_s);
+    return {end, (1.0 - end) * tau_s / step_s};
+  }
+
+  double up_s_ = 0.0, down_s_ = -1.0;
+  Response up_, down_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_motor_lag() { return std::make_unique<MotorLag>(); }
+
+}  // namespace gustlab

@@ -1,0 +1,151 @@
+#include "plant/rigid_body.hpp"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <mutex>
+
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+
+namespace {
+
+// MuJoCo's default handlers wait for a key and write MUJOCO_LOG.TXT where the program stands; ours do neither.
+void install_handlers() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    mju_user_error = [](const char* message) { throw IoError(fmt::format("MuJoCo: {}", message)); };
+    mju_user_warning = [](const char*) {};
+  });
+}
+
+struct ModelDeleter {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+
+// a free body; its inertia is written after compilation, so that MuJoCo neither refuses nor rounds it
+std::string body_xml(const VehicleModel& vehicle, double step_s, bool with_ground) {
+  std::string geoms, floor;
+  if (with_ground) {
+    for (const CollisionShape& shape : vehicle.shapes)
+      geoms += fmt::format("<geom type='{}' size='{} {} {}' pos='{} {} {}' quat='{} {} {} {}' mass='0'/>", shape.type,
+                           shape.size_m.x(), shape.size_m.y(), shape.size_m.z(), shape.position_B_m.x(),
+                           shape.position_B_m.y(), shape.position_B_m.z(), shape.attitude_BG.w(), shape.attitude_BG.x(),
+                           shape.attitude_BG.y(), shape.attitude_BG.z());
+    floor = fmt::format("<geom type='plane' size='0 0 1' pos='0 0 {}'/>", *vehicle.environment.ground_z_m);
+  }
+  return fmt::format(
+      "<mujoco><option timestep='{}' gravity='0 0 {}' integrator='Euler'><flag autoreset='disable' {}/></option>"
+      "<worldbody>{}<body><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>{}</body></worldbody></mujoco>",
+      step_s, -vehicle.gravity_mps2, with_ground ? "" : "contact='disable' constraint='disable'", floor, geoms);
+}
+
+struct World {
+  std::unique_ptr<mjModel, ModelDeleter> model;
+  std::unique_ptr<mjData, ModelDeleter> data;
+
+  World(const VehicleModel& vehicle, double step_s, bool with_ground) {
+    const std::string xml = body_xml(vehicle, step_s, with_ground);
+    char error[1024] = "";
+    mjSpec* spec = mj_parseXMLString(xml.c_str(), nullptr, error, sizeof error);
+    model.reset(spec ? mj_compile(spec, nullptr) : nullptr);
+    if (spec) mj_deleteSpec(spec);
+    if (!model) throw IoError(fmt::format("MuJoCo cannot compile the vehicle: {}", error));
+
+    // a diagonal inertia keeps its axes and its bits
+    const Matrix3& inertia = vehicle.inertia_B_kgm2;
+    Vector3 principal = inertia.diagonal();
+    Quaternion axes = Quaternion::Identity();
+    if (!inertia.isDiagonal(0.0)) {
+      const Eigen::SelfAdjointEigenSolver<Matrix3> solver(inertia);
+      Matrix3 R = solver.eigenvectors();
+      if (R.determinant() < 0.0) R.col(0) *= -1.0;
+      principal = solver.eigenvalues();
+      axes = Quaternion(R);
+    }
+    model->body_mass[1] = vehicle.mass_kg;
+    mju_copy3(model->body_ipos + 3, vehicle.center_of_mass_B_m.data());
+    mju_copy3(model->body_inertia + 3, principal.data());
+    const double quaternion[4] = {axes.w(), axes.x(), axes.y(), axes.z()};
+    mju_copy4(model->body_iquat + 4, quaternion);
+    data.reset(mj_makeData(model.get()));
+    mj_setConst(model.get(), data.get());
+    mj_resetData(model.get(), data.get());
+  }
+};
+
+}  // namespace
+
+struct RigidBody::Impl {
+  Vector3 center_of_mass_B_m;
+  World air;
+  std::unique_ptr<World> ground;   // nullptr: no ground in this environment
+  double ground_below_m = 0.0;     // the twin flies below this height of the origin
+  World* flying;
+
+  Impl(const VehicleModel& vehicle, double step_s)
+      : center_of_mass_B_m(vehicle.center_of_mass_B_m), air(vehicle, step_s, false), flying(&air) {
+    if (!vehicle.environment.ground_z_m || vehicle.shapes.empty()) return;
+    ground = std::make_unique<World>(vehicle, step_s, true);
+    double reach_m = 0.0;
+    for (const CollisionShape& shape : vehicle.shapes)
+      reach_m = std::max(reach_m, shape.position_B_m.norm() + shape.size_m.sum());
+    ground_below_m = *vehicle.environment.ground_z_m + 1.1 * reach_m;
+  }
+};
+
+RigidBody::RigidBody(const VehicleModel& vehicle, double step_s) {
+  if (!(vehicle.mass_kg > 0.0) || !(vehicle.inertia_B_kgm2.diagonal().minCoeff() > 0.0))
+    throw ConfigError(fmt::format("{}: mass {} kg or inertia is not positive (after body effects) use smaller changes",
+                                  vehicle.source_path, vehicle.mass_kg));
+  install_handlers();
+  impl_ = std::make_unique<Impl>(vehicle, step_s);
+}
+
+RigidBody::~RigidBody() = default;
+
+void RigidBody::set(const VehicleState& state) {
+  mjData* data = impl_->flying->data.get();
+  const Quaternion& q = state.attitude_WB;
+  const double qpos[7] = {state.position_W_m.x(), state.position_W_m.y(), state.position_W_m.z(), q.w(), q.x(), q.y(), q.z()};
+  mju_copy(data->qpos, qpos, 7);
+  mju_copy3(data->qvel, state.velocity_W_mps.data());
+  mju_copy3(data->qvel + 3, state.body_rate_B_radps.data());
+}
+
+void RigidBody::get(VehicleState& state) const {
+  const mjData* data = impl_->flying->data.get();
+  state.position_W_m = Eigen::Map<const Vector3>(data->qpos);
+  state.attitude_WB = Quaternion(data->qpos[3], data->qpos[4], data->qpos[5], data->qpos[6]);
+  state.velocity_W_mps = Eigen::Map<const Vector3>(data->qvel);
+  state.body_rate_B_radps = Eigen::Map<const Vector3>(data->qvel + 3);
+}
+
+bool RigidBody::step(const Wrench& wrench, const Matrix3& R_WB) {
+  // the twin with the floor flies near the ground, and hands the state over on the way
+  if (impl_->ground) {
+    World* wanted = impl_->flying->data->qpos[2] < impl_->ground_below_m ? impl_->ground.get() : &impl_->air;
+    if (wanted != impl_->flying) {
+      mju_copy(wanted->data->qpos, impl_->flying->data->qpos, 7);
+      mju_copy(wanted->data->qvel, impl_->flying->data->qvel, 6);
+      mju_zero(wanted->data->qacc_warmstart, 6);
+      impl_->flying = wanted;
+    }
+  }
+  mjData* data = impl_->flying->data.get();
+  Eigen::Map<Vector3>(data->qfrc_applied) = R_WB * wrench.force_B_N;
+  Eigen::Map<Vector3>(data->qfrc_applied + 3) =
+      wrench.torque_B_Nm + impl_->center_of_mass_B_m.cross(wrench.force_B_N);
+  mj_step(impl_->flying->model.get(), data);
+  return data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number +
+             data->warning[mjWARN_BADQACC].number == 0 &&
+         std::isfinite(data->qpos[0] + data->qpos[1] + data->qpos[2] + data->qvel[3] + data->qvel[4] + data->qvel[5]);
+}
+
+int RigidBody::contacts() const { return impl_->flying == impl_->ground.get() ? impl_->flying->data->ncon : 0; }
+
+}  // namespace gustlab
