@@ -126,6 +126,12 @@ struct EffectRow {
   std::unique_ptr<Effect> (*make)();
 };
 
+// An effect with the row that it came from.
+struct NamedEffect {
+  const EffectRow* row = nullptr;
+  std::unique_ptr<Effect> effect;
+};
+
 std::span<const EffectRow> effect_registry();
 const EffectRow* find_effect(std::string_view name);
 

@@ -11,11 +11,6 @@
 
 namespace gustlab {
 
-struct NamedEffect {
-  const EffectRow* row = nullptr;
-  std::unique_ptr<Effect> effect;
-};
-
 // Linear and angular acceleration of the centre of mass.
 struct Acceleration {
   Vector3 linear_W_mps2 = Vector3::Zero();

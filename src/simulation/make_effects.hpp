@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "plant/force_model.hpp"
+#include "gustlab/effect.hpp"
 
 namespace gustlab {
 
