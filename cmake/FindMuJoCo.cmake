@@ -1,8 +1,8 @@
 # FindMuJoCo: defines the imported target MuJoCo::MuJoCo and MuJoCo_VERSION.
 #
-# Looked for, in this order, and the first place that is named or present decides:
+# Looked for in this order; the first place that is named or present decides:
 #   1. MUJOCO_ROOT (cache or environment): a folder with include/mujoco/mujoco.h and the library in it, lib/ or bin/
-#   2. a CMake package (`mujoco::mujoco`)
+#   2. a CMake package of the version asked for (`mujoco::mujoco`)
 #   3. the wheel `mujoco-core` in <repository>/.venv, which scripts/setup.sh installs; it has no unversioned link
 
 include(FindPackageHandleStandardArgs)
@@ -18,7 +18,7 @@ set(_mujoco_place "")
 if(MUJOCO_ROOT)
   set(_mujoco_place ${MUJOCO_ROOT})
 else()
-  find_package(mujoco CONFIG QUIET)
+  find_package(mujoco ${MuJoCo_FIND_VERSION} EXACT CONFIG QUIET)
   if(NOT mujoco_FOUND)
     file(GLOB _mujoco_place ${_mujoco_repository}/.venv/lib/python3*/site-packages/mujoco)
   endif()
