@@ -48,7 +48,7 @@ exec 9< "$(dirname "$venv")"
 flock 9
 
 # Debian's own Python comes first, so that one found on PATH changes nothing
-if ! "$venv/bin/python" -c "" 2> /dev/null; then
+if ! "$venv/bin/python" -c "import pip" 2> /dev/null; then
   python=/usr/bin/python3
   [[ -x $python ]] || python=python3
   echo "setup: making .venv with $("$python" --version)" >&2

@@ -1,0 +1,114 @@
+"""The layer rule: which folder under src/ may include which, where third-party headers may appear, and file sizes."""
+
+import re
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+
+# each folder may include itself, include/gustlab and what stands here; the order is from the bottom up
+FOUNDATION = {"config", "flight_log", "metrics"}
+PLUGINS = {"effects", "trajectories", "controllers"}
+ALLOWED = {
+    "config": set(),
+    "flight_log": {"config"},
+    "metrics": {"config", "flight_log"},
+    "vehicle": FOUNDATION,
+    "plant": FOUNDATION | {"vehicle"},
+    "control": set(),
+    "effects": FOUNDATION | {"control"},
+    "trajectories": FOUNDATION | {"control"},
+    "controllers": FOUNDATION | {"control"},
+    "simulation": FOUNDATION | PLUGINS | {"vehicle", "plant", "control"},
+    "sweep": FOUNDATION | PLUGINS | {"vehicle", "simulation"},
+    "identification": FOUNDATION | {"control"},
+    "learning": FOUNDATION | PLUGINS | {"vehicle", "control", "identification", "simulation"},
+    "diagnosis": FOUNDATION | PLUGINS | {"vehicle", "plant", "control", "identification", "simulation"},
+    "report": FOUNDATION | {"sweep", "learning", "identification", "diagnosis"},
+}
+
+# a third-party header stays behind the folder that wraps it
+WRAPPED = {
+    "mujoco/": ("src/plant/",),
+    "sqlite3.h": ("src/sweep/",),
+    "CLI/": ("apps/",),
+}
+
+CODE = {".cpp", ".hpp", ".h", ".py", ".sh", ".cmake"}
+MOST_LINES = 400
+
+
+def code_files(*folders):
+    for folder in folders:
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in CODE and "__pycache__" not in path.parts:
+                yield path
+
+
+def includes(path):
+    return [(bracket == "<", name) for bracket, name in INCLUDE.findall(path.read_text(encoding="utf-8"))]
+
+
+class Layers(unittest.TestCase):
+    def check(self, problems):
+        self.assertFalse(problems, "\n" + "\n".join(problems))
+
+    def test_every_folder_has_its_layer(self):
+        folders = {path.relative_to(ROOT / "src").parts[0] for path in code_files("src")}
+        self.assertTrue(folders)
+        self.check([f"src/{name}: not in the layer rule" for name in sorted(folders - set(ALLOWED))])
+
+    def test_the_rule_has_no_cycle(self):
+        below = set()
+        for folder, allowed in ALLOWED.items():
+            self.assertLessEqual(allowed, below, f"{folder} may include what stands above it")
+            below.add(folder)
+
+    def test_nothing_includes_upwards(self):
+        problems = []
+        for path in code_files("src", "include"):
+            where = path.relative_to(ROOT)
+            folder = where.parts[1] if where.parts[0] == "src" else "include"
+            allowed = ALLOWED.get(folder, set()) | {folder, "gustlab"}
+            for system, name in includes(path):
+                first, _, rest = name.partition("/")
+                if system or not rest:
+                    continue
+                if first == "..":
+                    problems.append(f"{where}: \"{name}\" (write the path from src/)")
+                elif first not in allowed:
+                    problems.append(f"{where}: \"{name}\" ({folder} may include {', '.join(sorted(allowed))})")
+        self.check(problems)
+
+    def test_plugins_are_reached_through_their_registry(self):
+        problems = []
+        for path in code_files("src", "apps"):
+            where = path.relative_to(ROOT)
+            for system, name in includes(path):
+                first, _, rest = name.partition("/")
+                if not system and first in PLUGINS and where.parts[1] != first and rest != "registry.hpp":
+                    problems.append(f"{where}: \"{name}\" (include {first}/registry.hpp)")
+        self.check(problems)
+
+    def test_third_party_headers_stay_behind_their_wrapper(self):
+        problems = []
+        for path in code_files("src", "include", "apps"):
+            where = path.relative_to(ROOT).as_posix()
+            for _, name in includes(path):
+                for prefix, places in WRAPPED.items():
+                    if name.startswith(prefix) and not where.startswith(places):
+                        problems.append(f"{where}: <{name}> (belongs to {', '.join(places)})")
+        self.check(problems)
+
+    def test_no_file_is_long(self):
+        problems = []
+        for path in code_files("src", "include", "apps", "tests", "scripts", "cmake"):
+            lines = len(path.read_text(encoding="utf-8").splitlines())
+            if lines > MOST_LINES:
+                problems.append(f"{path.relative_to(ROOT)}: {lines} lines (at most {MOST_LINES})")
+        self.check(problems)
+
+
+if __name__ == "__main__":
+    unittest.main()
