@@ -11,6 +11,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 FOUNDATION = {"config", "flight_log", "metrics"}
 PLUGINS = {"effects", "trajectories", "controllers"}
 ALLOWED = {
+    "util": set(),
     "config": set(),
     "flight_log": {"config"},
     "metrics": {"config", "flight_log"},
@@ -87,8 +88,8 @@ class Layers(unittest.TestCase):
             where = path.relative_to(ROOT)
             for system, name in includes(path):
                 first, _, rest = name.partition("/")
-                if not system and first in PLUGINS and where.parts[1] != first and rest != "registry.hpp":
-                    problems.append(f"{where}: \"{name}\" (include {first}/registry.hpp)")
+                if not system and first in PLUGINS and where.parts[1] != first and rest != f"{first}.hpp":
+                    problems.append(f"{where}: \"{name}\" (include {first}/{first}.hpp)")
         self.check(problems)
 
     def test_third_party_headers_stay_behind_their_wrapper(self):
