@@ -1,0 +1,65 @@
+#include "metrics/tracking_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gustlab {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+double root_mean(const std::vector<double>& squares) {
+  double sum = 0.0;
+  for (const double square : squares) sum += square;
+  return squares.empty() ? nan : std::sqrt(sum / static_cast<double>(squares.size()));
+}
+
+ErrorFigures error_figures(const std::vector<double>& squares) {
+  if (squares.empty()) return {nan, nan, nan, nan};
+  std::vector<double> norms(squares.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < squares.size(); ++i) sum += norms[i] = std::sqrt(squares[i]);
+  ErrorFigures figures;
+  figures.rmse_m = root_mean(squares);
+  figures.mae_m = sum / static_cast<double>(norms.size());
+  figures.max_m = *std::max_element(norms.begin(), norms.end());
+  figures.p95_m = quantile(norms, 0.95);
+  return figures;
+}
+
+}  // namespace
+
+// a sample time is a multiple of the step, and rounding must not move it out of the window
+TrackingError::TrackingError(double settle_s, std::size_t capacity) : settle_s_(settle_s - 1e-9) {
+  planar_m2_.reserve(capacity);
+  vertical_m2_.reserve(capacity);
+}
+
+TrackingFigures TrackingError::figures() const {
+  std::vector<double> spatial_m2(planar_m2_.size());
+  for (std::size_t i = 0; i < spatial_m2.size(); ++i) spatial_m2[i] = planar_m2_[i] + vertical_m2_[i];
+  TrackingFigures figures;
+  figures.samples = planar_m2_.size();
+  figures.planar = error_figures(planar_m2_);
+  figures.spatial = error_figures(spatial_m2);
+  figures.rmse_z_m = root_mean(vertical_m2_);
+  return figures;
+}
+
+double quantile(std::vector<double>& values, double q) {
+  if (values.empty()) return nan;
+  const double place = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::ptrdiff_t>(place);
+  const double part = place - static_cast<double>(below);
+  const auto middle = values.begin() + below;
+  std::nth_element(values.begin(), middle, values.end());
+  const double low = *middle;
+  if (part == 0.0) return low;
+  const double high = *std::min_element(middle + 1, values.end());
+  // from the nearer end, as numpy does, so that both ends are exact
+  return part < 0.5 ? low + part * (high - low) : high - (1.0 - part) * (high - low);
+}
+
+}  // namespace gustlab
