@@ -30,6 +30,7 @@ struct EffectSpec {
   std::string type;
   std::vector<std::pair<std::string, std::string>> values;  // key → TOML literal, in order
   std::string where;                                        // file:line:col of the table, for messages
+  std::vector<std::string> value_where;                     // of each value; empty: as the table
 };
 
 // Surfaces near the flight; what is missing is not assumed.

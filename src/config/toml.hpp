@@ -3,7 +3,7 @@
 // Messages: `file:line:col: problem (why) suggestion`, thrown as ConfigError (or DataError for sidecars of recordings).
 #pragma once
 
-#include <functional>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +22,8 @@ class Table {
   // Parses a file; `overrides` are --set key=value pairs with dotted keys, their position is the command line.
   static Table read_file(const std::string& path, const std::vector<std::string>& overrides = {});
   static Table parse(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});
+  // The parameters of an effect as a table again, each where it was written.
+  static Table of_effect(const EffectSpec& spec);
 
   bool has(std::string_view key) const;
   std::string where(std::string_view key = {}) const;  // file:line:col of a key, or of the table
@@ -47,6 +49,7 @@ class Table {
   // Throws ConfigError at a key: where(key): problem (why) suggestion.
   [[noreturn]] void fail(std::string_view key, const std::string& problem, const std::string& why,
                          const std::string& suggestion) const;
+  // Every key of this table, and of those tables in it that were asked for, must have been asked for.
   void finish() const;
 
  private:

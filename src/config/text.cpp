@@ -1,0 +1,65 @@
+#include "config/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "config/toml.hpp"
+
+namespace gustlab::config {
+
+namespace {
+
+// edits that turn one word into the other: insert, delete, replace, swap of neighbours (optimal string alignment)
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), above(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    before.swap(above);
+    above.swap(row);
+  }
+  return above[b.size()];
+}
+
+}  // namespace
+
+std::string suggest(std::string_view mistyped, const std::vector<std::string>& known) {
+  std::string nearest;
+  std::size_t best = std::max<std::size_t>(2, mistyped.size() / 3) + 1;
+  for (const std::string& name : known) {
+    // a name that begins with what was typed counts as near
+    const bool begins = mistyped.size() >= 3 && (name.starts_with(mistyped) || mistyped.starts_with(name));
+    const std::size_t distance = begins ? 1 : edit_distance(mistyped, name);
+    if (distance >= best || distance >= name.size()) continue;
+    best = distance;
+    nearest = name;
+  }
+  return nearest.empty() ? "" : fmt::format("did you mean \"{}\"?", nearest);
+}
+
+std::string shortest(double value) {
+  char buffer[32];
+  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
+  return std::string(buffer, end);
+}
+
+std::string quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') result += '\\', result += c;
+    else if (c == '\n') result += "\\n";
+    else if (c == '\t') result += "\\t";
+    else if (byte < 0x20 || byte == 0x7f) result += fmt::format("\\u{:04X}", byte);
+    else result += c;
+  }
+  return result + '"';
+}
+
+}  // namespace gustlab::config

@@ -1,0 +1,12 @@
+// Text for people and for files: the nearest name, quoting.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace gustlab::config {
+
+// A TOML basic string, quotes included.
+std::string quoted(std::string_view text);
+
+}  // namespace gustlab::config
