@@ -35,6 +35,10 @@ struct Actuation {
   RotorArray start_speed_radps{};      // Ω at the start of the step
   RotorArray end_speed_radps{};        // Ω at its end; the command when there is no lag
   RotorArray mean_speed_radps{};       // what the air feels during the step; likewise
+  // changes what is asked of rotor i; a lag, which comes later, starts from it
+  void set_command(std::size_t i, double speed_radps) {
+    command_radps[i] = end_speed_radps[i] = mean_speed_radps[i] = speed_radps;
+  }
   // mean command over the interval [time − age, time − age + step] before this one; ages up to the largest lookback
   struct Past {
     virtual ~Past() = default;
@@ -101,12 +105,14 @@ class Effect : public Parameterized {
 
   virtual int state_size() const { return 0; }
   virtual void reset_state(std::span<double>) const {}
-  // Advances the memory over one step from its start.
-  virtual void advance(const Flow&, const RotorSet&, double /*step_s*/, std::span<double>) const {}
+  // Advances the memory over one step from its start; the wrench is the whole of that step, weight excluded.
+  virtual void advance(const Flow&, const RotorSet&, const Wrench& /*total*/, double /*step_s*/,
+                       std::span<double>) const {}
 
   virtual void on_body(VehicleModel&) const {}
   virtual void on_actuation(Actuation&) const {}
   virtual void on_rotor(Flow&, RotorSet&) const {}
+  // Adds to the wrench; what it holds already are the rotors and all effects of a lower order.
   virtual void wrench(const Flow&, const RotorSet&, std::span<const double>, Wrench&) const {}
   virtual void on_measurement(const MeasurementContext&, Measured&) const {}
 };

@@ -28,7 +28,8 @@ struct ParameterInfo {
   std::string_view help = "";
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  // what the diagnosis needs: a typical size and the strength below which it is calibration, not missing physics
+  // what the diagnosis needs: a typical size (0: the simulator's only, never fitted) and the strength below which it is
+  // calibration, not missing physics
   double natural = 1.0;
   double tolerance = 0.0;
   Scale scale = Scale::one;

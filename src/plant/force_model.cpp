@@ -1,6 +1,7 @@
 #include "plant/force_model.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace gustlab {
 
@@ -20,7 +21,7 @@ std::span<Number> slice(std::span<Number> state, const Entry& entry) {
 ForceModel::ForceModel(const VehicleModel& nominal, std::vector<NamedEffect> effects)
     : nominal_(nominal), vehicle_(nominal), effects_(std::move(effects)) {
   std::stable_sort(effects_.begin(), effects_.end(), [](const NamedEffect& a, const NamedEffect& b) {
-    return a.row->place != b.row->place ? a.row->place < b.row->place : a.row->order < b.row->order;
+    return std::tie(a.row->place, a.row->order, a.row->name) < std::tie(b.row->place, b.row->order, b.row->name);
   });
 }
 
@@ -138,8 +139,8 @@ Vector3 ForceModel::specific_force_at_origin(const Flow& flow, const Wrench& wre
   return wrench.force_B_N / vehicle_.mass_kg - angular_acceleration_B_radps2.cross(arm) - rate.cross(rate.cross(arm));
 }
 
-void ForceModel::advance(const Flow& flow, const RotorSet& set, std::span<double> state) const {
-  for (const Stateful& entry : stateful_) entry.effect->advance(flow, set, step_s_, slice(state, entry));
+void ForceModel::advance(const Flow& flow, const RotorSet& set, const Wrench& wrench, std::span<double> state) const {
+  for (const Stateful& entry : stateful_) entry.effect->advance(flow, set, wrench, step_s_, slice(state, entry));
 }
 
 void ForceModel::measure(const MeasurementContext& context, Measured& measured) const {

@@ -52,7 +52,8 @@ class ForceModel {
   // What an accelerometer at the body's origin reads.
   Vector3 specific_force_at_origin(const Flow& flow, const Wrench& wrench,
                                    const Vector3& angular_acceleration_B_radps2) const;
-  void advance(const Flow& flow, const RotorSet& set, std::span<double> state) const;
+  // Advances the memories of the effects over one step that began with this wrench.
+  void advance(const Flow& flow, const RotorSet& set, const Wrench& wrench, std::span<double> state) const;
   void measure(const MeasurementContext& context, Measured& measured) const;
 
  private:

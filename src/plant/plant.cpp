@@ -110,7 +110,7 @@ bool Plant::step(const RotorCommand& command) {
   actuate(command);
   evaluate(actuation_.mean_speed_radps);
   const Wrench wrench = forces_.wrench(flow_, rotors_, effect_state_);
-  if (!effect_state_.empty()) forces_.advance(flow_, rotors_, effect_state_);
+  if (!effect_state_.empty()) forces_.advance(flow_, rotors_, wrench, effect_state_);
   finite_ = memory_->body.step(wrench, flow_.R_WB);
   ++steps_;
   memory_->body.get(state_);
