@@ -1,0 +1,51 @@
+#include "util/parallel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace gustlab {
+namespace {
+
+class ParallelFor : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Jobs, ParallelFor, ::testing::Values(1, 2, 3, 8));
+
+TEST_P(ParallelFor, CallsEveryNumberOnce) {
+  for (const int count : {0, 1, 7, 1000}) {
+    std::vector<int> calls(static_cast<std::size_t>(count), 0);
+    parallel_for(count, GetParam(), [&](std::int64_t i) { ++calls[static_cast<std::size_t>(i)]; });
+    EXPECT_EQ(calls, std::vector<int>(static_cast<std::size_t>(count), 1));
+  }
+}
+
+TEST_P(ParallelFor, NeverRunsMoreThanItsJobs) {
+  std::atomic<int> running{0};
+  std::atomic<int> most{0};
+  parallel_for(200, GetParam(), [&](std::int64_t) {
+    const int now = ++running;
+    int seen = most;
+    while (now > seen && !most.compare_exchange_weak(seen, now)) {
+    }
+    std::this_thread::yield();
+    --running;
+  });
+  EXPECT_GE(most, 1);
+  EXPECT_LE(most, GetParam());
+}
+
+TEST_P(ParallelFor, ThrowsWhatABodyThrows) {
+  const auto body = [](std::int64_t i) {
+    if (i == 5) throw std::runtime_error("the sixth");
+  };
+  EXPECT_NO_THROW(parallel_for(5, GetParam(), body));
+  EXPECT_THROW(parallel_for(6, GetParam(), body), std::runtime_error);
+  EXPECT_THROW(parallel_for(1000, GetParam(), body), std::runtime_error);
+}
+
+TEST(DefaultJobs, IsAtLeastOne) { EXPECT_GE(default_jobs(), 1); }
+
+}  // namespace
+}  // namespace gustlab
