@@ -1,0 +1,180 @@
+#include "simulation/experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "config/toml.hpp"
+#include "gustlab/controller.hpp"
+#include "gustlab/errors.hpp"
+#include "gustlab/trajectory.hpp"
+#include "simulation/flight.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab {
+
+namespace {
+
+constexpr std::string_view experiment_format = "gustlab-experiment/1";
+
+// everything that stands outside the tables of the file
+class ExperimentKeys final : public Parameterized {
+ public:
+  std::string format{experiment_format}, name, vehicle;
+  std::vector<std::string> trajectories, controllers, include;
+  std::int64_t replicates = 1, first_replicate = 1, seed = 1;
+  FlightOptions flight;
+  LogOptions log;
+
+  void visit(ParameterVisitor& visitor) override {
+    visitor.text("format", format, {});
+    visitor.text("name", name, {.help = "what results call it"});
+    visitor.text("vehicle", vehicle, {.help = "name under models/, or path of a vehicle.toml"});
+    visitor.texts("trajectories", trajectories, {.help = "see `gustlab list trajectories`; parameters in [trajectory.NAME]"});
+    visitor.texts("controllers", controllers, {.help = "see `gustlab list controllers`; parameters in [controller.NAME]"});
+    visitor.integer("replicates", replicates, {.help = "seeded runs of each cell", .min = 1, .max = 1e6});
+    visitor.integer("first_replicate", first_replicate, {.help = "number of the first", .min = 0, .max = 4e9});
+    visitor.integer("seed", seed, {.help = "of every random stream", .min = 0});
+    visitor.texts("include", include, {.help = "files with [[effect]] tables, relative to this one"});
+    flight.visit(visitor);
+    log.visit(visitor);
+  }
+};
+
+// parameters of one name in [trajectory.NAME] or [controller.NAME]; `type` is the name unless given
+Choice read_choice(const std::string& name, std::optional<config::Table> table, const std::string& where) {
+  Choice choice{name, {}};
+  choice.spec.type = name;
+  choice.spec.where = where;
+  if (!table) return choice;
+  choice.spec.type = table->text("type").value_or(name);
+  choice.spec.where = table->where();
+  for (const std::string& key : table->keys()) {
+    if (key == "type") continue;
+    choice.spec.values.emplace_back(key, *table->literal(key));
+    choice.spec.value_where.push_back(table->where(key));
+  }
+  return choice;
+}
+
+// the choices of a kind, in the order of the list `key`, each known to `registry`
+template <class Registry>
+std::vector<Choice> read_choices(config::Table& document, std::string_view kind, std::string_view key,
+                                 const std::vector<std::string>& names, const Registry& registry) {
+  std::vector<std::string> known;
+  for (const auto& row : registry) known.emplace_back(row.name);
+  const auto check_type = [&](const Choice& choice) {
+    if (std::find(known.begin(), known.end(), choice.spec.type) != known.end()) return;
+    const std::string near = config::suggest(choice.spec.type, known);
+    throw ConfigError(fmt::format("{}: unknown {} \"{}\" {}", choice.spec.where, kind, choice.spec.type,
+                                  near.empty() ? fmt::format("(see `gustlab list {}`)", key) : near));
+  };
+
+  std::optional<config::Table> tables = document.table(kind);
+  std::vector<Choice> choices;
+  std::set<std::string> seen;
+  if (names.empty()) document.fail(key, fmt::format("\"{}\" is empty", key), "there is nothing to fly", fmt::format("name a {}", kind));
+  for (const std::string& name : names) {
+    if (!seen.insert(name).second) document.fail(key, fmt::format("\"{}\" is here twice", name), "", "keep one");
+    choices.push_back(read_choice(name, tables ? tables->table(name) : std::nullopt, document.where(key)));
+    check_type(choices.back());
+  }
+  // tables of choices that this list leaves out are checked too
+  if (tables)
+    for (const std::string& name : tables->keys())
+      if (seen.count(name) == 0) check_type(read_choice(name, tables->table(name), {}));
+  return choices;
+}
+
+Environment read_environment(config::Table& table) {
+  Environment environment;
+  environment.ground_z_m = table.number("ground_z_m");
+  environment.ceiling_z_m = table.number("ceiling_z_m");
+  table.finish();
+  return environment;
+}
+
+std::vector<EffectSpec> read_included(const std::string& path) {
+  config::Table document = config::Table::read_file(path);
+  document.text("format");
+  document.text("vehicle");
+  std::vector<EffectSpec> effects = config::read_effects(document);
+  document.finish();
+  return effects;
+}
+
+// a flight of each trajectory and each controller is made once, so that what does not fit shows before anything runs
+void check_flights(const Experiment& experiment) {
+  RunSpec spec;
+  for (spec.trajectory = 0; spec.trajectory < experiment.trajectories.size(); ++spec.trajectory)
+    for (spec.controller = 0; spec.controller < experiment.controllers.size(); ++spec.controller)
+      Flight(experiment, spec);
+}
+
+}  // namespace
+
+void FlightOptions::visit(ParameterVisitor& visitor) {
+  visitor.number("duration_s", duration_s, {.unit = "s", .help = "0: as long as the trajectory says", .min = 0.0, .max = 1e5});
+  visitor.number("step_s", step_s, {.unit = "s", .help = "plant step; divides every controller period", .min = 1e-5, .max = 0.02});
+  visitor.number("settle_s", settle_s, {.unit = "s", .help = "samples before it do not count", .min = 0.0});
+  visitor.number("offboard_rate_hz", offboard_rate_hz,
+                 {.unit = "Hz", .help = "rate at which position, velocity and reference reach the controller; 0: every tick", .min = 0.0});
+  visitor.number("max_error_m", max_error_m, {.unit = "m", .help = "farther from the reference: left_envelope", .min = 0.0});
+  visitor.number("max_speed_mps", max_speed_mps, {.unit = "m/s", .help = "faster: left_envelope", .min = 0.0});
+}
+
+void LogOptions::visit(ParameterVisitor& visitor) {
+  visitor.number("log_rate_hz", log_rate_hz, {.unit = "Hz", .help = "rows of a flight log; 0: every control tick", .min = 0.0});
+  visitor.text("log_source", log_source, {.help = "sensors: what was measured; truth: the simulator's state"});
+}
+
+std::unique_ptr<Parameterized> make_experiment_keys() { return std::make_unique<ExperimentKeys>(); }
+
+std::string find_experiment(const std::string& name_or_path) {
+  if (std::filesystem::is_regular_file(name_or_path)) return name_or_path;
+  const bool is_name = name_or_path.find_first_of("/.") == std::string::npos;
+  return is_name ? find_resource("experiments/" + name_or_path + ".toml") : name_or_path;
+}
+
+Experiment read_experiment(const std::string& path, const std::vector<std::string>& overrides) {
+  config::Table document = config::Table::read_file(path, overrides);
+  if (document.need_text("format") != experiment_format)
+    document.fail("format", "not an experiment of this program", fmt::format("\"format\" must be \"{}\"", experiment_format), "");
+  for (const char* key : {"name", "vehicle"})
+    if (document.need_text(key).empty()) document.fail(key, fmt::format("\"{}\" is empty", key), "", "");
+  const auto trajectory_names = document.texts("trajectories").value_or(std::vector<std::string>{});
+  const auto controller_names = document.texts("controllers").value_or(std::vector<std::string>{});
+
+  Experiment experiment;
+  experiment.trajectories = read_choices(document, "trajectory", "trajectories", trajectory_names, trajectory_registry());
+  experiment.controllers = read_choices(document, "controller", "controllers", controller_names, controller_registry());
+  const std::vector<EffectSpec> own_effects = config::read_effects(document);
+  std::optional<config::Table> environment = document.table("environment");
+  ExperimentKeys keys;
+  config::read_parameters(document, keys);
+
+  experiment.name = keys.name;
+  experiment.vehicle_name = keys.vehicle;
+  experiment.replicates = keys.replicates;
+  experiment.first_replicate = keys.first_replicate;
+  experiment.seed = keys.seed;
+  experiment.flight = keys.flight;
+  experiment.log = keys.log;
+  if (keys.log.log_source != "sensors" && keys.log.log_source != "truth")
+    document.fail("log_source", fmt::format("\"{}\" is no source", keys.log.log_source), "", "write \"sensors\" or \"truth\"");
+
+  experiment.vehicle = read_vehicle(keys.vehicle, path);
+  if (environment) experiment.vehicle.environment = read_environment(*environment);
+  experiment.effects = experiment.vehicle.effects;
+  for (const std::string& file : keys.include) {
+    const std::filesystem::path place = std::filesystem::path(path).parent_path() / file;
+    experiment.effects = config::merge_effects(experiment.effects, read_included(place.string()));
+  }
+  experiment.effects = config::merge_effects(experiment.effects, own_effects);
+  check_flights(experiment);
+  return experiment;
+}
+
+}  // namespace gustlab

@@ -1,0 +1,76 @@
+// An experiment as a value: what one TOML file says, defaults filled in, and the list of runs that it asks for.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gustlab/parameters.hpp"
+#include "gustlab/vehicle.hpp"
+
+namespace gustlab {
+
+// A trajectory or a controller under the name that results carry.
+struct Choice {
+  std::string name;
+  EffectSpec spec;  // type in its registry, and parameters
+};
+
+// What a flight is besides vehicle, trajectory and controller.
+struct FlightOptions final : Parameterized {
+  double duration_s = 0.0;         // 0: as long as the trajectory says
+  double step_s = 0.002;           // of the plant; divides the controller's period
+  double settle_s = 0.0;           // samples before it do not count
+  double offboard_rate_hz = 0.0;   // position, velocity and reference reach the controller at this rate; 0: every tick
+  // the envelope, far beyond any flight that is worth a figure
+  double max_error_m = 100.0;      // distance from the reference
+  double max_speed_mps = 50.0;
+  void visit(ParameterVisitor& visitor) override;
+};
+
+// What a flight log of the experiment holds.
+struct LogOptions final : Parameterized {
+  double log_rate_hz = 0.0;            // 0: a row every control tick
+  std::string log_source = "sensors";  // sensors: what was measured; truth: the simulator's state
+  void visit(ParameterVisitor& visitor) override;
+};
+
+struct Experiment {
+  std::string name;
+  std::string vehicle_name;        // as written, for the sidecar of a flight log
+  VehicleModel vehicle;            // nominal, with the experiment's environment: what a controller knows
+  std::vector<EffectSpec> effects;  // all that act: the vehicle's own, the included, the experiment's
+  std::vector<Choice> trajectories, controllers;
+  std::int64_t replicates = 1;
+  std::int64_t first_replicate = 1;
+  std::int64_t seed = 1;
+  FlightOptions flight;
+  LogOptions log;
+};
+
+// One run: indices into its experiment, and 128 bits that stand for everything that can change its result.
+struct RunSpec {
+  std::size_t index = 0;  // in plan order
+  std::size_t trajectory = 0;
+  std::size_t controller = 0;
+  std::uint32_t replicate = 1;
+  std::array<std::uint64_t, 2> key{};
+};
+std::string to_hex(const std::array<std::uint64_t, 2>& key);
+
+// Throws ConfigError with file:line:col, also for what would only show in flight: a step that does not divide the
+// controller's period, a trajectory that contradicts itself. `overrides` are `key=value` pairs with dotted keys.
+Experiment read_experiment(const std::string& path, const std::vector<std::string>& overrides = {});
+// A path as given, or a name under experiments/. Throws ConfigError when there is neither.
+std::string find_experiment(const std::string& name_or_path);
+// The keys of an experiment outside its tables, for `gustlab defaults experiment`.
+std::unique_ptr<Parameterized> make_experiment_keys();
+
+// Every run, by trajectory, then controller, then replicate.
+std::vector<RunSpec> plan(const Experiment& experiment);
+// Everything that can change a result of the experiment; equal texts and equal programs give equal bytes.
+std::string resolved_text(const Experiment& experiment);
+
+}  // namespace gustlab

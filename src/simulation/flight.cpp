@@ -1,0 +1,134 @@
+#include "simulation/flight.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "config/toml.hpp"
+#include "gustlab/errors.hpp"
+#include "simulation/make_effects.hpp"
+#include "simulation/recorder.hpp"
+
+namespace gustlab {
+
+namespace {
+
+constexpr std::array<std::pair<Outcome, std::string_view>, 5> outcome_names{{
+    {Outcome::completed, "completed"},
+    {Outcome::crashed, "crashed"},
+    {Outcome::left_envelope, "left_envelope"},
+    {Outcome::diverged, "diverged"},
+    {Outcome::controller_nonfinite, "controller_nonfinite"},
+}};
+
+// how often `part` fits into `whole`; throws when it does not do so a whole number of times
+std::int64_t divide(double whole_s, double part_s, const std::string& whole_says, const std::string& part_says) {
+  const double times = std::round(whole_s / part_s);
+  if (times < 1.0 || std::abs(times * part_s - whole_s) > 1e-9 * whole_s)
+    throw ConfigError(fmt::format("{} {} s does not divide {} {} s", part_says, config::shortest(part_s), whole_says,
+                                  config::shortest(whole_s)));
+  return static_cast<std::int64_t>(times);
+}
+
+// at rest at the trajectory's start, heading along it, rotors at the speed that carries the weight
+VehicleState start_state(const Trajectory& trajectory, const VehicleModel& vehicle) {
+  VehicleState state;
+  state.position_W_m = trajectory.start_position_W_m();
+  state.attitude_WB = Eigen::AngleAxisd(trajectory.at(0.0).yaw_rad, Vector3::UnitZ());
+  std::fill_n(state.rotor_speed_radps.begin(), vehicle.rotor_count, vehicle.hover_speed_radps());
+  return state;
+}
+
+bool is_finite(const RotorCommand& command) {
+  double sum = 0.0;
+  for (const double speed : command.speed_radps) sum += speed;
+  return std::isfinite(sum);
+}
+
+Plant::Options plant_options(const Experiment& experiment, const RunSpec& spec) {
+  return {experiment.flight.step_s, static_cast<std::uint64_t>(experiment.seed), spec.replicate};
+}
+
+}  // namespace
+
+std::string_view to_string(Outcome outcome) {
+  return std::find_if(outcome_names.begin(), outcome_names.end(), [&](const auto& name) { return name.first == outcome; })->second;
+}
+
+Outcome outcome_of(std::string_view text) {
+  for (const auto& [outcome, name] : outcome_names)
+    if (name == text) return outcome;
+  throw DataError(fmt::format("unknown outcome \"{}\"", text));
+}
+
+Flight::Flight(const Experiment& experiment, const RunSpec& spec)
+    : options(experiment.flight), plant(experiment.vehicle, make_effects(experiment.effects), plant_options(experiment, spec)) {
+  const Choice& path = experiment.trajectories[spec.trajectory];
+  trajectory = find_trajectory(path.spec.type)->make();
+  config::read_parameters(path.spec, *trajectory);
+  trajectory->prepare();
+  if (options.duration_s == 0.0) options.duration_s = trajectory->duration_s();
+  if (options.duration_s <= 0.0)
+    throw ConfigError(fmt::format("trajectory \"{}\" has no natural end, and \"duration_s\" is missing", path.name));
+
+  const Choice& law = experiment.controllers[spec.controller];
+  controller = find_controller(law.spec.type)->make();
+  config::read_parameters(law.spec, *controller);
+  const double period_s = 1.0 / controller->rate_hz(experiment.vehicle);
+  const std::string period_says = fmt::format("the period of controller \"{}\",", law.name);
+  steps_per_tick = divide(period_s, options.step_s, period_says, "\"step_s\"");
+  if (options.offboard_rate_hz > 0.0)
+    ticks_per_offboard = divide(1.0 / options.offboard_rate_hz, period_s, "the period of \"offboard_rate_hz\",", period_says);
+  ticks = static_cast<std::int64_t>(std::round(options.duration_s / period_s));
+
+  plant.reset(start_state(*trajectory, experiment.vehicle));
+  controller->reset({experiment.vehicle, period_s}, plant.observe(true));
+}
+
+FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder) {
+  Plant& plant = flight.plant;
+  const bool with_accelerometer = flight.controller->uses_accelerometer() || recorder != nullptr;
+  const double max_error_m2 = flight.options.max_error_m * flight.options.max_error_m;
+  const double max_speed_m2ps2 = flight.options.max_speed_mps * flight.options.max_speed_mps;
+  Observation link;     // what came over the offboard link last
+  Reference reference;  // likewise
+
+  for (std::int64_t tick = 0; tick < flight.ticks; ++tick) {
+    const VehicleState& truth = plant.state();
+    const Reference here = flight.trajectory->at(truth.time_s);
+    error.add(truth.time_s, truth.position_W_m, here.position_W_m);
+
+    const Observation measured = plant.observe(with_accelerometer);
+    if (tick % flight.ticks_per_offboard == 0) {
+      link = measured;
+      reference = here;
+    }
+    Observation seen = measured;
+    seen.pose_time_s = link.pose_time_s;
+    seen.position_W_m = link.position_W_m;
+    seen.velocity_W_mps = link.velocity_W_mps;
+    const RotorCommand command = flight.controller->update(seen, reference);
+    if (!is_finite(command)) return {Outcome::controller_nonfinite, truth.time_s};
+    if (recorder != nullptr) recorder->append(flight, measured, here, command);
+
+    if ((truth.position_W_m - here.position_W_m).squaredNorm() > max_error_m2 ||
+        truth.velocity_W_mps.squaredNorm() > max_speed_m2ps2)
+      return {Outcome::left_envelope, truth.time_s};
+    for (std::int64_t step = 0; step < flight.steps_per_tick; ++step) {
+      if (!plant.step(command)) return {Outcome::diverged, truth.time_s};
+      if (plant.touches_ground()) return {Outcome::crashed, truth.time_s};
+    }
+  }
+  return {Outcome::completed, plant.state().time_s};
+}
+
+RunRecord run(const Experiment& experiment, const RunSpec& spec) {
+  Flight flight(experiment, spec);
+  TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
+  const FlightEnd end = fly(flight, error, nullptr);
+  return {spec, end.outcome, end.time_s, error.figures()};
+}
+
+}  // namespace gustlab

@@ -1,0 +1,56 @@
+// One flight: vehicle, trajectory, controller and gust, from start to outcome.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "gustlab/controller.hpp"
+#include "gustlab/trajectory.hpp"
+#include "metrics/tracking_error.hpp"
+#include "plant/plant.hpp"
+#include "simulation/experiment.hpp"
+
+namespace gustlab {
+
+enum class Outcome { completed, crashed, left_envelope, diverged, controller_nonfinite };
+std::string_view to_string(Outcome outcome);
+// Throws DataError for a word that is none.
+Outcome outcome_of(std::string_view text);
+
+// What a run came to.
+struct RunRecord {
+  RunSpec spec;
+  Outcome outcome = Outcome::completed;
+  double duration_s = 0.0;  // flown
+  TrackingFigures error;
+};
+
+class FlightRecorder;
+
+// Everything that one run owns; no two runs share anything that changes.
+struct Flight {
+  // Throws ConfigError when the parts do not fit together.
+  Flight(const Experiment& experiment, const RunSpec& spec);
+
+  FlightOptions options;  // with the duration resolved
+  std::unique_ptr<Trajectory> trajectory;
+  std::unique_ptr<Controller> controller;
+  Plant plant;
+  std::int64_t ticks = 0;                  // updates of the controller
+  std::int64_t steps_per_tick = 1;         // of the plant
+  std::int64_t ticks_per_offboard = 1;     // between two messages of the offboard link
+};
+
+struct FlightEnd {
+  Outcome outcome;
+  double time_s;
+};
+
+// Flies a flight that was just made. Contract: time is step × dt, never accumulated; the errors sample every tick
+// up to the one that ends the flight; no heap allocation, with or without a recorder.
+FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder);
+
+// A planned run from start to figures.
+RunRecord run(const Experiment& experiment, const RunSpec& spec);
+
+}  // namespace gustlab

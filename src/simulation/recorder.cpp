@@ -1,0 +1,66 @@
+#include "simulation/recorder.hpp"
+
+#include <cmath>
+
+namespace gustlab {
+
+FlightRecorder::FlightRecorder(const Experiment& experiment, Flight& flight)
+    : truth_(experiment.log.log_source == "truth"), rate_hz_(experiment.log.log_rate_hz),
+      rotors_(static_cast<std::size_t>(experiment.vehicle.rotor_count)) {
+  log_.meta.vehicle = experiment.vehicle_name;
+  log_.meta.actuator = ActuatorKind::rotor_speed;
+  log_.meta.source = "simulation";
+  log_.meta.hold = Hold::zoh;
+  log_.meta.environment = experiment.vehicle.environment;
+
+  std::vector<std::string> names{"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "ax", "ay", "az"};
+  for (const char* prefix : {"u", "rotor"})
+    for (std::size_t i = 1; i <= rotors_; ++i) names.push_back(prefix + std::to_string(i));
+  for (const char* name : {"rpx", "rpy", "rpz", "rvx", "rvy", "rvz", "rax", "ray", "raz", "ryaw", "fx", "fy", "fz", "tx", "ty",
+                           "tz", "awx", "awy", "awz"})
+    names.emplace_back(name);
+  for (const std::string_view name : flight.controller->telemetry_names()) names.emplace_back(name);
+  telemetry_.resize(flight.controller->telemetry_names().size());
+
+  const auto rows = static_cast<std::size_t>(flight.ticks);
+  log_.time_s.reserve(rows);
+  for (std::string& name : names) {
+    log_.columns.push_back({std::move(name), {}});
+    log_.columns.back().values.reserve(rows);
+  }
+}
+
+void FlightRecorder::add(const Vector3& value) {
+  for (const double component : value) add(component);
+}
+
+void FlightRecorder::append(Flight& flight, const Observation& measured, const Reference& reference, const RotorCommand& command) {
+  const VehicleState& truth = flight.plant.state();
+  // a row is due when the log's own clock has ticked; the margin is far below a step and far above rounding
+  if (rate_hz_ > 0.0 && std::floor(truth.time_s * rate_hz_ + 1e-6) < static_cast<double>(log_.rows())) return;
+
+  column_ = 0;
+  log_.time_s.push_back(truth.time_s);
+  add(truth_ ? truth.position_W_m : measured.position_W_m);
+  add(truth_ ? truth.velocity_W_mps : measured.velocity_W_mps);
+  const Quaternion& attitude = truth_ ? truth.attitude_WB : measured.attitude_WB;
+  for (const double component : {attitude.w(), attitude.x(), attitude.y(), attitude.z()}) add(component);
+  add(truth_ ? truth.body_rate_B_radps : measured.body_rate_B_radps);
+  add(measured.specific_force_B_mps2);
+  for (std::size_t i = 0; i < rotors_; ++i) add(command.speed_radps[i]);
+  for (std::size_t i = 0; i < rotors_; ++i) add(truth_ ? truth.rotor_speed_radps[i] : measured.rotor_speed_radps[i]);
+  add(reference.position_W_m);
+  add(reference.velocity_W_mps);
+  add(reference.acceleration_W_mps2);
+  add(reference.yaw_rad);
+
+  const Wrench disturbance = flight.plant.disturbance();
+  const Vector3 force_W_N = truth.attitude_WB * disturbance.force_B_N;
+  add(force_W_N);
+  add(disturbance.torque_B_Nm);
+  add(force_W_N / flight.plant.forces().vehicle().mass_kg);
+  flight.controller->telemetry(telemetry_);
+  for (const double value : telemetry_) add(value);
+}
+
+}  // namespace gustlab

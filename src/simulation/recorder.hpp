@@ -1,0 +1,31 @@
+// Writes a flight down while it is flown.
+#pragma once
+
+#include "gustlab/flight_log.hpp"
+#include "simulation/flight.hpp"
+
+namespace gustlab {
+
+// Columns of FORMATS.md §1 with reference and disturbance, then awx, awy, awz: the acceleration that the disturbance
+// force alone would give (m/s², W), then the controller's telemetry.
+class FlightRecorder {
+ public:
+  // Reserves all memory that the flight will need.
+  FlightRecorder(const Experiment& experiment, Flight& flight);
+
+  void append(Flight& flight, const Observation& measured, const Reference& reference, const RotorCommand& command);
+  FlightLog take() { return std::move(log_); }
+
+ private:
+  void add(double value) { log_.columns[column_++].values.push_back(value); }
+  void add(const Vector3& value);
+
+  FlightLog log_;
+  bool truth_;
+  double rate_hz_;         // 0: every tick
+  std::size_t rotors_;
+  std::size_t column_ = 0;
+  std::vector<double> telemetry_;
+};
+
+}  // namespace gustlab
