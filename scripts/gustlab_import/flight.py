@@ -1,0 +1,150 @@
+"""Turns a table and a column map into the columns of a flight log (SI units, world z up, quaternion scalar first)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .column_map import UNITS, ColumnMap, suggest
+from .problems import DATA, ImportFailure
+from .rotations import conjugate, rotate
+from .tables import Table
+
+AXES = "xyz"
+MAX_NORM_ERROR = 0.02
+
+
+@dataclass
+class Flight:
+    """A recording in the units and frames of the flight log.
+
+    time_s  (n,) [s]
+    columns name of the flight log column -> (n,) in SI units, NaN where there is no sample, in the order of the file
+    line    (n,) line or record of the source
+    source  name of the flight log column -> column of the source
+    rows    number of rows that the source had
+    start_s source time of the flight log's zero [s]
+    """
+
+    file: str
+    time_s: np.ndarray
+    columns: dict
+    line: np.ndarray
+    source: dict
+    rows: int
+    start_s: float = 0.0
+    findings: list = field(default_factory=list)
+
+    def block(self, *names: str):
+        """(n, len(names)) of the named columns, or None if one of them is not there."""
+        if any(name not in self.columns for name in names):
+            return None
+        return np.column_stack([self.columns[name] for name in names])
+
+    @property
+    def actuator_names(self) -> list:
+        commands = [name for name in self.columns if name[0] == "u" and name[1:].isdigit()]
+        return commands or [name for name in self.columns if name.startswith("rotor") and name[5:].isdigit()]
+
+    def where(self, row: int, column: str) -> str:
+        """`file:line: column` of a cell of the source, for messages."""
+        return f"{self.file}:{self.line[row]}: column `{self.source.get(column, column)}`"
+
+    def keep(self, rows: np.ndarray) -> None:
+        """Keeps only the given rows (mask or indices)."""
+        self.time_s, self.line = self.time_s[rows], self.line[rows]
+        self.columns = {name: values[rows] for name, values in self.columns.items()}
+
+    def step_s(self) -> float:
+        return float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else 0.0
+
+
+def convert(table: Table, column_map: ColumnMap) -> Flight:
+    """Applies the map. Throws ImportFailure when a column that the map names is not in the table."""
+    builder = _Builder(table, column_map)
+    time_s = builder.time()
+    flight = Flight(table.file, time_s, {}, table.line, {"time_s": column_map.get("time", "column")}, len(time_s),
+                    builder.start_s, list(table.remarks))
+    builder.fill(flight)
+    return flight
+
+
+class _Builder:
+    def __init__(self, table: Table, column_map: ColumnMap):
+        self.table, self.map, self.start_s = table, column_map, 0.0
+
+    def column(self, name: str) -> np.ndarray:
+        if name not in self.table.columns:
+            raise ImportFailure(f"{self.table.file}:1:1: no column `{name}`, which the map `{self.map.name}` names; "
+                                + suggest(name, self.table.columns))
+        return self.table.columns[name]
+
+    def time(self) -> np.ndarray:
+        source = self.column(self.map.get("time", "column"))
+        missing = np.flatnonzero(np.isnan(source))
+        if len(missing):
+            raise ImportFailure(f"{self.table.file}:{self.table.line[missing[0]]}: column "
+                                f"`{self.map.get('time', 'column')}`: a row without a time ({len(missing)} of them)", DATA)
+        self.start_s = float(source[0] * self.map.scale("time")) if self.map.get("time", "zero", False) else 0.0
+        return np.round(source * self.map.scale("time") - self.start_s, 6)
+
+    def block(self, table: str) -> np.ndarray:
+        return np.column_stack([self.column(name) for name in self.map.get(table, "columns")]) * self.map.scale(table)
+
+    def fill(self, flight: Flight) -> None:
+        def put(names, values, table):
+            for k, name in enumerate(names):
+                flight.columns[name] = values[:, k]
+                flight.source[name] = self.map.get(table, "columns")[k]
+
+        attitude = self.attitude() if self.map.has("attitude") else None
+        if self.map.has("position"):
+            put([f"p{axis}" for axis in AXES], self.block("position"), "position")
+        if self.map.has("velocity"):
+            velocity = self.block("velocity")
+            put([f"v{axis}" for axis in AXES], self.in_frame("velocity", velocity, attitude, "world"), "velocity")
+        if attitude is not None:
+            put(["qw", "qx", "qy", "qz"], attitude, "attitude")
+            for name, letter in zip(self.map.get("attitude", "columns"), self.map.get("attitude", "order")):
+                flight.source["q" + letter] = name
+        if self.map.has("rate"):
+            put([f"w{axis}" for axis in AXES], self.in_frame("rate", self.block("rate"), attitude, "body"), "rate")
+        if self.map.has("acceleration"):
+            put([f"a{axis}" for axis in AXES], self.block("acceleration"), "acceleration")
+        for table, name in (("actuator", "u"), ("rotor_speed", "rotor")):
+            if self.map.has(table):
+                put([f"{name}{k + 1}" for k in range(len(self.map.get(table, "columns")))], self.block(table), table)
+        if self.map.has("battery"):
+            flight.columns["vbat"] = self.column(self.map.get("battery", "column")) * self.map.scale("battery")
+            flight.source["vbat"] = self.map.get("battery", "column")
+        self.references(flight)
+        for extra in self.map.tables.get("extra", []):
+            flight.columns[extra["name"]] = self.column(extra["column"]) * \
+                UNITS[extra.get("quantity", "none")][extra.get("unit", next(iter(UNITS[extra.get("quantity", "none")])))]
+            flight.source[extra["name"]] = extra["column"]
+
+    def attitude(self) -> np.ndarray:
+        """Quaternion body to world, scalar first, not yet normalised."""
+        order = self.map.get("attitude", "order")
+        source = {letter: self.column(name) for letter, name in zip(order, self.map.get("attitude", "columns"))}
+        q = np.column_stack([source[letter] for letter in "wxyz"])
+        return conjugate(q) if self.map.get("attitude", "rotates", "body_to_world") == "world_to_body" else q
+
+    def in_frame(self, table: str, values: np.ndarray, attitude, frame: str) -> np.ndarray:
+        given = self.map.get(table, "frame", frame)
+        if given == frame:
+            return values
+        if attitude is None:
+            raise ImportFailure(f"{self.table.file}:1:1: [{table}] is in the {given} frame and the map `{self.map.name}` has "
+                                "no [attitude] to turn it")
+        unit = attitude / np.linalg.norm(attitude, axis=1, keepdims=True)
+        return rotate(unit if frame == "world" else conjugate(unit), values)
+
+    def references(self, flight: Flight) -> None:
+        for key, name in (("position", "rp"), ("velocity", "rv"), ("acceleration", "ra")):
+            for axis, source in zip(AXES, self.map.get("reference", key, [])):
+                flight.columns[name + axis] = self.column(source)
+                flight.source[name + axis] = source
+        yaw = self.map.get("reference", "yaw")
+        if yaw:
+            flight.columns["ryaw"] = self.column(yaw) * UNITS["angle"][self.map.get("reference", "yaw_unit", "rad")]
+            flight.source["ryaw"] = yaw

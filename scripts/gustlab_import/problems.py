@@ -1,0 +1,38 @@
+"""What an importer can say: findings about the data, and failures that end the program."""
+
+from dataclasses import dataclass
+
+USAGE, DATA, IO = 2, 3, 4
+
+
+class ImportFailure(Exception):
+    """A problem that ends the program; `code` is the exit code (2 usage or map, 3 data, 4 file system)."""
+
+    def __init__(self, message: str, code: int = DATA):
+        super().__init__(message)
+        self.code = code
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One fact about a recording.
+
+    kind      gap | duplicate | frozen | held | out_of_range | unit | frame | sign | inconsistent | delay | filtered | ground
+    column    the FlightLog column (or columns, comma separated) it is about
+    from_s    first and last time of the flight log that it covers [s]
+    severity  "note" (harmless), "warning" (limits what can be told), "error" (the recording is not usable as it is)
+    repaired  True when the written log no longer has the fault
+    """
+
+    kind: str
+    column: str
+    from_s: float
+    to_s: float
+    severity: str
+    says: str
+    repaired: bool = False
+
+    def as_dict(self) -> dict:
+        return {"kind": self.kind, "column": self.column, "from_s": round(float(self.from_s), 6),
+                "to_s": round(float(self.to_s), 6), "severity": self.severity, "says": self.says,
+                "repaired": self.repaired}

@@ -1,0 +1,91 @@
+"""Reads tabular recordings (CSV or CSV.gz) into named columns and remembers the line of every row."""
+
+import csv
+import gzip
+import hashlib
+import io
+import math
+import zlib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .problems import DATA, IO, ImportFailure
+
+
+@dataclass
+class Table:
+    """Columns of one recording; a missing sample is NaN.
+
+    file       name of the file, without its folder
+    sha256     of the bytes of the file
+    columns    name -> (n,) float64
+    line       (n,) line (CSV) or record number (binary) of every row, for messages
+    non_finite name -> line of the first cell that said NaN or infinity
+    """
+
+    file: str
+    sha256: str
+    columns: dict
+    line: np.ndarray
+    non_finite: dict = field(default_factory=dict)
+    remarks: list = field(default_factory=list)
+
+
+def read_bytes(path: Path) -> bytes:
+    try:
+        return Path(path).read_bytes()
+    except OSError as error:
+        raise ImportFailure(f"{path}: cannot be read ({error.strerror})", IO) from error
+
+
+def read_csv(path: Path) -> Table:
+    """Reads a comma separated file with one header line; `.gz` is unpacked."""
+    raw = read_bytes(path)
+    digest = hashlib.sha256(raw).hexdigest()
+    if raw[:2] == b"\x1f\x8b":
+        try:
+            raw = gzip.decompress(raw)
+        except (OSError, EOFError, zlib.error) as error:
+            raise ImportFailure(f"{path.name}:1:1: the gzip stream is broken ({error}); fetch the file again") from error
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ImportFailure(f"{path.name}:1:1: not a text file ({error.reason}); a binary log needs a map of "
+                            'kind = "usd"') from error
+    rows = csv.reader(io.StringIO(text))
+    header = [name.strip() for name in next(rows, [])]
+    if not header or header == [""]:
+        raise ImportFailure(f"{path.name}:1:1: empty file (no header line)")
+    doubled = sorted({name for name in header if header.count(name) > 1})
+    if doubled:
+        column = header.index(doubled[0]) + 1
+        raise ImportFailure(f"{path.name}:1:{column}: column `{doubled[0]}` occurs twice; rename one of them")
+    cells, lines, non_finite = [], [], {}
+    for row in rows:
+        if not row:
+            continue
+        if len(row) != len(header):
+            raise ImportFailure(f"{path.name}:{rows.line_num}:{min(len(row), len(header)) + 1}: {len(row)} cells where the "
+                                f"header has {len(header)} (cut off while it was written?)")
+        cells.append([_number(cell, path.name, rows.line_num, k, header[k], non_finite) for k, cell in enumerate(row)])
+        lines.append(rows.line_num)
+    if not cells:
+        raise ImportFailure(f"{path.name}:2:1: the file has a header and no samples")
+    data = np.array(cells)
+    return Table(path.name, digest, {name: data[:, k] for k, name in enumerate(header)}, np.array(lines), non_finite)
+
+
+def _number(cell: str, file: str, line: int, index: int, name: str, non_finite: dict) -> float:
+    if not cell.strip():
+        return math.nan
+    try:
+        value = float(cell)
+    except ValueError:
+        raise ImportFailure(f"{file}:{line}:{index + 1}: `{cell.strip()[:40]}` in column `{name}` is not a number",
+                            DATA) from None
+    if not math.isfinite(value):
+        non_finite.setdefault(name, line)
+        return math.nan
+    return value

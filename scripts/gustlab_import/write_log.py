@@ -1,0 +1,81 @@
+"""Writes a flight log (CSV.gz or CSV with its sidecar): the same input gives the same bytes."""
+
+import gzip
+import io
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from . import VERSION
+from .column_map import ColumnMap
+from .flight import Flight
+from .problems import IO, ImportFailure
+
+
+def csv_text(flight: Flight) -> str:
+    """The flight log: time to a microsecond, everything else to nine digits, empty where there is no sample."""
+    names = list(flight.columns)
+    text = io.StringIO()
+    text.write(",".join(["time_s"] + names) + "\n")
+    block = np.column_stack([flight.columns[name] for name in names])
+    holes = np.isnan(block)
+    for k, time_s in enumerate(flight.time_s):
+        cells = ["" if hole else f"{value:.9g}" for value, hole in zip(block[k], holes[k])]
+        text.write(f"{time_s:.6f}," + ",".join(cells) + "\n")
+    return text.getvalue()
+
+
+def _text(value: str) -> str:
+    return '"' + value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
+
+
+def _value(value) -> str:
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(part) for part in value) + "]"
+    return repr(float(value)) if isinstance(value, float) else str(value)
+
+
+def sidecar_text(flight: Flight, column_map: ColumnMap, sha256: str, vehicle: str, usable: bool) -> str:
+    """NAME.meta.toml: what the contract asks for, and under [origin] where it came from and what is wrong with it."""
+    top = {"format": "gustlab-flight/1", "vehicle": vehicle}
+    if column_map.has("actuator"):
+        top["actuator"] = column_map.get("actuator", "kind")
+    top.update(source=column_map.get("", "source", "recording"), hold=column_map.get("", "hold", "unknown"),
+               notes=column_map.get("", "notes", ""))
+    lines = [f"{key} = {_value(value)}" for key, value in top.items()]
+    if column_map.has("environment"):
+        lines += ["", "[environment]"] + [f"{key} = {_value(value)}"
+                                          for key, value in column_map.tables["environment"].items()]
+    origin = {"file": flight.file, "sha256": sha256, "importer": "gustlab import_log", "importer_version": VERSION,
+              "map": column_map.name, "published": column_map.get("", "published", ""), "rows_read": flight.rows,
+              "rows_written": len(flight.time_s), "source_time_of_zero_s": flight.start_s, "usable": usable,
+              "known_issues": column_map.get("", "known_issues", [])}
+    lines += ["", "[origin]"] + [f"{key} = {_value(value)}" for key, value in origin.items()]
+    for finding in flight.findings:
+        lines += ["", "[[origin.finding]]"] + [f"{key} = {_value(value)}" for key, value in finding.as_dict().items()]
+    return "\n".join(lines) + "\n"
+
+
+def write_all(folder: Path, files: dict) -> None:
+    """Writes name -> bytes into a folder, each file whole or not at all. Throws ImportFailure with code 4."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in files.items():
+            handle, temporary = tempfile.mkstemp(dir=folder, prefix=".import-")
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(content)
+            os.chmod(temporary, 0o644)
+            os.replace(temporary, folder / name)
+    except OSError as error:
+        raise ImportFailure(f"{folder}: cannot write ({error.strerror})", IO) from error
+
+
+def packed(text: str) -> bytes:
+    """gzip without a time stamp or a name, so that it is reproducible."""
+    return gzip.compress(text.encode("utf-8"), compresslevel=6, mtime=0)
