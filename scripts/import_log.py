@@ -72,14 +72,15 @@ def run(argv: list) -> int:
             ending, text = (".csv", csv_text(flight)) if options.plain else (".csv.gz", csv_text(flight))
             files[name + ending] = text.encode("utf-8") if options.plain else packed(text)
             vehicle = options.vehicle or column_map.get("", "vehicle")
-            files[name + ".meta.toml"] = sidecar_text(flight, column_map, sha256, vehicle, name not in unusable).encode("utf-8")
+            sidecar = sidecar_text(flight, column_map, sha256, vehicle, name not in unusable)
+            files[name + ".meta.toml"] = sidecar.encode("utf-8")
         write_all(options.out, files)
     return 0
 
 
-def main() -> int:
+def main(argv=None) -> int:
     try:
-        return run(sys.argv[1:])
+        return run(sys.argv[1:] if argv is None else argv)
     except ImportFailure as failure:
         print(failure, file=sys.stderr)
         return failure.code

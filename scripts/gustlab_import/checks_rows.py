@@ -62,8 +62,8 @@ def airborne(flight: Flight) -> np.ndarray:
     return running & (height > rest + AIRBORNE_HEIGHT_m) if len(at_rest) else running
 
 
-def cut(flight: Flight, column_map: ColumnMap, from_s, to_s, whole: bool) -> None:
-    """Keeps --from to --to (or the map's section) and, if the map says so, only the time in the air."""
+def keep_section(flight: Flight, column_map: ColumnMap, from_s, to_s, whole: bool) -> None:
+    """Keeps --from to --to, or the section that the map gives."""
     section_from, section_to, why = column_map.section(flight.file)
     if whole:
         section_from = section_to = None
@@ -80,8 +80,6 @@ def cut(flight: Flight, column_map: ColumnMap, from_s, to_s, whole: bool) -> Non
         if from_s is None and to_s is None:
             flight.findings.append(Finding("inconsistent", "time_s", first, last, "note",
                                            "only this section is kept" + (f": {why}" if why else "")))
-    if column_map.get("", "trim", "none") == "airborne" and not whole:
-        keep_flight(flight)
 
 
 def keep_flight(flight: Flight) -> None:

@@ -1,6 +1,6 @@
 """Turns a table and a column map into the columns of a flight log (SI units, world z up, quaternion scalar first)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -63,7 +63,8 @@ def convert(table: Table, column_map: ColumnMap) -> Flight:
     builder = _Builder(table, column_map)
     time_s = builder.time()
     flight = Flight(table.file, time_s, {}, table.line, {"time_s": column_map.get("time", "column")}, len(time_s),
-                    builder.start_s, list(table.remarks))
+                    builder.start_s, [replace(remark, from_s=remark.from_s - builder.start_s,
+                                              to_s=remark.to_s - builder.start_s) for remark in table.remarks])
     builder.fill(flight)
     return flight
 

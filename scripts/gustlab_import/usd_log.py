@@ -69,7 +69,7 @@ def read_usd(path: Path, event: str) -> Table:
     data = read_bytes(path)
     digest = hashlib.sha256(data).hexdigest()
     reader = _Reader(data, path.name)
-    if len(data) < 5 or data[0] != MAGIC:
+    if not data or data[0] != MAGIC:
         reader.fail("not a Crazyflie uSD log (the first byte is not 0xBC)")
     reader.at = 1
     version = reader.take("<H")
@@ -80,33 +80,28 @@ def read_usd(path: Path, event: str) -> Table:
     if event not in names:
         reader.fail(f"no event type `{event}` (the log has {', '.join(sorted(names))})")
     head, tick_s = RECORD_HEADER[version]
-    wanted, rows, cut_at = names[event], [], None
+    wanted, rows = names[event], []
     crc_fits = len(data) >= reader.at + 4 and zlib.crc32(data[:-4]) == struct.unpack("<I", data[-4:])[0]
     end = len(data) - 4 if crc_fits else len(data)
     while reader.at < end:
-        identifier = struct.unpack_from("<H", data, reader.at)[0] if reader.at + 2 <= end else None
-        # with a wrong checksum the last four bytes may still be one, behind complete records
-        if not crc_fits and end - reader.at == 4 and identifier not in types:
-            raise ImportFailure(f"{path.name}: byte {reader.at}: the checksum (CRC-32) does not fit the bytes before it: "
-                                "the file was damaged on its way; fetch it again")
-        if identifier is None or identifier not in types:
-            if identifier is not None and crc_fits:
+        left = end - reader.at
+        identifier = struct.unpack_from("<H", data, reader.at)[0] if left >= 2 else None
+        if identifier is not None and identifier not in types:
+            if crc_fits:
                 reader.fail(f"unknown event type {identifier} between records")
-            cut_at = reader.at
-            break
-        layout = types[identifier][2]
-        if reader.at + head.size + layout.size > end:
-            cut_at = reader.at
+            # fewer than four bytes are the rest of a checksum that was cut off, four are a checksum that does not fit
+            if left >= 4:
+                reader.fail("the checksum (CRC-32) does not fit" + (", and what follows is no record" if left > 4 else "")
+                            + ": the file is damaged; fetch it again")
+        if identifier not in types or left < head.size + types[identifier][2].size:
             break
         if identifier == wanted:
-            rows.append((head.unpack_from(data, reader.at)[1],) + layout.unpack_from(data, reader.at + head.size))
-        reader.at += head.size + layout.size
+            rows.append((head.unpack_from(data, reader.at)[1],)
+                        + types[identifier][2].unpack_from(data, reader.at + head.size))
+        reader.at += head.size + types[identifier][2].size
     if not rows:
         raise ImportFailure(f"{path.name}: byte {reader.at}: no record of type `{event}`")
-    if cut_at is not None and len(data) - cut_at > head.size + max(layout.size for _, _, layout in types.values()) + 4:
-        raise ImportFailure(f"{path.name}: byte {cut_at}: {len(data) - cut_at} bytes that are no records, and the checksum "
-                            "(CRC-32) does not fit: the file is damaged; fetch it again")
-    return _table(path.name, digest, types[wanted][1], rows, tick_s, cut_at is not None or not crc_fits)
+    return _table(path.name, digest, types[wanted][1], rows, tick_s, not crc_fits)
 
 
 def _table(file: str, digest: str, variables: list, rows: list, tick_s: float, cut: bool) -> Table:

@@ -1,0 +1,188 @@
+"""Checks of single columns: missing cells, ranges, frozen, held, interpolated, made-up and filtered samples."""
+
+import numpy as np
+
+from .flight import Flight
+from .problems import Finding
+from .signals import filled, longest_run, on_a_line, quiet_above, third_difference_noise
+
+GROUPS = {"position": ("px", "py", "pz"), "velocity": ("vx", "vy", "vz"), "attitude": ("qw", "qx", "qy", "qz"),
+          "body rate": ("wx", "wy", "wz"), "specific force": ("ax", "ay", "az")}
+HELD_SHARE = 0.3          # of the rows, from which a column is called held
+INTERPOLATED_SHARE = 0.1
+FROZEN_s = 0.5            # a sensor that stands still for longer in flight is frozen
+MADE_UP_s = 0.1           # a straight line of this length at the end of a record is an extrapolation
+UNUSABLE_s = 1.0          # and of this length it is no recording any more
+OUTSIDE_SHARE = 0.01      # of the rows outside a hard range, from which the record is not usable
+
+# hard ranges: pwm is a 16-bit command (Crazyflie firmware); consumer gyroscopes end at 2000 deg/s = 34.9 rad/s and
+# accelerometers at 16 g to 32 g; the others are far beyond any small multirotor
+RANGES = {"position": (-1e4, 1e4, "m"), "velocity": (-150.0, 150.0, "m/s"), "body rate": (-70.0, 70.0, "rad/s"),
+          "specific force": (-320.0, 320.0, "m/s^2"), "battery": (1.0, 100.0, "V")}
+ACTUATOR_RANGES = {"pwm": (0.0, 65535.0), "throttle": (0.0, 1.0), "rotor_speed": (0.0, 2e4), "thrust": (0.0, 1e3),
+                   "collective_thrust": (0.0, 1e3)}
+
+
+def groups(flight: Flight) -> dict:
+    """Name -> columns of the groups that the flight has, actuators and battery included."""
+    found = {name: columns for name, columns in GROUPS.items() if all(c in flight.columns for c in columns)}
+    found["actuators"] = tuple(flight.actuator_names)
+    if "vbat" in flight.columns:
+        found["battery"] = ("vbat",)
+    return found
+
+
+def check_columns(flight: Flight, actuator: str, non_finite: dict) -> None:
+    """Runs every check of this module; adds findings, changes nothing."""
+    missing(flight, non_finite)
+    made_up(flight)
+    for name, columns in groups(flight).items():
+        values = flight.block(*columns)
+        if np.isnan(values).all():
+            continue
+        ranges(flight, name, columns, values, actuator)
+        if not frozen(flight, name, columns, filled(values)):
+            held(flight, name, columns, filled(values))
+    actuators(flight, actuator)
+    filtered(flight)
+    repeated_rows(flight)
+
+
+def say(flight: Flight, kind: str, columns, rows, severity: str, text: str, repaired: bool = False) -> None:
+    """Adds a finding that covers the rows (first, last)."""
+    flight.findings.append(Finding(kind, ",".join(columns), flight.time_s[rows[0]], flight.time_s[rows[1]], severity, text,
+                                   repaired))
+
+
+def missing(flight: Flight, non_finite: dict) -> None:
+    for name, values in flight.columns.items():
+        holes = np.flatnonzero(np.isnan(values))
+        if not len(holes):
+            continue
+        line = non_finite.get(flight.source.get(name))
+        what = f"not a number or infinite (first at {flight.file}:{line})" if line else "empty"
+        severity = "error" if len(holes) > 0.5 * len(values) and name in flight.actuator_names else "warning"
+        say(flight, "gap", (name,), (holes[0], holes[-1]), severity,
+            f"{len(holes)} of {len(values)} cells are {what}: written as no sample")
+
+
+def ranges(flight: Flight, name: str, columns, values: np.ndarray, actuator: str) -> None:
+    low, high, unit = RANGES.get(name, (-np.inf, np.inf, ""))
+    if name == "actuators":
+        low, high = ACTUATOR_RANGES[actuator]
+        unit = {"rotor_speed": "rad/s", "thrust": "N", "collective_thrust": "N"}.get(actuator, actuator)
+    slack = 1e-3 * (high - low) if np.isfinite(high) else 0.0
+    outside = np.any((values < low - slack) | (values > high + slack), axis=1)
+    if outside.any():
+        rows = np.flatnonzero(outside)
+        severity = "error" if outside.mean() > OUTSIDE_SHARE else "warning"
+        say(flight, "out_of_range", columns, (rows[0], rows[-1]), severity,
+            f"{len(rows)} rows lie outside {low:g} to {high:g} {unit} (from {np.nanmin(values):.6g} to "
+            f"{np.nanmax(values):.6g}; first at {flight.where(rows[0], columns[0])})")
+
+
+def frozen(flight: Flight, name: str, columns, values: np.ndarray) -> bool:
+    """True when the group never changes; says so, and says stretches in which a sensor stands still."""
+    same = np.all(values[1:] == values[:-1], axis=1)
+    if same.all():
+        severity = "warning" if name in ("battery", "specific force") else "error"
+        if not (name == "actuators" and not values.any()):
+            say(flight, "frozen", columns, (0, len(values) - 1), severity,
+                f"{name} never changes ({', '.join(f'{v:g}' for v in values[0])}): nothing that depends on it can be told")
+        return True
+    if name in ("battery", "actuators"):
+        return False
+    off = ~np.any(filled(flight.block(*flight.actuator_names)) > 0.0, axis=1)
+    run = longest_run(same & ~off[1:])
+    if run and flight.time_s[run[1] + 1] - flight.time_s[run[0]] > FROZEN_s:
+        length = flight.time_s[run[1] + 1] - flight.time_s[run[0]]
+        severity = "error" if length > 0.2 * (flight.time_s[-1] - flight.time_s[0]) else "warning"
+        say(flight, "frozen", columns, (run[0], run[1] + 1), severity, f"{name} stands still for {length:.2f} s in flight")
+    return False
+
+
+def held(flight: Flight, name: str, columns, values: np.ndarray) -> None:
+    """Says when rows repeat the row before, or were interpolated, and how often there really was a new sample."""
+    live = np.any(values != 0.0, axis=1)[1:-1]
+    if not live.any():
+        return
+    same = float(np.mean(np.all(values[1:-1] == values[:-2], axis=1)[live]))
+    line = float(np.mean(on_a_line(flight.time_s, values)[1:-1][live]))
+    rate = 1.0 / flight.step_s()
+    if same > HELD_SHARE or line > INTERPOLATED_SHARE:
+        how = [f"repeats the row before in {100 * same:.0f} %"] if same > 0.005 else []
+        how += [f"lies on a straight line between its neighbours (interpolated) in {100 * line:.0f} %"] if line > 0.005 else []
+        say(flight, "held", columns, (0, len(values) - 1), "note",
+            f"{name}: {' and '.join(how)} of the rows: real samples at about {rate * (1.0 - same - line):.0f} Hz, the record "
+            f"at {rate:.0f} Hz")
+
+
+def made_up(flight: Flight) -> None:
+    """Straight lines at the end of a record: the stream had stopped, and something extrapolated it."""
+    first, ends, names = len(flight.time_s), [], []
+    for name, columns in groups(flight).items():
+        values = filled(flight.block(*columns))
+        real = np.flatnonzero(~on_a_line(flight.time_s, values)[:-1])
+        last = real[-1] if len(real) else 0
+        if name == "battery" or flight.time_s[-1] - flight.time_s[last] < MADE_UP_s:
+            continue
+        names.append(name)
+        ends += zip(columns, values[-1])
+        first = min(first, last)
+    if not names:
+        return
+    count, length = len(flight.time_s) - 1 - first, flight.time_s[-1] - flight.time_s[first]
+    says = (f"{', '.join(names)}: nothing was received after {flight.time_s[first]:.2f} s; the last {count} rows "
+            f"({length:.2f} s) go on in a straight line and are no measurement")
+    if length > UNUSABLE_s:
+        says = (f"corrupt: {says} (at the end {', '.join(f'{c} {v:.6g}' for c, v in ends)}); what was recorded can be kept "
+                f"with --to {np.floor(10.0 * flight.time_s[first]) / 10.0:g}")
+    say(flight, "inconsistent", [c for c, _ in ends], (first, len(flight.time_s) - 1),
+        "error" if length > UNUSABLE_s else "note", says)
+
+
+def actuators(flight: Flight, actuator: str) -> None:
+    columns = flight.actuator_names
+    values = filled(flight.block(*columns))
+    off = ~np.any(values > 0.0, axis=1)
+    if off.all():
+        say(flight, "ground", columns, (0, len(off) - 1), "error", "every actuator input is zero all the time")
+    elif off.any():
+        rows = np.flatnonzero(off)
+        say(flight, "ground", columns, (rows[0], rows[-1]), "note",
+            f"all rotors are off in {100 * off.mean():.0f} % of the rows")
+    top = ACTUATOR_RANGES[actuator][1]
+    for k, column in enumerate(columns):
+        full = values[:, k] >= top * (1.0 - 1e-6)
+        if actuator in ("pwm", "throttle") and full.mean() > 0.005:
+            rows = np.flatnonzero(full)
+            say(flight, "out_of_range", (column,), (rows[0], rows[-1]), "note",
+                f"saturated at {top:g} in {100 * full.mean():.1f} % of the rows")
+
+
+def filtered(flight: Flight) -> None:
+    """Says which groups were low-pass filtered: their spectra do not end in a noise floor."""
+    for name, columns in groups(flight).items():
+        values = filled(flight.block(*columns))
+        if name == "battery" or len(values) < 256 or np.all(values[1:] == values[:-1]):
+            continue
+        corner = np.array([quiet_above(values[:, k]) for k in range(values.shape[1])])
+        if np.mean(~np.isnan(corner)) > 0.5:
+            say(flight, "filtered", columns, (0, len(values) - 1), "warning",
+                f"{name} holds no power above about {np.nanmedian(corner) / flight.step_s():.0f} Hz: low-pass filtered "
+                "(white measurement noise must not be assumed)")
+
+
+def repeated_rows(flight: Flight) -> None:
+    block = filled(np.column_stack(list(flight.columns.values())))
+    live = np.any(filled(flight.block(*flight.actuator_names)) > 0.0, axis=1)[1:]
+    same = np.flatnonzero(np.all(block[1:] == block[:-1], axis=1) & live)
+    if len(same):
+        say(flight, "duplicate", ("time_s",), (same[0], same[-1] + 1), "warning",
+            f"{len(same)} rows repeat every value of the row before at a new time")
+
+
+def noise(flight: Flight) -> dict:
+    """Column -> standard deviation of its noise from third differences, for the report."""
+    return {column: third_difference_noise(flight.columns[column])
+            for name, columns in groups(flight).items() if name not in ("actuators", "battery") for column in columns}

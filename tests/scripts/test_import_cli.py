@@ -1,0 +1,158 @@
+"""The importer as a program: conversions, maps, exit codes, reproducible bytes."""
+
+import gzip
+import tomllib
+import unittest
+from pathlib import Path
+
+import numpy as np
+from import_fixture import MAP, ImportCase, csv, flight
+
+MAPS = Path(__file__).resolve().parents[2] / "scripts" / "column_maps"
+
+
+class Conversion(ImportCase):
+    def test_units_orders_and_names(self):
+        columns = flight()
+        for name in ("gx", "gy", "gz"):
+            columns[name] = np.degrees(columns[name])
+        for name in ("ax", "ay", "az"):
+            columns[name] = columns[name] / 9.80665
+        columns["t"] = 1e3 * columns["t"] + 250.0
+        columns["bat"] = 1e3 * columns["bat"]
+        text = MAP.replace('"rad/s"', '"deg/s"').replace('"m/s^2"', '"g"').replace('column = "bat"',
+                                                                                  'column = "bat"\nunit = "mV"')
+        text = text.replace('column = "t"', 'column = "t"\nunit = "ms"\nzero = true')
+        code, findings, err = self.inspect(columns, text)
+        self.assertEqual((code, findings, err), (0, [], ""))
+        written, source = self.written(), flight()
+        self.assertEqual(list(written), ["time_s", "px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy",
+                                         "wz", "ax", "ay", "az", "u1", "u2", "u3", "u4", "vbat"])
+        for ours, theirs in (("time_s", "t"), ("pz", "z"), ("qw", "qw"), ("qx", "qx"), ("wy", "gy"), ("az", "az"),
+                             ("u4", "m4"), ("vbat", "bat")):
+            np.testing.assert_allclose(written[ours], source[theirs], rtol=1e-7, atol=1e-7, err_msg=ours)
+
+    def test_sidecar(self):
+        log = self.write("log.csv", csv(flight()))
+        self.run_import(log, "--map", self.map, "--out", self.out, "--vehicle", "iris")
+        sidecar = tomllib.loads((self.out / "log.meta.toml").read_text())
+        self.assertEqual((sidecar["format"], sidecar["vehicle"], sidecar["actuator"], sidecar["hold"], sidecar["source"]),
+                         ("gustlab-flight/1", "iris", "pwm", "unknown", "recording"))
+        self.assertEqual((sidecar["origin"]["file"], sidecar["origin"]["rows_written"]), ("log.csv", 2000))
+
+    def test_section(self):
+        log = self.write("log.csv", csv(flight()))
+        code, _, _ = self.run_import(log, "--map", self.map, "--out", self.out, "--plain", "--from", 5, "--to", 12)
+        self.assertEqual(code, 0)
+        time_s = self.written()["time_s"]
+        self.assertEqual((time_s[0], time_s[-1]), (5.0, 12.0))
+
+    def test_same_input_same_bytes(self):
+        log = self.write("log.csv.gz", gzip.compress(csv(flight()).encode()))
+        results = []
+        for folder in ("one", "two"):
+            self.run_import(log, "--map", self.map, "--out", self.folder / folder)
+            results.append({path.name: path.read_bytes() for path in sorted((self.folder / folder).iterdir())})
+        self.assertEqual(list(results[0]), ["log.csv.gz", "log.meta.toml"])
+        self.assertEqual(results[0], results[1])
+        everything = b"".join(results[0].values()) + gzip.decompress(results[0]["log.csv.gz"])
+        self.assertNotIn(str(self.folder).encode(), everything)
+        self.assertEqual(results[0]["log.csv.gz"][4:8], bytes(4), "no time stamp in the gzip header")
+
+    def test_unusable_is_written_only_on_request(self):
+        columns = flight()
+        columns["m2"][500:700] = 90000.0
+        self.assertEqual(self.inspect(columns)[0], 3)
+        self.assertFalse(self.out.exists())
+        self.assertEqual(self.inspect(columns, MAP, "--keep-unusable")[0], 0)
+        self.assertFalse(tomllib.loads((self.out / "log.meta.toml").read_text())["origin"]["usable"])
+
+    def test_one_unusable_input_writes_nothing(self):
+        good, bad = self.write("good.csv", csv(flight())), flight()
+        bad["m2"][500:700] = 90000.0
+        code, out, err = self.run_import(good, self.write("bad.csv", csv(bad)), "--map", self.map, "--out", self.out)
+        self.assertEqual(code, 3)
+        self.assertIn("bad.csv: not usable", err)
+        self.assertFalse(self.out.exists())
+
+
+class BadInput(ImportCase):
+    def fails(self, code: int, words: str, *arguments):
+        got, _, err = self.run_import(*arguments)
+        self.assertEqual((got, words in err), (code, True), err)
+        self.assertFalse(self.out.exists())
+
+    def log(self, text: str) -> Path:
+        return self.write("log.csv", text)
+
+    def test_tables(self):
+        good = csv(flight(2.0)).splitlines()
+        cases = {"log.csv:1:1: empty file": "", "log.csv:2:1: the file has a header and no samples": good[0] + "\n",
+                 "log.csv:3:3: `abc` in column `y` is not a number":
+                     "\n".join(good[:2] + [",".join(["0.01", "1", "abc"] + ["0"] * 19)]),
+                 "log.csv:3:4: 3 cells where the header has 22": "\n".join(good[:2] + ["1,2,3"]),
+                 "column `x` occurs twice": good[0].replace(",y,", ",x,") + "\n" + good[1],
+                 "no column `gx`": "\n".join(good).replace("gx", "omega_x"), "too few": "\n".join(good[:6]),
+                 "log.csv:4: column `t`: a row without a time": "\n".join(good[:3] + ["," + good[3].split(",", 1)[1]])}
+        for words, text in cases.items():
+            with self.subTest(words):
+                self.fails(3, words, self.log(text), "--map", self.map, "--out", self.out)
+
+    def test_broken_gzip(self):
+        packed = gzip.compress(csv(flight(2.0)).encode())[:-200]
+        self.fails(3, "log.csv.gz:1:1: the gzip stream is broken", self.write("log.csv.gz", packed), "--map", self.map,
+                   "--out", self.out)
+
+    def test_binary_where_text_is_expected(self):
+        self.fails(3, "not a text file", self.write("log.csv", b"\xbc\x01\x02\xff" * 50), "--map", self.map, "--out", self.out)
+
+    def test_maps(self):
+        log = self.log(csv(flight(2.0)))
+        cases = {"unknown key `colums` in [position]; did you mean `columns`?": MAP.replace('columns = ["x"', 'colums = ["x"'),
+                 'frame = "ned" is not known; one of: world, body': MAP.replace('"world"', '"ned"'),
+                 'unit = "deg" is not a unit of rate': MAP.replace('"rad/s"', '"deg"'),
+                 "unknown table [positions]; did you mean `position`?": MAP.replace("[position]", "[positions]"),
+                 "[attitude] needs 4 columns, not 3": MAP.replace('"qz", "qw"', '"qz"'),
+                 "`vehicle` is missing": MAP.replace('vehicle = "crazyflie"\n', ""),
+                 "a map needs [time] and [actuator]": MAP.replace("[time]\ncolumn = \"t\"\n", ""),
+                 'format is "gustlab-column-map/9"': MAP.replace("map/1", "map/9"),
+                 "m.toml:3:": MAP.replace('vehicle = "crazyflie"', "vehicle = crazyflie")}
+        for words, text in cases.items():
+            with self.subTest(words):
+                self.fails(2, words, log, "--map", self.write("m.toml", text), "--out", self.out)
+
+    def test_unknown_map(self):
+        self.fails(2, "built in: arpl, crazypad, nanobench, nanodrone", self.log("t\n1\n"), "--map", "nothing", "--out", self.out)
+
+    def test_missing_file(self):
+        self.fails(4, "cannot be read", self.folder / "nothing.csv", "--map", self.map, "--out", self.out)
+
+    def test_empty_section(self):
+        self.fails(2, "no sample between 50 and 60 s", self.log(csv(flight(2.0))), "--map", self.map, "--out", self.out,
+                   "--from", 50, "--to", 60)
+
+    def test_two_inputs_of_one_name(self):
+        (self.folder / "other").mkdir()
+        second = self.write("other/log.csv", csv(flight(2.0)))
+        self.fails(2, "use two --out", self.log(csv(flight(2.0))), second, "--map", self.map, "--out", self.out)
+
+    def test_output_that_cannot_be_written(self):
+        in_the_way = self.write("file", "")
+        self.fails(4, "cannot write", self.log(csv(flight())), "--map", self.map, "--out", in_the_way / "out")
+
+    def test_no_measurement(self):
+        columns = {name: values for name, values in flight().items() if name in ("t", "m1", "m2", "m3", "m4")}
+        text = MAP[:MAP.index("[position]")] + MAP[MAP.index("[actuator]"):MAP.index("[battery]")]
+        self.fails(3, "nothing to compare a simulation with", self.log(csv(columns)), "--map", self.write("m.toml", text),
+                   "--out", self.out)
+
+    def test_built_in_maps_are_valid(self):
+        import sys
+        sys.path.insert(0, str(MAPS.parent))
+        from gustlab_import.column_map import load_map
+        for path in MAPS.glob("*.toml"):
+            self.assertTrue(load_map(path.stem).get("", "published"), path.name)
+
+
+if __name__ == "__main__":
+    unittest.main()
