@@ -11,6 +11,8 @@ from .signals import agreement, band, boxcar, filled
 
 REACH_s = 0.2           # largest time offset that is looked for
 STRETCH_s = 4.0         # offsets are measured on stretches of this length, half overlapping
+JUMP_s = 0.02           # spread of the offsets from which they are called not constant
+LAG_JUMP_s = 0.06       # the same across a motor, whose lag alone spreads by 40 ms with the frequency of the commands
 TRUSTED = 0.6           # correlation from which a stretch's offset counts
 CLEARLY = 0.3           # by how much another reading must correlate better to be called right
 STANDARD_GRAVITY = 9.80665  # m/s^2, CGPM 1901
@@ -191,27 +193,27 @@ def offsets(flight: Flight) -> None:
     rate, velocity, position = flight.block(*RATE), flight.block(*VELOCITY), flight.block(*POSITION)
     force, pairs = flight.block(*FORCE), []
     if q is not None and rate is not None:
-        pairs.append(("body rate", RATE, "attitude", body_rate(filled(q), flight.time_s), filled(rate), True))
+        pairs.append(("body rate", RATE, "attitude", body_rate(filled(q), flight.time_s), filled(rate), JUMP_s))
     if position is not None and velocity is not None:
         pairs.append(("velocity", VELOCITY, "position", np.gradient(filled(position), flight.time_s, axis=0),
-                      filled(velocity), True))
+                      filled(velocity), JUMP_s))
     if force is not None:
         thrust = np.mean(filled(flight.block(*flight.actuator_names)), axis=1, keepdims=True)
         pairs.append(("vertical specific force", ("az",), "actuator input (motor lag included)", thrust,
-                      filled(force)[:, 2:], False))
-    for late, columns, than, first, second, constant_matters in pairs:
+                      filled(force)[:, 2:], LAG_JUMP_s))
+    for late, columns, than, first, second, jump_s in pairs:
         found = _stretch_offsets(flight, band(first, step), band(second, step), step)
         if not found:
             continue
         values = np.array([offset for _, _, offset in found])
         low, high, middle = values.min(), values.max(), float(np.median(values))
-        if high - low > max(2.0 * step, 0.02) and len(values) > 1:
+        if high - low > max(2.0 * step, jump_s) and len(values) > 1:
             worst = found[int(np.argmax(np.abs(values - middle)))]
             say(flight, "delay", columns, (0, len(first) - 1), "warning",
                 f"{late} against {than}: the time offset is not constant, {1e3 * low:.0f} to {1e3 * high:.0f} ms over "
                 f"{len(values)} stretches (median {1e3 * middle:.0f} ms; {1e3 * worst[2]:.0f} ms at {worst[0]:.0f} to "
                 f"{worst[1]:.0f} s)")
-        elif constant_matters and abs(middle) > 0.25 * step:
+        elif abs(middle) > 0.25 * step:
             say(flight, "delay", columns, (0, len(first) - 1), "note",
                 f"{late} is {1e3 * abs(middle):.1f} ms {'later' if middle > 0 else 'earlier'} than {than} "
                 f"({1e3 * low:.0f} to {1e3 * high:.0f} ms over {len(values)} stretches)")
