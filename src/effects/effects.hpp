@@ -16,7 +16,9 @@ std::unique_ptr<Effect> make_ground_effect();
 std::unique_ptr<Effect> make_ceiling_effect();
 std::unique_ptr<Effect> make_wall_effect();
 std::unique_ptr<Effect> make_steady_wind();
+std::unique_ptr<Effect> make_gust();
 std::unique_ptr<Effect> make_constant_force();
+std::unique_ptr<Effect> make_slung_load();
 std::unique_ptr<Effect> make_mass();
 std::unique_ptr<Effect> make_center_of_mass();
 std::unique_ptr<Effect> make_inertia();
@@ -35,5 +37,6 @@ std::unique_ptr<Effect> make_yaw_offset();
 std::unique_ptr<Effect> make_pose_delay();
 std::unique_ptr<Effect> make_imu_lever();
 std::unique_ptr<Effect> make_gyro_scale();
+std::unique_ptr<Effect> make_measurement_noise();
 
 }  // namespace gustlab
