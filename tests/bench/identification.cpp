@@ -1,0 +1,78 @@
+// Speed of sparse regression on a problem of the paper's size: 20,000 samples, its 7 terms, 3 targets, 2 constraints.
+//
+// scripts/compare_pysindy.py makes the same numbers by the same formulas, runs PySINDy on them, and compares both the time
+// and the coefficients, which are counters here. Each time includes the pass over the samples.
+#include <benchmark/benchmark.h>
+
+#include <string>
+
+#include "identification/optimizer.hpp"
+#include "identification/synthetic.hpp"
+
+namespace {
+
+using namespace gustlab;
+
+constexpr Eigen::Index samples = 20000;
+
+struct Problem {
+  Eigen::MatrixXd theta, target;
+  LinearConstraints constraints;
+};
+
+const Problem& problem() {
+  static const Problem made = [] {
+    Problem p;
+    p.theta = feature_matrix(make_library("paper"), rocking_flight(samples));
+    Eigen::MatrixXd truth = Eigen::MatrixXd::Zero(3, 7);
+    truth(0, 0) = 0.5;
+    truth(0, 3) = -0.4;
+    truth(1, 5) = 0.35;
+    truth(2, 0) = -0.8;
+    truth(2, 4) = 0.03;
+    p.target = p.theta * truth.transpose();
+    for (Eigen::Index i = 0; i < samples; ++i) {
+      for (Eigen::Index t = 0; t < 3; ++t) p.target(i, t) += 0.2 * spread(i, 11.0 + 2.0 * static_cast<double>(t));
+    }
+    // ξ(x, T sin θ) + ξ(y, T sin φ) = 0 and ξ(y, 1) = 0
+    p.constraints.C = Eigen::MatrixXd::Zero(2, 21);
+    p.constraints.C(0, 3) = p.constraints.C(0, 7 + 5) = 1.0;
+    p.constraints.C(1, 7) = 1.0;
+    p.constraints.d = Eigen::Vector2d::Zero();
+    return p;
+  }();
+  return made;
+}
+
+void run(benchmark::State& state, const OptimizerOptions& options) {
+  const Problem& p = problem();
+  Fit found;
+  for (auto _ : state) found = sr3(RegressionData(p.theta, p.target), options);
+  for (Eigen::Index t = 0; t < 3; ++t) {
+    for (Eigen::Index j = 0; j < 7; ++j) {
+      state.counters["c" + std::to_string(t) + std::to_string(j)] = found.coefficients(t, j);
+    }
+  }
+  state.counters["sr3_iterations"] = found.iterations;
+}
+
+OptimizerOptions options(Regularizer penalty, double lambda, double nu, double tolerance, int max_iterations) {
+  OptimizerOptions out;
+  out.penalty = penalty;
+  out.lambda = lambda;
+  out.nu = nu;
+  out.tolerance = tolerance;
+  out.max_iterations = max_iterations;
+  out.constraints = problem().constraints;
+  return out;
+}
+
+// names and numbers as in scripts/compare_pysindy.py
+void constrained_sr3_l0_tight(benchmark::State& state) { run(state, options(Regularizer::l0, 0.1, 1e-3, 1e-8, 100000)); }
+void constrained_sr3_l1_tight(benchmark::State& state) { run(state, options(Regularizer::l1, 0.1, 1e-3, 1e-8, 100000)); }
+void constrained_sr3_l0_default(benchmark::State& state) { run(state, options(Regularizer::l0, 0.005, 1.0, 1e-5, 30)); }
+BENCHMARK(constrained_sr3_l0_tight)->Unit(benchmark::kMillisecond);
+BENCHMARK(constrained_sr3_l1_tight)->Unit(benchmark::kMillisecond);
+BENCHMARK(constrained_sr3_l0_default)->Unit(benchmark::kMillisecond);
+
+}  // namespace
