@@ -26,7 +26,7 @@ class Autopilot {
 
   const Nominal& nominal_;
   const Path& path_;
-  double rate_gain_, yaw_gain_, slow_gain_;
+  double rate_gain_, yaw_gain_, slow_gain_, climb_gain_;
   Eigen::Matrix4d mixer_;
   bool started_ = false;
   Vec3 position_W_m_, velocity_W_mps_;

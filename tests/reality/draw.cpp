@@ -94,7 +94,7 @@ Surroundings draw_surroundings(const std::vector<std::string>& effects, bool lar
   if (rng.chance(0.15) || needs(Need::wall)) {
     const double heading = rng.uniform(0, 2 * std::numbers::pi);
     const Eigen::Vector2d inward(std::cos(heading), std::sin(heading));
-    s.wall = Wall{-(large ? 6.5 : 1.6) * inward, inward};
+    s.wall = Wall{-(large ? 8.0 : 1.75) * inward, inward};
   }
   return s;
 }
@@ -223,7 +223,7 @@ Trial draw_trial(const Request& request, std::uint64_t index) {
   double gentleness = 1;
   bool flown = false;
   Json named = Json::array();
-  for (int attempt = 0; attempt < 12 && !flown; ++attempt, gentleness *= 0.9) {
+  for (int attempt = 0; attempt < 16 && !flown; ++attempt, gentleness *= 0.9) {
     const auto paths = draw_paths(trial.vehicle, trial.surroundings, gentleness, request, index, attempt);
     std::vector<Truth> truth(kFitFlights + 1, base);
     named.clear();
@@ -237,7 +237,7 @@ Trial draw_trial(const Request& request, std::uint64_t index) {
       const Plan& plan = plans[i];
       Limit limit;
       double strength = 0;
-      const double most = most_strength(plan, trial.vehicle) * std::pow(0.85, attempt);
+      const double most = most_strength(plan, trial.vehicle) * std::pow(0.85, std::max(0, attempt - 7));
       if (plan.effect == "saturation") {
         std::tie(strength, limit) = saturation_strength(plan, scene, factor[i]);
         if (strength == 0) strength = most;

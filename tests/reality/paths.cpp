@@ -7,7 +7,8 @@
 namespace reality {
 namespace {
 
-constexpr double kMostPush_mps2 = 4.5;  // on the way to a waypoint
+constexpr double kMostPush_mps2 = 4.5;   // on the way to a waypoint
+constexpr double kClimbPush_mps2 = 2.0;  // on the way to another height
 constexpr double kTurn = 2 * std::numbers::pi;
 
 // quintic from 0 to 1 with rest at both ends
@@ -64,6 +65,7 @@ class Sweep {
 
 struct Scale {
   double span_m, speed_mps, height_m, radius_m;
+  double clearance;  // widens the distances to ground, ceiling and wall of a vehicle that holds them badly
 };
 
 // roll, pitch and yaw multisines of 1-8 Hz in a few windows
@@ -103,20 +105,42 @@ std::function<double(double)> draw_surge(double gentleness, Rng& rng) {
   };
 }
 
-// heights of a staircase: down to the ground and up to the ceiling where these are known
-Stairs draw_heights(const Scale& scale, const Surroundings& around, double first_s, double pace_s, int count,
+// the quickest pleasant climb over this height
+double climb_s(double height_m) { return std::max(0.9, std::sqrt(5.8 * std::abs(height_m) / kClimbPush_mps2)); }
+
+void shuffle(std::vector<double>& values, Rng& rng) {
+  for (std::size_t i = values.size(); i > 1; --i)
+    std::swap(values[i - 1], values[static_cast<std::size_t>(rng.below(static_cast<int>(i)))]);
+}
+
+// heights of a staircase between two times: first near the ground, then under the ceiling, where these are known
+Stairs draw_heights(const Scale& scale, const Surroundings& around, double from_s, double to_s, double hold_s,
                     Rng& rng) {
-  std::vector<double> heights;
+  std::vector<double> low, high, heights;
+  const double unit_m = scale.clearance * scale.radius_m;
   if (around.ground_z_m)
-    for (const double r : {2.6, 3.2, 4.2, 6.0}) heights.push_back(*around.ground_z_m + r * scale.radius_m);
+    for (const double r : {2.6, 3.2, 4.2, 6.0}) low.push_back(*around.ground_z_m + r * unit_m);
   if (around.ceiling_z_m)
-    for (const double r : {2.6, 3.3, 4.3, 6.0}) heights.push_back(*around.ceiling_z_m - r * scale.radius_m);
-  while (static_cast<int>(heights.size()) < count) heights.push_back(scale.height_m * rng.uniform(0.7, 1.3));
-  for (std::size_t i = heights.size(); i > 1; --i)
-    std::swap(heights[i - 1], heights[static_cast<std::size_t>(rng.below(static_cast<int>(i)))]);
+    for (const double r : {2.8, 3.4, 4.4, 6.0}) high.push_back(*around.ceiling_z_m - r * unit_m);
+  for (int i = 0; low.empty() && high.empty() && i < 8; ++i) heights.push_back(scale.height_m * rng.uniform(0.7, 1.3));
+  shuffle(low, rng);
+  shuffle(high, rng);
+  // with both, half the time each
+  const std::size_t share = low.empty() || high.empty() ? 4 : 2;
+  for (std::size_t i = 0; i < 8; ++i) {
+    auto& from = low.empty() || (!high.empty() && i >= share * 2) ? high : low;
+    if (!from.empty()) heights.push_back(from[i % from.size()]);
+  }
   Stairs stairs(scale.height_m);
-  for (int i = 0; i < count; ++i) stairs.add(first_s + i * pace_s, 0.55 * pace_s, heights[static_cast<std::size_t>(i)]);
-  stairs.add(first_s + count * pace_s, 0.6 * pace_s, scale.height_m);
+  double t = from_s, last_m = scale.height_m;
+  for (const double height_m : heights) {
+    const double takes_s = climb_s(height_m - last_m);
+    if (t + takes_s + hold_s + climb_s(scale.height_m - height_m) > to_s) break;
+    stairs.add(t, takes_s, height_m);
+    t += takes_s + hold_s;
+    last_m = height_m;
+  }
+  stairs.add(t, climb_s(scale.height_m - last_m), scale.height_m);
   return stairs;
 }
 
@@ -136,7 +160,7 @@ Path circle(const Scale& s, const Surroundings& around, double gentleness, bool 
   spin.add(12, 3, -turn * rng.uniform(0.5, 1.0));
   const Sweep yaw(spin, rng.uniform(-3, 3));
   const double bob_m = 0.15 * s.height_m, bob_hz = rng.uniform(0.12, 0.25);
-  const Stairs heights = draw_heights(s, around, 16, 2.2, around.ground_z_m || around.ceiling_z_m ? 2 : 1, rng);
+  const Stairs heights = draw_heights(s, around, 15.5, 25, 0.9, rng);
   Path path;
   path.position_W_m = [=](double t) {
     const double calm = heights(t) - s.height_m;
@@ -153,7 +177,7 @@ Path staircase(const Scale& s, const Surroundings& around, double gentleness, bo
   const bool low = around.ground_z_m || around.ceiling_z_m;
   const double size_m = s.span_m * rng.uniform(0.5, 0.8), start = rng.uniform(0, kTurn);
   const double rate = (low ? 0.3 : 0.45) * s.speed_mps / size_m * rng.sign();
-  const Stairs heights = draw_heights(s, around, 1.0, low ? 2.3 : 3.2, low ? 9 : 6, rng);
+  const Stairs heights = draw_heights(s, around, 1.0, 25, low ? 1.2 : 2.2, rng);
   Stairs yaw(rng.uniform(-2, 2));
   double heading = yaw(0);
   for (double t = 1.5; t < 23; t += rng.uniform(2.2, 3.2))
@@ -176,16 +200,25 @@ Path waypoints(const Scale& s, const Surroundings& around, double gentleness, bo
   double last_x = x(0), last_y = y(0), last_z = s.height_m, t = -1;
   while (t < 23.5) {
     double to_x = rng.uniform(-1, 1) * s.span_m, to_y = rng.uniform(-1, 1) * s.span_m;
-    const double to_z = s.height_m * rng.uniform(0.6, 1.5);
+    double to_z = s.height_m * rng.uniform(0.6, 1.5);
+    if (around.ceiling_z_m) to_z = std::min(to_z, 0.6 * *around.ceiling_z_m + 0.4 * s.height_m);
     double slow = rng.uniform(0.55, 1.0);
     if (around.wall && rng.chance(0.6)) {
       // along the wall at a few radii
       const Eigen::Vector2d& n = around.wall->normal_W;
-      const Eigen::Vector2d spot = around.wall->point_W_m + rng.uniform(3.5, 7.0) * s.radius_m * n +
+      const Eigen::Vector2d spot = around.wall->point_W_m + (large ? 1 : 1.5) * rng.uniform(3.5, 7.0) * s.clearance * s.radius_m * n +
                                    rng.uniform(-0.6, 0.6) * s.span_m * Eigen::Vector2d(-n.y(), n.x());
       to_x = spot.x();
       to_y = spot.y();
       slow = 0.45;
+    }
+    if (around.wall) {
+      // never behind the wall
+      const Eigen::Vector2d& n = around.wall->normal_W;
+      const double away_m = (Eigen::Vector2d(to_x, to_y) - around.wall->point_W_m).dot(n);
+      const double lack_m = std::max(0.0, (large ? 3.5 : 5.2) * s.clearance * s.radius_m - away_m);
+      to_x += lack_m * n.x();
+      to_y += lack_m * n.y();
     }
     const double far_m = Vec3(to_x - last_x, to_y - last_y, 1.5 * (to_z - last_z)).norm();
     const double takes_s = std::max({1.2, 1.9 * far_m / (slow * s.speed_mps), std::sqrt(5.8 * far_m / kMostPush_mps2)});
@@ -209,23 +242,25 @@ Path waypoints(const Scale& s, const Surroundings& around, double gentleness, bo
 
 Path other(const Scale& s, const Surroundings& around, double gentleness, bool large, Rng& rng) {
   const double size_m = s.span_m * rng.uniform(0.6, 0.85), round = rng.sign();
-  const double petals = rng.chance(0.5) ? 1.5 : 0.5, rate = (petals > 1 ? 0.5 : 0.8) * s.speed_mps / size_m * round, start = rng.uniform(0, kTurn), squeeze = rng.uniform(0.6, 1.0);
+  const double petals = rng.chance(0.5) ? 1.5 : 0.5, calm = around.ground_z_m || around.ceiling_z_m ? 0.65 : 1;
+  const double rate = calm * (petals > 1 ? 0.5 : 0.8) * s.speed_mps / size_m * round;
+  const double start = rng.uniform(0, kTurn), squeeze = rng.uniform(0.6, 1.0);
   Stairs pace(0.5 * rate);
   pace.add(2, 4, rate);
   pace.add(10, 3, -0.6 * rate);
   pace.add(17, 3, -rate);
   const Sweep angle(pace, start);
-  const bool low = around.ground_z_m || around.ceiling_z_m;
-  const Stairs heights = draw_heights(s, around, low ? 4.0 : 3.0, 3.6, low ? 5 : 4, rng);
+  const Stairs heights = draw_heights(s, around, 3.5, 23, 2.0, rng);
+  const double near_m = (large ? 4.5 : 7.0) * s.clearance * s.radius_m;
   const double yaw_size = rng.uniform(0.8, 2.0), yaw_hz = rng.uniform(0.1, 0.2), yaw_start = rng.uniform(-2, 2);
   Path path;
   path.position_W_m = [=](double t) {
     const double a = angle(t), r = size_m * (0.75 + 0.25 * std::cos(2 * petals * a));
     Vec3 p(r * std::cos(a), squeeze * r * std::sin(a), heights(t));
     if (around.wall) {
-      const Vec3 beside(around.wall->point_W_m.x() + 5 * s.radius_m * around.wall->normal_W.x(),
-                        around.wall->point_W_m.y() + 5 * s.radius_m * around.wall->normal_W.y(), p.z());
-      p += window(t, 11, 17, 2.2) * (beside - p);
+      const Eigen::Vector2d spot = around.wall->point_W_m + near_m * around.wall->normal_W;
+      const Vec3 beside(spot.x(), spot.y(), p.z());
+      p += window(t, 10, 18, 3.0) * (beside - p);
     }
     return p;
   };
@@ -241,6 +276,7 @@ Path draw_path(Figure figure, const Nominal& nominal, const Surroundings& around
   const bool large = nominal.large;
   Scale s;
   s.radius_m = nominal.radius_m;
+  s.clearance = std::pow(gentleness, -1.5);
   s.span_m = large ? 6.5 : 1.4;
   s.speed_mps = (large ? 6.0 : 2.4) * gentleness * rng.uniform(0.85, 1.1);
   s.height_m = large ? 3.0 : 1.0;
