@@ -1,31 +1,16 @@
 #include "plant/rigid_body.hpp"
 
 #include <fmt/format.h>
-#include <mujoco/mujoco.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <mutex>
 
 #include "gustlab/errors.hpp"
+#include "plant/mujoco.hpp"
 
 namespace gustlab {
 
 namespace {
-
-// MuJoCo's default handlers wait for a key and write MUJOCO_LOG.TXT where the program stands; ours do neither.
-void install_handlers() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    mju_user_error = [](const char* message) { throw IoError(fmt::format("MuJoCo: {}", message)); };
-    mju_user_warning = [](const char*) {};
-  });
-}
-
-struct ModelDeleter {
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
-  void operator()(mjData* data) const { mj_deleteData(data); }
-};
 
 // a free body; its inertia is written after compilation, so that MuJoCo neither refuses nor rounds it
 std::string body_xml(const VehicleModel& vehicle, double step_s, bool with_ground) {
@@ -45,15 +30,14 @@ std::string body_xml(const VehicleModel& vehicle, double step_s, bool with_groun
 }
 
 struct World {
-  std::unique_ptr<mjModel, ModelDeleter> model;
-  std::unique_ptr<mjData, ModelDeleter> data;
+  ModelPointer model;
+  DataPointer data;
 
   World(const VehicleModel& vehicle, double step_s, bool with_ground) {
     const std::string xml = body_xml(vehicle, step_s, with_ground);
     char error[1024] = "";
-    mjSpec* spec = mj_parseXMLString(xml.c_str(), nullptr, error, sizeof error);
-    model.reset(spec ? mj_compile(spec, nullptr) : nullptr);
-    if (spec) mj_deleteSpec(spec);
+    const SpecPointer spec(mj_parseXMLString(xml.c_str(), nullptr, error, sizeof error));
+    if (spec) model.reset(mj_compile(spec.get(), nullptr));
     if (!model) throw IoError(fmt::format("MuJoCo cannot compile the vehicle: {}", error));
 
     // a diagonal inertia keeps its axes and its bits
@@ -102,7 +86,7 @@ RigidBody::RigidBody(const VehicleModel& vehicle, double step_s) {
   if (!(vehicle.mass_kg > 0.0) || !(vehicle.inertia_B_kgm2.diagonal().minCoeff() > 0.0))
     throw ConfigError(fmt::format("{}: mass {} kg or inertia is not positive (after body effects) use smaller changes",
                                   vehicle.source_path, vehicle.mass_kg));
-  install_handlers();
+  install_mujoco_handlers();
   impl_ = std::make_unique<Impl>(vehicle, step_s);
 }
 
