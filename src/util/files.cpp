@@ -1,0 +1,35 @@
+#include "util/files.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+
+void write_file(const std::string& path, std::string_view bytes) {
+  const std::string beside = path + ".part";
+  const auto fail = [&] {
+    const int reason = errno;
+    std::remove(beside.c_str());
+    throw IoError(fmt::format("{}: cannot write ({})", path, std::strerror(reason ? reason : EIO)));
+  };
+  errno = 0;
+  std::ofstream file(beside, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) fail();
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw IoError(fmt::format("{}: cannot make this folder ({})", path, error.message()));
+}
+
+}  // namespace gustlab

@@ -1,0 +1,14 @@
+// Whole files in and out; what is written is there whole or not at all.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace gustlab {
+
+// Writes beside the path and renames, so that a reader never sees half a file. Throws IoError with the path.
+void write_file(const std::string& path, std::string_view bytes);
+// Makes a folder and its parents. Throws IoError with the path.
+void make_folder(const std::string& path);
+
+}  // namespace gustlab
