@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <set>
 
@@ -43,6 +44,13 @@ class ExperimentKeys final : public Parameterized {
   }
 };
 
+// names go into CSV cells and file names as they are
+void check_name(const config::Table& table, std::string_view key, const std::string& name) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
+  if (name.empty() || !std::all_of(name.begin(), name.end(), plain))
+    table.fail(key, fmt::format("\"{}\" is no name", name), "letters, digits, _, - and . make a name", "");
+}
+
 // parameters of one name in [trajectory.NAME] or [controller.NAME]; `type` is the name unless given
 Choice read_choice(const std::string& name, std::optional<config::Table> table, const std::string& where) {
   Choice choice{name, {}};
@@ -77,6 +85,7 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
   std::set<std::string> seen;
   if (names.empty()) document.fail(key, fmt::format("\"{}\" is empty", key), "there is nothing to fly", fmt::format("name a {}", kind));
   for (const std::string& name : names) {
+    check_name(document, key, name);
     if (!seen.insert(name).second) document.fail(key, fmt::format("\"{}\" is here twice", name), "", "keep one");
     choices.push_back(read_choice(name, tables ? tables->table(name) : std::nullopt, document.where(key)));
     check_type(choices.back());
@@ -142,8 +151,8 @@ Experiment read_experiment(const std::string& path, const std::vector<std::strin
   config::Table document = config::Table::read_file(path, overrides);
   if (document.need_text("format") != experiment_format)
     document.fail("format", "not an experiment of this program", fmt::format("\"format\" must be \"{}\"", experiment_format), "");
-  for (const char* key : {"name", "vehicle"})
-    if (document.need_text(key).empty()) document.fail(key, fmt::format("\"{}\" is empty", key), "", "");
+  document.need_text("vehicle");
+  check_name(document, "name", document.need_text("name"));
   const auto trajectory_names = document.texts("trajectories").value_or(std::vector<std::string>{});
   const auto controller_names = document.texts("controllers").value_or(std::vector<std::string>{});
 

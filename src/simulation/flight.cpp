@@ -57,10 +57,10 @@ std::string_view to_string(Outcome outcome) {
   return std::find_if(outcome_names.begin(), outcome_names.end(), [&](const auto& name) { return name.first == outcome; })->second;
 }
 
-Outcome outcome_of(std::string_view text) {
+std::optional<Outcome> find_outcome(std::string_view text) {
   for (const auto& [outcome, name] : outcome_names)
     if (name == text) return outcome;
-  throw DataError(fmt::format("unknown outcome \"{}\"", text));
+  return std::nullopt;
 }
 
 Flight::Flight(const Experiment& experiment, const RunSpec& spec)

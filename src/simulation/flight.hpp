@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "gustlab/controller.hpp"
@@ -14,8 +15,7 @@ namespace gustlab {
 
 enum class Outcome { completed, crashed, left_envelope, diverged, controller_nonfinite };
 std::string_view to_string(Outcome outcome);
-// Throws DataError for a word that is none.
-Outcome outcome_of(std::string_view text);
+std::optional<Outcome> find_outcome(std::string_view text);
 
 // What a run came to.
 struct RunRecord {

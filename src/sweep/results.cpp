@@ -1,0 +1,93 @@
+#include "sweep/results.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "config/toml.hpp"
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+
+namespace {
+
+constexpr std::string_view header =
+    "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,key";
+
+std::string cell(double value) { return std::isnan(value) ? "" : config::shortest(value); }
+
+// a line's cells, one taken after the other
+class Cells {
+ public:
+  Cells(std::string_view line, std::string where) : line_(line), where_(std::move(where)) {}
+
+  std::string_view next() {
+    if (done_) fail("a cell is missing", std::string(header));
+    const std::size_t comma = line_.find(',', end_);
+    start_ = end_;
+    const std::string_view text = line_.substr(start_, comma == std::string_view::npos ? comma : comma - start_);
+    done_ = comma == std::string_view::npos;
+    end_ = comma + 1;
+    return text;
+  }
+  // an empty cell leaves the value as it is
+  template <class Number>
+  void next(Number& value) {
+    const std::string_view text = next();
+    if (text.empty()) return;
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || rest != text.data() + text.size()) fail(fmt::format("\"{}\" is not a number", text), "");
+  }
+  void finish() {
+    if (!done_) fail("there are too many cells", std::string(header));
+  }
+  [[noreturn]] void fail(const std::string& problem, const std::string& why) const {
+    throw DataError(fmt::format("{}:{}: {}{}", where_, start_ + 1, problem, why.empty() ? "" : fmt::format(" (expected {})", why)));
+  }
+
+ private:
+  std::string_view line_;
+  std::string where_;
+  std::size_t start_ = 0, end_ = 0;
+  bool done_ = false;
+};
+
+}  // namespace
+
+std::string to_csv(const std::vector<ResultRow>& rows) {
+  std::string text = fmt::format("{}\n", header);
+  for (const ResultRow& row : rows)
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.experiment, row.vehicle, row.trajectory, row.controller,
+                        row.replicate, to_string(row.outcome), cell(row.duration_s), cell(row.rmse_xy_m), cell(row.mae_xy_m),
+                        cell(row.p95_xy_m), cell(row.max_xy_m), cell(row.rmse_z_m), row.key);
+  return text;
+}
+
+std::vector<ResultRow> read_results_csv(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw DataError(fmt::format("{}: cannot read", path));
+  std::string line;
+  if (!std::getline(file, line) || line != header)
+    throw DataError(fmt::format("{}:1:1: not a table of runs (expected the header {})", path, header));
+
+  std::vector<ResultRow> rows;
+  for (int number = 2; std::getline(file, line); ++number) {
+    Cells cells(line, fmt::format("{}:{}", path, number));
+    ResultRow row;
+    for (std::string* text : {&row.experiment, &row.vehicle, &row.trajectory, &row.controller}) *text = cells.next();
+    cells.next(row.replicate);
+    const std::string_view outcome = cells.next();
+    if (const auto known = find_outcome(outcome)) row.outcome = *known;
+    else cells.fail(fmt::format("\"{}\" is no outcome", outcome), "completed, crashed, …");
+    for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m})
+      cells.next(*value);
+    row.key = cells.next();
+    cells.finish();
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace gustlab

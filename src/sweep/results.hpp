@@ -1,0 +1,34 @@
+// Results as rows: what runs.csv says and what tables and gates read.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "simulation/flight.hpp"
+
+namespace gustlab {
+
+// One row of runs.csv (FORMATS.md §3). Errors are NaN when no sample counted.
+struct ResultRow {
+  std::string experiment, vehicle, trajectory, controller;
+  std::int64_t replicate = 0;
+  Outcome outcome = Outcome::completed;
+  double duration_s = 0.0;
+  double rmse_xy_m = std::numeric_limits<double>::quiet_NaN();
+  double mae_xy_m = rmse_xy_m, p95_xy_m = rmse_xy_m, max_xy_m = rmse_xy_m, rmse_z_m = rmse_xy_m;
+  std::string key;
+};
+
+// Every planned run in plan order, and what a table has to say beside them.
+struct Results {
+  std::vector<ResultRow> rows;
+  double settle_s = 0.0;
+};
+
+std::string to_csv(const std::vector<ResultRow>& rows);
+// Throws DataError with file:line:col.
+std::vector<ResultRow> read_results_csv(const std::string& path);
+
+}  // namespace gustlab

@@ -1,0 +1,179 @@
+#include "sweep/store.hpp"
+
+#include <fmt/format.h>
+
+#include "config/toml.hpp"
+#include "gustlab/build_info.hpp"
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+
+namespace {
+
+constexpr const char* schema = R"(
+CREATE TABLE provenance(name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE plan(run INTEGER PRIMARY KEY, trajectory TEXT NOT NULL, controller TEXT NOT NULL, replicate INTEGER NOT NULL,
+                  key TEXT NOT NULL);
+CREATE TABLE flown(run INTEGER PRIMARY KEY REFERENCES plan(run), outcome TEXT NOT NULL, duration_s REAL, rmse_xy_m REAL,
+                   mae_xy_m REAL, p95_xy_m REAL, max_xy_m REAL, rmse_z_m REAL);
+CREATE VIEW runs AS SELECT trajectory, controller, replicate, outcome, duration_s, rmse_xy_m, mae_xy_m, p95_xy_m, max_xy_m,
+                           rmse_z_m, key FROM plan JOIN flown USING (run) ORDER BY run;
+)";
+
+// what decides the last bits of a result beside the program: libm picks its code by these
+std::string cpu_features() {
+  std::string features;
+  const auto add = [&](bool has, const char* name) {
+    if (has) features += (features.empty() ? "" : " ") + std::string(name);
+  };
+#if defined(__x86_64__)
+  add(__builtin_cpu_supports("sse4.2"), "sse4.2");
+  add(__builtin_cpu_supports("avx"), "avx");
+  add(__builtin_cpu_supports("avx2"), "avx2");
+  add(__builtin_cpu_supports("fma"), "fma");
+  add(__builtin_cpu_supports("avx512f"), "avx512f");
+#elif defined(__aarch64__)
+  add(true, "aarch64");
+#endif
+  return features;
+}
+
+}  // namespace
+
+Provenance provenance_of(const Experiment& experiment, const Shard& shard) {
+  const BuildInfo& build = build_info();
+  return {{"experiment", resolved_text(experiment)},
+          {"name", experiment.name},
+          {"vehicle", experiment.vehicle.name},
+          {"settle_s", config::shortest(experiment.flight.settle_s)},
+          {"version", std::string(build.version)},
+          {"commit", std::string(build.commit)},
+          {"mujoco", std::string(build.mujoco_version)},
+          {"compiler", std::string(build.compiler)},
+          {"flags", std::string(build.flags)},
+          {"shard", fmt::format("{}/{}", shard.part, shard.parts)},
+          {"cpu", cpu_features()}};
+}
+
+std::vector<std::string> differences(const Provenance& a, const Provenance& b) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : a) {
+    const auto other = b.find(name);
+    if (name != "shard" && name != "cpu" && (other == b.end() || other->second != value)) names.push_back(name);
+  }
+  return names;
+}
+
+RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(path, mode) {
+  if (mode != Database::Mode::read)
+    database_.run("PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;");
+  Statement tables = database_.prepare("SELECT count(*), total(name IN ('provenance', 'plan', 'flown')) FROM sqlite_master "
+                                       "WHERE type = 'table'");
+  tables.step();
+  if (tables.integer(0) == 0 && mode == Database::Mode::create) return;
+  if (tables.integer(1) != 3) throw DataError(fmt::format("{}: not a result store of this program", path));
+  Statement all = database_.prepare("SELECT name, value FROM provenance");
+  while (all.step()) provenance_[all.text(0)] = all.text(1);
+}
+
+void RunStore::write_provenance(const Provenance& provenance) {
+  database_.run("DELETE FROM provenance");
+  Statement insert = database_.prepare("INSERT INTO provenance VALUES (?, ?)");
+  for (const auto& [name, value] : provenance) insert.bind(0, name).bind(1, value).step();
+  provenance_ = provenance;
+}
+
+void RunStore::begin(const Provenance& provenance, const Experiment& experiment, const std::vector<RunSpec>& plan) {
+  database_.run("BEGIN");
+  database_.run(schema);
+  Statement insert = database_.prepare("INSERT INTO plan VALUES (?, ?, ?, ?, ?)");
+  for (const RunSpec& spec : plan)
+    insert.bind(0, static_cast<std::int64_t>(spec.index))
+        .bind(1, experiment.trajectories[spec.trajectory].name)
+        .bind(2, experiment.controllers[spec.controller].name)
+        .bind(3, std::int64_t{spec.replicate})
+        .bind(4, to_hex(spec.key))
+        .step();
+  write_provenance(provenance);
+  database_.run("COMMIT");
+}
+
+std::vector<bool> RunStore::done() {
+  std::vector<bool> done;
+  Statement all = database_.prepare("SELECT flown.run IS NOT NULL FROM plan LEFT JOIN flown USING (run) ORDER BY run");
+  while (all.step()) done.push_back(all.integer(0) != 0);
+  return done;
+}
+
+void RunStore::add(const RunRecord& record) {
+  if (!insert_) insert_ = database_.prepare("INSERT INTO flown VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  const ErrorFigures& planar = record.error.planar;
+  insert_->bind(0, static_cast<std::int64_t>(record.spec.index)).bind(1, to_string(record.outcome)).bind(2, record.duration_s);
+  insert_->bind(3, planar.rmse_m).bind(4, planar.mae_m).bind(5, planar.p95_m).bind(6, planar.max_m);
+  insert_->bind(7, record.error.rmse_z_m).step();
+}
+
+void RunStore::start_over(const Provenance& provenance) {
+  database_.run("BEGIN; DELETE FROM flown");
+  write_provenance(provenance);
+  database_.run("COMMIT");
+}
+
+void RunStore::copy_plan(RunStore& from, const Provenance& provenance) {
+  database_.run("BEGIN");
+  database_.run(schema);
+  Statement all = from.database_.prepare("SELECT run, trajectory, controller, replicate, key FROM plan");
+  Statement insert = database_.prepare("INSERT INTO plan VALUES (?, ?, ?, ?, ?)");
+  while (all.step()) {
+    insert.bind(0, all.integer(0)).bind(1, all.text(1)).bind(2, all.text(2)).bind(3, all.integer(3)).bind(4, all.text(4));
+    insert.step();
+  }
+  write_provenance(provenance);
+  database_.run("COMMIT");
+}
+
+void RunStore::take_runs(RunStore& from) {
+  database_.run("BEGIN");
+  Statement all = from.database_.prepare("SELECT * FROM flown");
+  Statement insert = database_.prepare("INSERT INTO flown VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  while (all.step()) {
+    insert.bind(0, all.integer(0)).bind(1, all.text(1));
+    for (int column = 2; column < 8; ++column) insert.bind(column, all.number(column));
+    insert.step();
+  }
+  database_.run("COMMIT");
+}
+
+std::string RunStore::name_of(std::size_t run) {
+  Statement one = database_.prepare("SELECT trajectory, controller, replicate FROM plan WHERE run = ?");
+  one.bind(0, static_cast<std::int64_t>(run)).step();
+  return fmt::format("{} {} {}", one.text(0), one.text(1), one.integer(2));
+}
+
+Results RunStore::results() {
+  Results results;
+  results.settle_s = std::stod(provenance_.at("settle_s"));
+  Statement all = database_.prepare("SELECT * FROM runs");
+  while (all.step()) {
+    ResultRow row;
+    row.experiment = provenance_.at("name");
+    row.vehicle = provenance_.at("vehicle");
+    row.trajectory = all.text(0);
+    row.controller = all.text(1);
+    row.replicate = all.integer(2);
+    row.outcome = find_outcome(all.text(3)).value();
+    int column = 4;
+    for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m})
+      *value = all.number(column++);
+    row.key = all.text(column);
+    results.rows.push_back(std::move(row));
+  }
+  return results;
+}
+
+void RunStore::close() {
+  insert_.reset();
+  database_.run("PRAGMA journal_mode = DELETE");
+}
+
+}  // namespace gustlab

@@ -1,0 +1,155 @@
+#include "sweep/sweep.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+
+#include "gustlab/errors.hpp"
+#include "util/files.hpp"
+#include "util/parallel.hpp"
+
+namespace gustlab {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string store_path(const std::string& folder) { return (fs::path(folder) / "runs.sqlite").string(); }
+std::string csv_path(const std::string& folder) { return (fs::path(folder) / "runs.csv").string(); }
+
+void check_same_sweep(const std::string& path, const Provenance& there, const Provenance& here) {
+  if (there.at("experiment") != here.at("experiment"))
+    throw ConfigError(fmt::format("{}: this store is of another experiment (its resolved configuration differs) use another --out", path));
+  if (there.at("shard") != here.at("shard"))
+    throw ConfigError(fmt::format("{}: this store is of shard {}, not {} use another --out", path, there.at("shard"), here.at("shard")));
+}
+
+std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
+  const std::string path = store_path(folder);
+  if (!fs::is_regular_file(path))
+    throw DataError(fmt::format("{}: no results here (runs.sqlite is missing) make them with `gustlab sweep EXPERIMENT --out {}`", folder, folder));
+  return std::make_unique<RunStore>(path, Database::Mode::read);
+}
+
+// every planned run is in exactly one shard
+void check_complete(const std::vector<std::string>& folders, const std::vector<std::unique_ptr<RunStore>>& shards) {
+  std::vector<const std::string*> owner(shards.front()->done().size());
+  for (std::size_t k = 0; k < shards.size(); ++k) {
+    const std::vector<bool> done = shards[k]->done();
+    for (std::size_t run = 0; run < done.size(); ++run) {
+      if (!done[run]) continue;
+      if (owner[run])
+        throw DataError(fmt::format("{} and {} both have run {} (each run may be in one shard only) leave one of them out", *owner[run],
+                                    folders[k], shards[k]->name_of(run)));
+      owner[run] = &folders[k];
+    }
+  }
+  const auto missing = std::count(owner.begin(), owner.end(), nullptr);
+  const auto first = static_cast<std::size_t>(std::find(owner.begin(), owner.end(), nullptr) - owner.begin());
+  if (missing > 0)
+    throw DataError(fmt::format("{} of {} runs are missing, {} the first of them (every shard must be there, and finished)", missing,
+                                owner.size(), shards.front()->name_of(first)));
+}
+
+}  // namespace
+
+void fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs, const std::atomic<bool>& stop,
+             const std::function<void(const RunRecord&)>& on_record) {
+  std::mutex one_at_a_time;
+  parallel_for(static_cast<std::int64_t>(runs.size()), jobs, [&](std::int64_t i) {
+    if (stop) return;
+    const RunRecord record = run(experiment, runs[static_cast<std::size_t>(i)]);
+    const std::lock_guard lock(one_at_a_time);
+    on_record(record);
+  });
+}
+
+std::vector<RunRecord> fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs) {
+  std::vector<RunRecord> records(runs.size());
+  parallel_for(static_cast<std::int64_t>(runs.size()), jobs, [&](std::int64_t i) {
+    records[static_cast<std::size_t>(i)] = run(experiment, runs[static_cast<std::size_t>(i)]);
+  });
+  return records;
+}
+
+SweepReport sweep(const Experiment& experiment, const SweepOptions& options, const std::atomic<bool>& stop,
+                  const std::function<void(std::size_t done, std::size_t planned)>& progress) {
+  const std::string path = store_path(options.out);
+  if (fs::exists(path) && !options.resume)
+    throw ConfigError(fmt::format("{}: there are results already (a sweep never overwrites) use --resume or another --out", path));
+  make_folder(options.out);
+
+  SweepReport report;
+  const std::vector<RunSpec> all = plan(experiment);
+  const Provenance here = provenance_of(experiment, options.shard);
+  RunStore store(path, Database::Mode::create);
+  if (store.provenance().empty()) {
+    store.begin(here, experiment, all);
+  } else {
+    check_same_sweep(path, store.provenance(), here);
+    // runs of another program are not mixed with ours
+    for (const std::string& name : differences(store.provenance(), here))
+      report.redone_because += fmt::format("{}{} was {}, is {}", report.redone_because.empty() ? "" : "; ", name,
+                                           store.provenance().at(name), here.at(name));
+    if (!report.redone_because.empty()) store.start_over(here);
+  }
+
+  std::vector<RunSpec> pending;
+  const std::vector<bool> done = store.done();
+  for (const RunSpec& spec : all) {
+    if (!options.shard.has(spec.index)) continue;
+    ++report.planned;
+    if (!done[spec.index]) pending.push_back(spec);
+  }
+  report.done = report.planned - pending.size();
+  progress(report.done, report.planned);
+  fly_all(experiment, pending, options.jobs, stop, [&](const RunRecord& record) {
+    store.add(record);
+    progress(++report.done, report.planned);
+  });
+
+  store.close();
+  if (report.done == report.planned) write_file(csv_path(options.out), to_csv(store.results().rows));
+  return report;
+}
+
+void merge(const std::vector<std::string>& folders, const std::string& out) {
+  if (fs::exists(store_path(out)))
+    throw ConfigError(fmt::format("{}: there are results already (a merge never overwrites) use another --out", store_path(out)));
+  std::vector<std::unique_ptr<RunStore>> shards;
+  for (const std::string& folder : folders) {
+    shards.push_back(open_to_read(folder));
+    const auto differ = differences(shards.front()->provenance(), shards.back()->provenance());
+    if (!differ.empty())
+      throw DataError(fmt::format("{} and {} do not belong together (their {} differ)", folders.front(), folder, fmt::join(differ, ", ")));
+  }
+  check_complete(folders, shards);
+
+  Provenance merged = shards.front()->provenance();
+  merged["shard"] = "1/1";
+  // every kind of machine that took part
+  for (const auto& shard : shards)
+    if (const std::string& cpu = shard->provenance().at("cpu"); merged["cpu"].find(cpu) == std::string::npos) merged["cpu"] += " | " + cpu;
+
+  make_folder(out);
+  RunStore store(store_path(out), Database::Mode::create);
+  store.copy_plan(*shards.front(), merged);
+  for (const auto& shard : shards) store.take_runs(*shard);
+  store.close();
+  write_file(csv_path(out), to_csv(store.results().rows));
+}
+
+Results read_results(const std::string& folder) {
+  const auto store = open_to_read(folder);
+  Results results = store->results();
+  const std::size_t planned = store->done().size();
+  if (results.rows.size() != planned)
+    throw DataError(fmt::format("{}: {} of {} runs are done (a table needs every one) finish with --resume, or `gustlab merge` the shards",
+                                folder, results.rows.size(), planned));
+  return results;
+}
+
+}  // namespace gustlab

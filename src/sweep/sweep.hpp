@@ -1,0 +1,44 @@
+// All runs of an experiment, on several cores, into a store that survives anything.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sweep/store.hpp"
+
+namespace gustlab {
+
+// Flies runs on at most `jobs` threads, in no order; `on_record` is called for one run at a time. Runs that have not begun
+// when `stop` becomes true are left out. The same records for any number of threads.
+void fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs, const std::atomic<bool>& stop,
+             const std::function<void(const RunRecord&)>& on_record);
+// The records in the order of the runs.
+std::vector<RunRecord> fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs);
+
+struct SweepOptions {
+  std::string out;     // folder of runs.sqlite and runs.csv
+  Shard shard;
+  int jobs = 1;
+  bool resume = false;
+};
+struct SweepReport {
+  std::size_t planned = 0;      // runs of the shard
+  std::size_t done = 0;         // of those, now in the store
+  std::string redone_because;   // not empty: runs of another program were thrown away
+};
+
+// Throws ConfigError when the store is there without `resume`, or is of another experiment or shard. runs.csv is written
+// when every run is done.
+SweepReport sweep(const Experiment& experiment, const SweepOptions& options, const std::atomic<bool>& stop,
+                  const std::function<void(std::size_t done, std::size_t planned)>& progress);
+
+// Joins shards of one experiment into `out`. Throws DataError when they differ, overlap, or leave a run out.
+void merge(const std::vector<std::string>& folders, const std::string& out);
+
+// Every planned run of a finished sweep. Throws DataError when there is no store, or runs are missing.
+Results read_results(const std::string& folder);
+
+}  // namespace gustlab
