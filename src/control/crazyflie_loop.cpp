@@ -1,0 +1,102 @@
+// The Crazyflie's attitude and rate loops, 500 Hz, and its legacy mixer (firmware 2024, attitude_pid_controller and
+// power_distribution_quadrotor). Units are the firmware's: degrees, and counts of a 16 bit motor scale.
+#include "control/attitude.hpp"
+#include "control/filters.hpp"
+#include "control/low_level.hpp"
+#include "control/pid.hpp"
+#include "control/rotors.hpp"
+
+namespace gustlab {
+
+namespace {
+
+constexpr double degree = pi / 180.0;
+
+// platform_defaults_cf2.h; roll, pitch, yaw
+const PidGains attitude_gains{{6.0, 6.0, 6.0}, {3.0, 3.0, 1.0}, {0.0, 0.0, 0.35}, {20.0, 20.0, 360.0}};
+const PidGains rate_gains{{250.0, 250.0, 120.0}, {500.0, 500.0, 16.7}, {2.5, 2.5, 0.0}, {33.3, 33.3, 166.7}};
+constexpr double derivative_cutoff_hz = 20.0;
+constexpr double torque_limit = 32767.0;  // int16
+
+class CrazyflieLoop final : public LowLevelLoop {
+ public:
+  CrazyflieLoop(const VehicleModel& vehicle, double period_s)
+      : period_s_(period_s), count_(vehicle.rotor_count), pwm_(vehicle) {
+    // legacy mixer: half of roll and pitch, by the side that a rotor is on
+    for (int i = 0; i < count_; ++i) {
+      const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
+      const Vector3 hub = rotor.position_B_m - vehicle.center_of_mass_B_m;
+      share_[static_cast<std::size_t>(i)] = {0.5 * side(hub.y()), -0.5 * side(hub.x()), -rotor.direction};
+    }
+  }
+
+  void reset(const Observation& first) override {
+    attitude_ = Pid(attitude_gains);
+    rate_ = Pid(rate_gains);
+    last_angle_deg_ = degrees(first.attitude_WB);
+    last_rate_degps_ = first.body_rate_B_radps / degree;
+    derivative_ = LowPass2<Vector3>(derivative_cutoff_hz, period_s_, Vector3::Zero());
+    command({});
+  }
+
+  void command(const ThrustAttitude& wanted) override {
+    wanted_deg_ = degrees(wanted.attitude_WB);
+    thrust_pwm_ = std::clamp(pwm_.pwm_of_thrust(wanted.thrust_N / count_), 0.0, PwmMap::full);
+  }
+
+  RotorCommand update(const Observation& observation) override {
+    const Vector3 angle_deg = degrees(observation.attitude_WB);
+    const Vector3 rate_degps = observation.body_rate_B_radps / degree;
+
+    // attitude error → rate, in Euler angles; derivative of the measured angle, not of the error
+    Vector3 error_deg = wanted_deg_ - angle_deg;
+    error_deg.z() = std::remainder(error_deg.z(), 360.0);
+    Vector3 angle_change_deg = last_angle_deg_ - angle_deg;
+    angle_change_deg.z() = std::remainder(angle_change_deg.z(), 360.0);
+    last_angle_deg_ = angle_deg;
+    const Vector3 wanted_rate_degps = attitude_.update(error_deg, angle_change_deg / period_s_, period_s_);
+
+    // rate error → torque in counts
+    const Vector3 rate_change = (last_rate_degps_ - rate_degps) / period_s_;
+    last_rate_degps_ = rate_degps;
+    const Vector3 torque = limited(rate_.update(wanted_rate_degps - rate_degps, derivative_.update(rate_change), period_s_),
+                                   Vector3::Constant(torque_limit));
+
+    // counts above the scale are taken from every rotor alike
+    RotorArray pwm{};
+    double above = 0.0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+      pwm[i] = thrust_pwm_ + share_[i].dot(torque);
+      above = std::max(above, pwm[i] - PwmMap::full);
+    }
+    RotorCommand command;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i)
+      command.speed_radps[i] = pwm_.speed_of_pwm(std::clamp(pwm[i] - above, 0.0, PwmMap::full));
+    return command;
+  }
+
+ private:
+  static double side(double y_m) { return y_m > 0.0 ? 1.0 : -1.0; }
+  static Vector3 degrees(const Quaternion& attitude_WB) {
+    const EulerAngles angles = euler_angles(attitude_WB);
+    return Vector3(angles.roll_rad, angles.pitch_rad, angles.yaw_rad) / degree;
+  }
+
+  double period_s_;
+  int count_;
+  PwmMap pwm_;
+  std::array<Vector3, max_rotors> share_;
+  Pid attitude_, rate_;
+  LowPass2<Vector3> derivative_;
+  Vector3 last_angle_deg_ = Vector3::Zero(), last_rate_degps_ = Vector3::Zero();
+  Vector3 wanted_deg_ = Vector3::Zero();
+  double thrust_pwm_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<LowLevelLoop> make_crazyflie_loop(const VehicleModel& vehicle, double period_s) {
+  return std::make_unique<CrazyflieLoop>(vehicle, period_s);
+}
+
+}  // namespace gustlab
