@@ -1,0 +1,10 @@
+// One function per command: declares it, its options and what it does. main() catches what they throw.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace gustlab {
+
+void add_score(CLI::App& app);
+
+}  // namespace gustlab

@@ -1,0 +1,177 @@
+#include "report/score_trial.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// rotor_loss#3 is the loss of rotor 3
+std::pair<std::string, int> split_label(const std::string& label) {
+  const std::size_t mark = label.find('#');
+  if (mark == std::string::npos) return {label, 0};
+  return {label.substr(0, mark), std::atoi(label.c_str() + mark + 1)};
+}
+
+std::string make_label(const std::string& effect, int rotor) {
+  return rotor > 0 ? fmt::format("{}#{}", effect, rotor) : effect;
+}
+
+Json part(const Json& object, const char* key) { return object.contains(key) ? object.at(key) : Json::object(); }
+
+std::vector<std::string> texts(const Json& object, const char* key) {
+  std::vector<std::string> found;
+  if (object.contains(key))
+    for (const Json& item : object.at(key)) found.push_back(item.get<std::string>());
+  return found;
+}
+
+Concealed read_concealed(const Json& entry) {
+  Concealed truth;
+  truth.effect = entry.at("effect").get<std::string>();
+  truth.parameters = part(entry, "parameters");
+  truth.per_flight = part(entry, "per_flight");
+  truth.rotor = truth.parameters.value("rotor", 0);
+  truth.parameters.erase("rotor");
+  truth.strength = entry.value("strength_over_limit", std::numeric_limits<double>::quiet_NaN());
+  return truth;
+}
+
+Named read_named(const Json& entry) {
+  Named name;
+  std::tie(name.effect, name.rotor) = split_label(entry.at("effect").get<std::string>());
+  name.parameters = part(entry, "parameters");
+  name.per_flight = part(entry, "per_flight");
+  if (name.parameters.contains("rotor")) {
+    const Json& rotor = name.parameters.at("rotor");
+    name.rotor = static_cast<int>(rotor.is_object() ? rotor.at("value").get<double>() : rotor.get<double>());
+    name.parameters.erase("rotor");
+  }
+  name.alternatives = texts(entry, "class");
+  name.confidence = entry.value("confidence", 0.0);
+  return name;
+}
+
+void read_diagnosis(const std::filesystem::path& path, ScoredTrial& trial) {
+  std::ifstream file(path);
+  if (!file) return;
+  try {
+    const Json diagnosis = Json::parse(file);
+    trial.verdict = diagnosis.at("verdict").get<std::string>();
+    for (const Json& entry : diagnosis.at("effects")) trial.named.push_back(read_named(entry));
+    for (const Json& entry : part(diagnosis, "mismatch"))
+      if (entry.value("significant", false)) trial.significant.push_back(entry.at("channel").get<std::string>());
+    trial.fit = part(diagnosis, "fit");
+    trial.diagnosed = true;
+  } catch (const Json::exception&) {
+    // a diagnosis that is not one counts as missing
+    trial.verdict = "unreadable";
+    trial.named.clear();
+    trial.significant.clear();
+  }
+}
+
+// the assignment of names to truths that leaves the fewest truths alone, names themselves before their classes
+struct Assignment {
+  const ScoredTrial& trial;
+  std::vector<int> current, best;
+  std::vector<bool> taken;
+  int best_score = -1;
+
+  void search(std::size_t i, int score) {
+    if (i == trial.truth.size()) {
+      if (score > best_score) best_score = score, best = current;
+      return;
+    }
+    for (std::size_t n = 0; n < trial.named.size(); ++n) {
+      if (taken[n] || !matches(trial.named[n], trial.truth[i])) continue;
+      taken[n] = true;
+      current[i] = static_cast<int>(n);
+      search(i + 1, score + (trial.named[n].effect == trial.truth[i].effect ? 101 : 100));
+      taken[n] = false;
+    }
+    current[i] = -1;
+    search(i + 1, score);
+  }
+};
+
+void assign(ScoredTrial& trial) {
+  Assignment assignment{trial, std::vector<int>(trial.truth.size(), -1), {}, std::vector<bool>(trial.named.size()), -1};
+  assignment.search(0, 0);
+  trial.partner = assignment.best;
+  trial.right.assign(trial.named.size(), false);
+  for (const int name : trial.partner)
+    if (name >= 0) trial.right[static_cast<std::size_t>(name)] = true;
+}
+
+}  // namespace
+
+std::string Concealed::label() const { return make_label(effect, rotor); }
+std::string Named::label() const { return make_label(effect, rotor); }
+
+bool ScoredTrial::above_limit() const {
+  return std::all_of(truth.begin(), truth.end(), [](const Concealed& t) { return t.above_limit(); });
+}
+
+int ScoredTrial::found() const {
+  return static_cast<int>(std::count_if(partner.begin(), partner.end(), [](int name) { return name >= 0; }));
+}
+
+bool ScoredTrial::exact() const {
+  return diagnosed && named.size() == truth.size() && found() == static_cast<int>(truth.size());
+}
+
+bool ScoredTrial::exact_strict() const {
+  if (!exact()) return false;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    if (named[static_cast<std::size_t>(partner[i])].effect != truth[i].effect) return false;
+  return true;
+}
+
+bool matches(const Named& name, const Concealed& truth) {
+  if (name.effect == truth.effect) return truth.rotor == 0 || name.rotor == truth.rotor;
+  return std::any_of(name.alternatives.begin(), name.alternatives.end(), [&](const std::string& label) {
+    const auto [effect, rotor] = split_label(label);
+    return effect == truth.effect && (rotor == 0 || rotor == truth.rotor);
+  });
+}
+
+std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& diagnosis_folder) {
+  std::ifstream file(set.answers);
+  if (!file) throw DataError(fmt::format("{}: cannot be read (no such file?)", set.answers));
+  std::vector<ScoredTrial> trials;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    ScoredTrial trial;
+    try {
+      const Json answer = Json::parse(line);
+      trial.set = std::filesystem::path(set.folder).lexically_normal().filename().string();
+      trial.trial = answer.at("trial").get<std::string>();
+      for (const Json& entry : answer.at("effects")) trial.truth.push_back(read_concealed(entry));
+      const char* kinds[] = {"clean", "single", "pair"};
+      trial.kind = answer.value("kind", std::string(kinds[std::min<std::size_t>(2, trial.truth.size())]));
+      trial.vehicle = answer.value("vehicle", std::string());
+      trial.channels = texts(answer, "channels");
+      trial.oracle = part(answer, "oracle");
+    } catch (const Json::exception& error) {
+      throw DataError(fmt::format("{}:{}:1: not an answer ({}) expected an object with trial, kind and effects",
+                                  set.answers, number, error.what()));
+    }
+    read_diagnosis(std::filesystem::path(set.folder) / trial.trial / diagnosis_folder / "diagnosis.json", trial);
+    assign(trial);
+    trials.push_back(std::move(trial));
+  }
+  return trials;
+}
+
+}  // namespace gustlab
