@@ -23,10 +23,13 @@ std::string body_xml(const VehicleModel& vehicle, double step_s, bool with_groun
                            shape.attitude_BG.y(), shape.attitude_BG.z());
     floor = fmt::format("<geom type='plane' size='0 0 1' pos='0 0 {}'/>", *vehicle.environment.ground_z_m);
   }
+  // MuJoCo's short cut for bodies with centred, diagonal inertia must not be taken by others
+  const bool centred = vehicle.center_of_mass_B_m.isZero(0.0) && vehicle.inertia_B_kgm2.isDiagonal(0.0);
+  const char* simple = centred ? "auto" : "false";
   return fmt::format(
       "<mujoco><option timestep='{}' gravity='0 0 {}' integrator='Euler'><flag autoreset='disable' {}/></option>"
-      "<worldbody>{}<body><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>{}</body></worldbody></mujoco>",
-      step_s, -vehicle.gravity_mps2, with_ground ? "" : "contact='disable' constraint='disable'", floor, geoms);
+      "<worldbody>{}<body simple='{}'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>{}</body></worldbody></mujoco>",
+      step_s, -vehicle.gravity_mps2, with_ground ? "" : "contact='disable' constraint='disable'", floor, simple, geoms);
 }
 
 struct World {
