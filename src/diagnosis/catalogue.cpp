@@ -1,0 +1,182 @@
+#include "diagnosis/catalogue.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "simulation/make_effects.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+class NumberCollector final : public ParameterVisitor {
+ public:
+  std::vector<Number> found;
+  void number(std::string_view name, double& value, const ParameterInfo& info) override {
+    found.push_back({std::string(name), &value, info});
+  }
+  void vector(std::string_view name, Vector3& value, const ParameterInfo& info) override {
+    for (int i = 0; i < 3; ++i) found.push_back({fmt::format("{}.{}", name, "xyz"[i]), &value[i], info});
+  }
+  void integer(std::string_view, std::int64_t&, const ParameterInfo&) override {}
+  void flag(std::string_view, bool&, const ParameterInfo&) override {}
+  void text(std::string_view, std::string&, const ParameterInfo&) override {}
+  void numbers(std::string_view, std::vector<double>&, const ParameterInfo&) override {}
+  void texts(std::string_view, std::vector<std::string>&, const ParameterInfo&) override {}
+};
+
+// sets the rotor of rotor_loss
+class RotorSetter final : public ParameterVisitor {
+ public:
+  explicit RotorSetter(int rotor) : rotor_(rotor) {}
+  void integer(std::string_view name, std::int64_t& value, const ParameterInfo&) override {
+    if (name == "rotor") value = rotor_;
+  }
+  void number(std::string_view, double&, const ParameterInfo&) override {}
+  void flag(std::string_view, bool&, const ParameterInfo&) override {}
+  void text(std::string_view, std::string&, const ParameterInfo&) override {}
+  void numbers(std::string_view, std::vector<double>&, const ParameterInfo&) override {}
+  void texts(std::string_view, std::vector<std::string>&, const ParameterInfo&) override {}
+  void vector(std::string_view, Vector3&, const ParameterInfo&) override {}
+
+ private:
+  int rotor_;
+};
+
+// effects that have no column: found by other means (disturbance spectrum, limits, pendulum scan)
+bool has_no_column(std::string_view name) { return name == "gust" || name == "saturation" || name == "slung_load"; }
+
+}  // namespace
+
+std::vector<Number> numbers_of(Parameterized& effect) {
+  NumberCollector collector;
+  effect.visit(collector);
+  return collector.found;
+}
+
+double scale_of(Scale scale, const VehicleModel& vehicle) {
+  switch (scale) {
+    case Scale::one: return 1.0;
+    case Scale::weight: return vehicle.weight_N();
+    case Scale::arm: return vehicle.arm_m();
+    case Scale::rotor_torque_per_speed:
+      return vehicle.weight_N() * vehicle.arm_m() / (vehicle.rotor_count * vehicle.hover_speed_radps());
+    case Scale::yaw_inertia: return vehicle.inertia_B_kgm2(2, 2);
+  }
+  return 1.0;
+}
+
+Catalogue::Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage, bool with_force) : vehicle_(vehicle) {
+  const auto add = [&](const EffectRow& row, int rotor) {
+    Group group;
+    group.label = rotor > 0 ? fmt::format("{}#{}", row.name, rotor) : std::string(row.name);
+    group.row = &row;
+    group.rotor = rotor;
+    group.nominal = std::any_of(vehicle.effects.begin(), vehicle.effects.end(),
+                                [&](const EffectSpec& spec) { return spec.type == row.name; });
+    group.candidate = row.diagnosable && !has_no_column(row.name);
+    if (!group.candidate && !group.nominal) return;
+    if (row.name == "gust" || row.name == "measurement_noise") return;
+    const auto effect = make(group);
+    const auto numbers = numbers_of(*effect);
+    const int index = static_cast<int>(groups_.size());
+    for (std::size_t p = 0; group.candidate && p < numbers.size(); ++p) {
+      const Number& number = numbers[p];
+      // the battery is described by its voltage where there is one, otherwise by time
+      if (row.name == "battery_sag" && (number.name == "rate") == with_voltage) continue;
+      Column column;
+      column.group = index;
+      column.parameter = static_cast<int>(p);
+      column.name = number.name;
+      column.unit = number.info.unit;
+      const double scale = scale_of(number.info.scale, vehicle);
+      column.natural = number.info.natural * scale;
+      column.tolerance = number.info.tolerance * scale;
+      column.min = number.info.min;
+      column.max = number.info.max;
+      column.nominal = *number.value;
+      for (int f = 0; f < (row.per_flight ? flights : 1); ++f) {
+        column.flight = row.per_flight ? f : -1;
+        group.columns.push_back(size());
+        columns_.push_back(column);
+      }
+    }
+    groups_.push_back(std::move(group));
+  };
+  for (const EffectRow& row : effect_registry()) {
+    if (row.name == "rotor_loss")
+      for (int rotor = 1; rotor <= vehicle.rotor_count; ++rotor) add(row, rotor);
+    else
+      add(row, 0);
+  }
+  for (int f = 0; f < flights; ++f)
+    for (int p = 0; p < (with_force ? 6 : 3); ++p) {
+      Column bias;
+      bias.parameter = p;
+      bias.flight = f;
+      bias.name = fmt::format("{}_bias_{}", p < 3 ? "gyro" : "accelerometer", "xyz"[p % 3]);
+      bias.unit = p < 3 ? "rad/s" : "m/s^2";
+      bias.natural = p < 3 ? 0.02 : 0.1;
+      bias.min = p < 3 ? -1.0 : -5.0;
+      bias.max = -bias.min;
+      columns_.push_back(bias);
+    }
+}
+
+std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
+  std::unique_ptr<Effect> effect;
+  for (const EffectSpec& spec : vehicle_.effects)
+    if (spec.type == group.row->name) effect = std::move(make_effects({spec}).front().effect);
+  if (!effect) effect = group.row->make();
+  if (group.rotor > 0) {
+    RotorSetter setter(group.rotor);
+    effect->visit(setter);
+  }
+  // a lag that is alike up and down becomes two equal numbers, so that both can be fitted
+  if (group.row->name == "motor_lag") {
+    const auto numbers = numbers_of(*effect);
+    if (*numbers[1].value < 0.0) *numbers[1].value = *numbers[0].value;
+  }
+  return effect;
+}
+
+Eigen::VectorXd Catalogue::nominal() const {
+  Eigen::VectorXd value(size());
+  for (int c = 0; c < size(); ++c) value[c] = columns_[static_cast<std::size_t>(c)].nominal;
+  return value;
+}
+
+int Catalogue::find(std::string_view label) const {
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    if (groups_[g].label == label) return static_cast<int>(g);
+  return -1;
+}
+
+std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int flight, int also) const {
+  std::vector<NamedEffect> result;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Group& group = groups_[g];
+    bool acts = static_cast<int>(g) == also || !group.candidate;
+    for (const int c : group.columns) acts = acts || value[c] != 0.0;
+    if (!acts) continue;
+    auto effect = make(group);
+    const auto numbers = numbers_of(*effect);
+    for (const int c : group.columns) {
+      const Column& column = columns_[static_cast<std::size_t>(c)];
+      if (column.flight < 0 || column.flight == flight)
+        *numbers[static_cast<std::size_t>(column.parameter)].value = value[c];
+    }
+    result.push_back({group.row, std::move(effect)});
+  }
+  return result;
+}
+
+void Catalogue::clamp(Eigen::VectorXd& value) const {
+  for (int c = 0; c < size(); ++c) {
+    const Column& column = columns_[static_cast<std::size_t>(c)];
+    value[c] = std::clamp(value[c], column.min, column.max);
+  }
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,71 @@
+// The catalogue as columns of a regression: every parameter of every candidate effect, per vehicle or per flight.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gustlab/effect.hpp"
+
+namespace gustlab::diagnosis {
+
+// One number that may be fitted.
+struct Column {
+  int group = -1;        // −1: a sensor bias, always free and never a finding
+  int parameter = 0;     // index among the effect's numbers; of a bias: 0–2 rate, 3–5 accelerometer
+  int flight = -1;       // −1: one value for all flights
+  std::string name;
+  std::string unit;
+  double natural = 1.0;  // typical size in SI, the regression's unit
+  double tolerance = 0.0;
+  double min = 0.0, max = 0.0;
+  double nominal = 0.0;  // value in the vehicle file
+};
+
+// All numbers of one effect (of one rotor, for rotor_loss): selected or left out together.
+struct Group {
+  std::string label;     // rotor_drag, rotor_loss#3
+  const EffectRow* row = nullptr;
+  int rotor = 0;         // rotor_loss: 1…N
+  bool nominal = false;  // part of the vehicle file
+  bool candidate = true; // false: part of the nominal model, with nothing to fit
+  std::vector<int> columns;
+};
+
+// The numbers of an effect in the order in which it declares them.
+struct Number {
+  std::string name;
+  double* value;
+  ParameterInfo info;
+};
+std::vector<Number> numbers_of(Parameterized& effect);
+
+// What a parameter's natural size and tolerance are multiplied with for a vehicle.
+double scale_of(Scale scale, const VehicleModel& vehicle);
+
+class Catalogue {
+ public:
+  // `with_voltage`: battery_sag is fitted by voltage, otherwise by time. `flights`: how many, for values per flight.
+  Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage, bool with_force);
+
+  const std::vector<Group>& groups() const { return groups_; }
+  const std::vector<Column>& columns() const { return columns_; }
+  int size() const { return static_cast<int>(columns_.size()); }
+  Eigen::VectorXd nominal() const;
+  int find(std::string_view label) const;  // group index or −1
+
+  // The effects that fly in one flight at given values: those of non-zero strength, and `also` (a group) in any case.
+  std::vector<NamedEffect> effects(const Eigen::VectorXd& value, int flight, int also = -1) const;
+  // Values kept inside their bounds.
+  void clamp(Eigen::VectorXd& value) const;
+
+ private:
+  std::unique_ptr<Effect> make(const Group& group) const;
+
+  VehicleModel vehicle_;
+  std::vector<Group> groups_;
+  std::vector<Column> columns_;
+};
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,337 @@
+#include "diagnosis/flight_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gustlab/errors.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// columns of one log by name; absent columns read as NaN
+class Columns {
+ public:
+  Columns(const FlightLog& log, std::initializer_list<const char*> names) {
+    for (const char* name : names) columns_.push_back(log.find(name));
+  }
+  bool complete() const {
+    return std::all_of(columns_.begin(), columns_.end(), [](const auto* c) { return c != nullptr; });
+  }
+  Vector3 vector(std::size_t row) const { return {at(0, row), at(1, row), at(2, row)}; }
+  double at(std::size_t column, std::size_t row) const { return columns_[column] ? (*columns_[column])[row] : nan; }
+
+ private:
+  std::vector<const std::vector<double>*> columns_;
+};
+
+// actuator input → rotor speed, per rotor (FORMATS.md §2)
+double rotor_speed(const VehicleModel& vehicle, const Rotor& rotor, ActuatorKind kind, double input) {
+  const auto from_thrust = [&](double thrust_N) {
+    return std::sqrt(std::max(0.0, thrust_N) / rotor.thrust_coefficient_Ns2);
+  };
+  switch (kind) {
+    case ActuatorKind::rotor_speed: return input;
+    case ActuatorKind::thrust: return from_thrust(input);
+    case ActuatorKind::throttle: return input * vehicle.max_speed_radps;
+    case ActuatorKind::collective_thrust: return from_thrust(input / vehicle.rotor_count);
+    case ActuatorKind::pwm: break;
+  }
+  if (vehicle.actuator.pwm_line)
+    return input <= 0.0 ? 0.0 : vehicle.actuator.pwm_line->first * input + vehicle.actuator.pwm_line->second;
+  if (vehicle.actuator.pwm_thrust) {
+    const auto& c = *vehicle.actuator.pwm_thrust;
+    return from_thrust(c[0] + input * (c[1] + input * c[2]));
+  }
+  throw DataError(fmt::format("{}: no [actuator] pwm map (the log's inputs are pwm) add pwm or pwm_thrust",
+                              vehicle.source_path));
+}
+
+// local polynomial of given degree through (t − t0, value) of a window, least squares; returns its coefficients
+template <int Degree, class Value>
+std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> local_polynomial(const std::vector<double>& time_s,
+                                                                     const Value& value, std::size_t first,
+                                                                     std::size_t last, double at_s, double scale_s) {
+  Eigen::Matrix<double, Degree + 1, Degree + 1> gram = decltype(gram)::Zero();
+  Eigen::Matrix<double, Degree + 1, 4> right = decltype(right)::Zero();
+  for (std::size_t k = first; k < last; ++k) {
+    Eigen::Matrix<double, Degree + 1, 1> powers;
+    powers[0] = 1.0;
+    const double s = (time_s[k] - at_s) / scale_s;
+    for (int d = 1; d <= Degree; ++d) powers[d] = powers[d - 1] * s;
+    gram += powers * powers.transpose();
+    right += powers * value(k).transpose();
+  }
+  gram.diagonal().array() += 1e-12 * static_cast<double>(last - first);
+  const Eigen::Matrix<double, Degree + 1, 4> solution = gram.ldlt().solve(right);
+  std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> coefficients;
+  double unit = 1.0;
+  for (int d = 0; d <= Degree; ++d, unit *= scale_s)
+    coefficients[static_cast<std::size_t>(d)] = solution.row(d).transpose() / unit;
+  return coefficients;
+}
+
+// samples of one channel in one segment, and the local fits along them
+struct Stream {
+  std::vector<double> time_s;
+  std::vector<Eigen::Vector4d> value;
+
+  // [first, last) of the samples within half a window of a time, at least `least`
+  std::pair<std::size_t, std::size_t> window(double at_s, double half_s, std::size_t least) const {
+    auto first = static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s - half_s) - time_s.begin());
+    auto last = static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at_s + half_s) - time_s.begin());
+    while (last - first < least && (first > 0 || last < time_s.size())) {
+      const bool left = first > 0 && (last == time_s.size() || at_s - time_s[first - 1] < time_s[last] - at_s);
+      left ? --first : ++last;
+    }
+    return {first, last};
+  }
+
+  template <int Degree>
+  std::array<Eigen::Vector4d, Degree + 1> fit(double at_s, double half_s) const {
+    const auto [first, last] = window(at_s, half_s, Degree + 2);
+    return local_polynomial<Degree>(time_s, [this](std::size_t k) -> const Eigen::Vector4d& { return value[k]; }, first,
+                                    last, at_s, half_s);
+  }
+  bool can_fit(std::size_t least) const { return time_s.size() >= least; }
+};
+
+// body rate of a quaternion and its derivative: ω = 2 vec(q⁻¹ q̇)
+Vector3 rate_of(const Quaternion& q, const Eigen::Vector4d& derivative) {
+  const Quaternion dq(derivative[3], derivative[0], derivative[1], derivative[2]);
+  return 2.0 * (q.conjugate() * dq).vec();
+}
+
+}  // namespace
+
+double third_difference_noise(const std::vector<double>& y) {
+  std::vector<double> d;
+  for (std::size_t k = 3; k < y.size(); ++k) {
+    const double third = y[k] - 3.0 * y[k - 1] + 3.0 * y[k - 2] - y[k - 3];
+    if (std::isfinite(third)) d.push_back(std::abs(third));
+  }
+  return median(std::move(d)) / (0.6745 * std::sqrt(20.0));
+}
+
+CommandRecord::CommandRecord(std::vector<double> time_s, std::vector<RotorArray> speed_radps, bool linear)
+    : time_s_(std::move(time_s)), value_(std::move(speed_radps)), integral_(value_.size()), linear_(linear) {
+  for (std::size_t k = 1; k < value_.size(); ++k)
+    for (std::size_t i = 0; i < max_rotors; ++i)
+      integral_[k][i] = integral_[k - 1][i] + (time_s_[k] - time_s_[k - 1]) *
+                                                  (linear_ ? 0.5 * (value_[k - 1][i] + value_[k][i]) : value_[k - 1][i]);
+}
+
+RotorArray CommandRecord::integral(double time_s) const {
+  const auto next = std::upper_bound(time_s_.begin(), time_s_.end(), time_s);
+  const std::size_t k = next == time_s_.begin() ? 0 : static_cast<std::size_t>(next - time_s_.begin()) - 1;
+  const double dt = time_s - time_s_[k];
+  RotorArray result = integral_[k];
+  const bool inside = linear_ && dt > 0.0 && k + 1 < value_.size();
+  const double slope_time = inside ? 0.5 * dt * dt / (time_s_[k + 1] - time_s_[k]) : 0.0;
+  for (std::size_t i = 0; i < max_rotors; ++i) {
+    result[i] += dt * value_[k][i];
+    if (inside) result[i] += slope_time * (value_[k + 1][i] - value_[k][i]);
+  }
+  return result;
+}
+
+RotorArray CommandRecord::mean(double from_s, double to_s) const {
+  RotorArray a = integral(from_s), b = integral(to_s);
+  for (std::size_t i = 0; i < max_rotors; ++i) b[i] = (b[i] - a[i]) / (to_s - from_s);
+  return b;
+}
+
+FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, const ReadingOptions& options) {
+  FlightData flight;
+  flight.file = log.path;
+  flight.label = log.path.substr(log.path.find_last_of('/') + 1);
+  flight.vehicle = vehicle;
+  const Environment& seen = log.meta.environment;
+  if (seen.ground_z_m) flight.vehicle.environment.ground_z_m = seen.ground_z_m;
+  if (seen.ceiling_z_m) flight.vehicle.environment.ceiling_z_m = seen.ceiling_z_m;
+  if (!seen.walls.empty()) flight.vehicle.environment.walls = seen.walls;
+  flight.collective_only = log.meta.actuator == ActuatorKind::collective_thrust;
+  flight.hold_known = log.meta.hold != Hold::unknown;
+  const bool linear = log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
+
+  const auto& time = log.time_s;
+  const std::size_t rows = log.rows();
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < rows; ++k) steps.push_back(time[k] - time[k - 1]);
+  const double log_step_s = median(steps);
+
+  // commands and measured rotor speeds keep their full rate
+  const auto record = [&](const char* prefix, ActuatorKind kind, bool interpolated) {
+    std::vector<const std::vector<double>*> columns;
+    const int wanted = kind == ActuatorKind::collective_thrust ? 1 : vehicle.rotor_count;
+    for (int i = 1; i <= wanted; ++i) columns.push_back(log.find(fmt::format("{}{}", prefix, i)));
+    if (columns.empty() || std::find(columns.begin(), columns.end(), nullptr) != columns.end()) return CommandRecord{};
+    std::vector<double> at;
+    std::vector<RotorArray> speed;
+    for (std::size_t k = 0; k < rows; ++k) {
+      RotorArray row{};
+      bool finite = true;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i) {
+        const double input = (*columns[std::min(i, columns.size() - 1)])[k];
+        finite = finite && std::isfinite(input);
+        if (finite) row[i] = rotor_speed(vehicle, vehicle.rotors[i], kind, input);
+      }
+      if (!finite) continue;
+      at.push_back(time[k]);
+      speed.push_back(row);
+    }
+    return at.size() < 2 ? CommandRecord{} : CommandRecord(std::move(at), std::move(speed), interpolated);
+  };
+  flight.commands = record("u", log.meta.actuator, linear);
+  flight.measured_speed = record("rotor", ActuatorKind::rotor_speed, true);
+  if (flight.commands.empty() && flight.measured_speed.empty())
+    throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
+                                vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));
+
+  const Columns p(log, {"px", "py", "pz"}), v(log, {"vx", "vy", "vz"}), w(log, {"wx", "wy", "wz"}),
+      a(log, {"ax", "ay", "az"}), q(log, {"qw", "qx", "qy", "qz"});
+  const auto* voltage = log.find("vbat");
+  flight.has_voltage = voltage != nullptr;
+
+  // faster logs are averaged down: the mean of a few samples at their mean time
+  const std::size_t group = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (log_step_s * options.max_rate_hz))));
+  Quaternion previous = Quaternion::Identity();
+  double last_voltage = vehicle.nominal_voltage_V;
+  for (std::size_t first = 0; first + group <= rows; first += group) {
+    Sample sample;
+    Eigen::Vector4d attitude = Eigen::Vector4d::Zero();
+    sample.channels = has_position | has_velocity | has_attitude | has_rate | has_force;
+    double volts = 0.0;
+    for (std::size_t k = first; k < first + group; ++k) {
+      const auto add = [&](const Columns& columns, Vector3& sum, unsigned channel) {
+        const Vector3 value = columns.vector(k);
+        if (value.allFinite()) sum += value / static_cast<double>(group);
+        else sample.channels &= ~channel;
+      };
+      sample.time_s += time[k] / static_cast<double>(group);
+      add(p, sample.position_W_m, has_position);
+      add(v, sample.velocity_W_mps, has_velocity);
+      add(w, sample.body_rate_B_radps, has_rate);
+      add(a, sample.specific_force_B_mps2, has_force);
+      Quaternion one(q.at(0, k), q.at(1, k), q.at(2, k), q.at(3, k));
+      if (one.coeffs().allFinite()) {
+        if (one.coeffs().dot(previous.coeffs()) < 0.0) one.coeffs() *= -1.0;
+        previous = one;
+        attitude += one.coeffs();
+      } else {
+        sample.channels &= ~has_attitude;
+      }
+      if (voltage && std::isfinite((*voltage)[k])) last_voltage = (*voltage)[k];
+      volts += last_voltage / static_cast<double>(group);
+    }
+    if (sample.channels & has_attitude) sample.attitude_WB.coeffs() = attitude.normalized();
+    if (sample.channels & has_position) sample.channels &= ~has_velocity;  // derived from the position
+    sample.voltage_V = flight.has_voltage ? volts : 0.0;
+    if (!flight.samples.empty() && flight.samples.back().attitude_WB.coeffs().dot(sample.attitude_WB.coeffs()) < 0.0)
+      sample.attitude_WB.coeffs() *= -1.0;
+    flight.samples.push_back(sample);
+  }
+  steps.clear();
+  for (std::size_t k = 1; k < flight.samples.size(); ++k)
+    steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);
+  flight.sample_s = median(steps);
+  for (std::size_t k = 0; k < flight.samples.size(); ++k)
+    flight.samples[k].starts_segment = k == 0 || steps[k - 1] > 1.6 * flight.sample_s;
+  flight.start_s = flight.samples.empty() ? 0.0 : flight.samples.front().time_s;
+
+  // commands at a limit tell nothing of the small signal
+  const CommandRecord& inputs = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  for (std::size_t k = 1; k < flight.samples.size(); ++k) {
+    const RotorArray mean = inputs.mean(flight.samples[k].time_s - flight.sample_s, flight.samples[k].time_s);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
+      flight.samples[k].saturated = flight.samples[k].saturated || mean[i] >= 0.999 * vehicle.max_speed_radps;
+  }
+  smooth_motion(flight, {});
+  return flight;
+}
+
+void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
+  const auto& samples = flight.samples;
+  flight.motion.assign(samples.size(), Motion{});
+  const double pose_half_s = std::max(0.095, 2.6 * flight.sample_s), rate_half_s = std::max(0.045, 2.1 * flight.sample_s),
+               acceleration_half_s = std::max(0.105, 3.1 * flight.sample_s);
+
+  for (std::size_t begin = 0; begin < samples.size();) {
+    std::size_t end = begin + 1;
+    while (end < samples.size() && !samples[end].starts_segment) ++end;
+
+    // sensor effects come out of the samples: a late pose belongs to an earlier time
+    Stream position, velocity, attitude, rate;
+    for (std::size_t k = begin; k < end; ++k) {
+      const Sample& s = samples[k];
+      const auto put = [](Stream& stream, double time_s, const Vector3& value) {
+        stream.time_s.push_back(time_s);
+        stream.value.emplace_back(value.x(), value.y(), value.z(), 0.0);
+      };
+      const double pose_time_s = s.time_s - correction.pose_delay_s;
+      if (s.channels & has_position) put(position, pose_time_s, s.position_W_m);
+      if (s.channels & has_velocity) put(velocity, pose_time_s, s.velocity_W_mps);
+      if (s.channels & has_rate)
+        put(rate, s.time_s, (s.body_rate_B_radps - correction.rate_bias_B_radps) / (1.0 + correction.rate_scale));
+      if (s.channels & has_attitude) {
+        const Vector3 back = -correction.attitude_offset_B_rad;
+        const double angle = back.norm();
+        Quaternion q = s.attitude_WB;
+        if (angle > 0.0) q = q * Quaternion(Eigen::AngleAxisd(angle, back / angle));
+        attitude.time_s.push_back(pose_time_s);
+        attitude.value.push_back(q.coeffs());
+      }
+    }
+    for (std::size_t k = begin; k < end; ++k) {
+      Motion& motion = flight.motion[k];
+      const double t = samples[k].time_s;
+      if (position.can_fit(5)) {
+        const auto c = position.fit<3>(t, pose_half_s);
+        motion.position_W_m = c[0].head<3>();
+        motion.velocity_W_mps = c[1].head<3>();
+        motion.acceleration_W_mps2 = 2.0 * position.fit<3>(t, acceleration_half_s)[2].head<3>();
+      } else if (velocity.can_fit(5)) {
+        const auto c = velocity.fit<3>(t, pose_half_s);
+        motion.velocity_W_mps = c[0].head<3>();
+        motion.acceleration_W_mps2 = c[1].head<3>();
+      }
+      if (attitude.can_fit(5)) {
+        const auto c = attitude.fit<3>(t, pose_half_s);
+        motion.attitude_WB.coeffs() = c[0].normalized();
+        motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
+      }
+      if (rate.can_fit(5)) {
+        const auto c = rate.fit<2>(t, rate_half_s);
+        motion.body_rate_B_radps = c[0].head<3>();
+        motion.angular_acceleration_B_radps2 = c[1].head<3>();
+      }
+      // without attitude the rate is integrated; torques and body forces do not depend on it
+      if (!attitude.can_fit(5) && k > begin) {
+        const Vector3 turn = flight.motion[k - 1].body_rate_B_radps * (t - samples[k - 1].time_s);
+        const double angle = turn.norm();
+        motion.attitude_WB = flight.motion[k - 1].attitude_WB;
+        if (angle > 0.0) motion.attitude_WB = motion.attitude_WB * Quaternion(Eigen::AngleAxisd(angle, turn / angle));
+      }
+    }
+    if (!rate.can_fit(5) && attitude.can_fit(5))
+      for (std::size_t k = begin + 1; k + 1 < end; ++k)
+        flight.motion[k].angular_acceleration_B_radps2 =
+            (flight.motion[k + 1].body_rate_B_radps - flight.motion[k - 1].body_rate_B_radps) /
+            (samples[k + 1].time_s - samples[k - 1].time_s);
+    begin = end;
+  }
+}
+
+}  // namespace gustlab::diagnosis

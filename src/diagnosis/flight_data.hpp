@@ -1,0 +1,93 @@
+// A recording made ready for the filter: samples with what each of them measured, commands as rotor speeds, and a
+// smoothed trajectory to linearise about.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gustlab/effect.hpp"
+#include "gustlab/flight_log.hpp"
+
+namespace gustlab::diagnosis {
+
+// What a sample measured, as bits.
+enum Channel : unsigned { has_position = 1, has_velocity = 2, has_attitude = 4, has_rate = 8, has_force = 16 };
+
+struct Sample {
+  double time_s = 0.0;
+  unsigned channels = 0;
+  bool starts_segment = false;   // first sample, or first after a gap
+  bool saturated = false;        // a command at its limit in the interval before
+  Vector3 position_W_m = Vector3::Zero();
+  Vector3 velocity_W_mps = Vector3::Zero();
+  Quaternion attitude_WB = Quaternion::Identity();
+  Vector3 body_rate_B_radps = Vector3::Zero();
+  Vector3 specific_force_B_mps2 = Vector3::Zero();
+  double voltage_V = 0.0;
+};
+
+// Smoothed motion of the body's origin; its noise does not bias the result, the filter's state is the deviation from it.
+struct Motion {
+  Vector3 position_W_m = Vector3::Zero();
+  Vector3 velocity_W_mps = Vector3::Zero();
+  Vector3 acceleration_W_mps2 = Vector3::Zero();
+  Quaternion attitude_WB = Quaternion::Identity();
+  Vector3 body_rate_B_radps = Vector3::Zero();
+  Vector3 angular_acceleration_B_radps2 = Vector3::Zero();
+};
+
+// Commands as a function of time: rotor speeds, held or interpolated, with exact means over intervals.
+class CommandRecord final {
+ public:
+  CommandRecord() = default;
+  // rows: one RotorArray per time; linear: interpolated, otherwise held from its time stamp on
+  CommandRecord(std::vector<double> time_s, std::vector<RotorArray> speed_radps, bool linear);
+  RotorArray mean(double from_s, double to_s) const;
+  bool empty() const { return time_s_.empty(); }
+
+ private:
+  RotorArray integral(double time_s) const;
+  std::vector<double> time_s_;
+  std::vector<RotorArray> value_, integral_;
+  bool linear_ = false;
+};
+
+// Standard deviation of white noise on a series, from its third differences (robust): median|Δ³y| / (0.6745 √20).
+double third_difference_noise(const std::vector<double>& values);
+
+struct FlightData {
+  std::string file;
+  std::string label;                    // file name without folder
+  VehicleModel vehicle;                 // with the flight's environment
+  std::vector<Sample> samples;
+  std::vector<Motion> motion;           // per sample
+  CommandRecord commands;               // mapped to rotor speed
+  CommandRecord measured_speed;         // rotor* columns, when there
+  bool collective_only = false;         // torques unknown
+  bool has_voltage = false;
+  bool hold_known = false;
+  bool filtered = false;                // low-pass filtered before it was written
+  double sample_s = 0.01;               // median interval
+  double start_s = 0.0;
+  // seconds by which the pose lags the inertial data in the model of the moment; motion is corrected for it
+  double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s - samples.front().time_s; }
+};
+
+struct ReadingOptions {
+  std::optional<bool> linear_hold;      // overrides the log when it does not say
+  double max_rate_hz = 125.0;           // faster logs are averaged down
+};
+
+// Throws DataError when the actuator input cannot be mapped by the vehicle.
+FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, const ReadingOptions& options);
+// Smooths pose and rate again, with sensor effects taken out of the samples first.
+struct SensorCorrection {
+  Vector3 attitude_offset_B_rad = Vector3::Zero();
+  double pose_delay_s = 0.0;
+  Vector3 rate_bias_B_radps = Vector3::Zero();
+  double rate_scale = 0.0;
+};
+void smooth_motion(FlightData& flight, const SensorCorrection& correction);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,52 @@
+// The Kalman filter that weighs what the simulator missed, and the EM that learns how noisy the flight was.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "diagnosis/linear_model.hpp"
+
+namespace gustlab::diagnosis {
+
+// groups of the disturbance: horizontal force, vertical force, roll/pitch torque, yaw torque
+inline constexpr int disturbance_groups = 4;
+inline constexpr std::array<int, 6> disturbance_group = {0, 0, 1, 2, 2, 3};
+// groups of the measurement noise: position (or velocity), attitude, rate, specific force
+inline constexpr int noise_groups = 4;
+
+// Eight numbers of disturbance and four of noise; themselves a result ("unexplained disturbance 0.06 m/s², 0.15 s").
+struct NoiseModel {
+  std::array<double, disturbance_groups> variance{};    // of the wrench, (m/s²)² or (rad/s²)²
+  std::array<double, disturbance_groups> time_s{};      // its correlation time
+  std::array<double, noise_groups> measurement{};       // variances, SI²
+};
+
+// Innovations of y (last column) and of every column of the flight, whitened: rows in the order of arrival.
+struct Whitened {
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows;
+  std::vector<double> time_s;        // of each row
+  std::vector<int> channel;          // 0–11
+  std::vector<bool> warm;            // false while the filter forgets its prior
+  double minus_two_log_likelihood = 0.0;
+};
+
+// `extra`: further columns (12 × m per sample, B only), appended before y.
+Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
+                const std::vector<Eigen::MatrixXd>* extra = nullptr, const Eigen::VectorXd* shift = nullptr,
+                bool with_columns = true);
+
+// Sufficient statistics of one flight for EM, and the smoothed disturbance.
+struct Smoothed {
+  std::array<double, 6> second{}, lagged{};      // Σ E[d²], Σ E[d_k d_{k−1}]
+  std::array<double, 6> pairs{}, count{};
+  std::array<double, noise_groups> residual{}, residual_count{};
+  std::vector<Eigen::Matrix<double, 6, 1>> disturbance, disturbance_variance;
+};
+// `shift`: values of the flight's columns (natural units) taken out of the data first.
+Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen::VectorXd& shift);
+
+// One EM update from the statistics of several flights.
+NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s);
+
+}  // namespace gustlab::diagnosis

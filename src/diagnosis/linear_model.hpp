@@ -1,0 +1,54 @@
+// The simulator linearised along a flight, one sample ahead.
+//
+// Error state e = [δp δv δϑ δω] of the centre of mass (W, W, B, B) about the smoothed trajectory x̄, plus a free wrench
+// d = [force/mass in W, angular acceleration in B]:
+//   e⁺ = F e + (f(x̄_k, u; θ₀) ⊟ x̄_{k+1}) + Γ d + B θ,   y ⊟ h(x̄) = H e + D θ + v.
+// F, B and D are finite differences of the simulator's own forces; nothing is differentiated from the data.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "diagnosis/catalogue.hpp"
+#include "diagnosis/flight_data.hpp"
+#include "plant/force_model.hpp"
+
+namespace gustlab::diagnosis {
+
+inline constexpr int error_size = 12;     // δp δv δϑ δω
+inline constexpr int state_size = 18;     // and d
+inline constexpr int row_count = 12;      // position, attitude, rate, specific force
+
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+
+struct LinearFlight {
+  std::vector<Matrix12> F;
+  std::vector<Vector12> b;                           // f(x̄_k) ⊟ x̄_{k+1}
+  std::vector<double> interval_s;                    // to the next sample
+  std::vector<bool> starts;                          // no prediction reaches this sample
+  std::vector<Eigen::Matrix<bool, row_count, 1>> measured;
+  std::vector<Vector12> y;                           // measured ⊟ h(x̄)
+  std::vector<Matrix3> R_WB;
+  std::vector<Eigen::Matrix<double, 3, 9>> force_rows;  // ∂ specific force / ∂ (δv, δϑ, δω)
+  std::vector<int> columns;                          // of the catalogue, those that can act in this flight
+  std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
+  Vector3 center_of_mass_B_m = Vector3::Zero();
+  bool torque_known = true;
+  std::size_t size() const { return b.size(); }
+};
+
+// Rotor speeds over one sample interval, in substeps, and at its start.
+struct RotorHistory {
+  int substeps = 1;
+  std::vector<RotorArray> mean, acceleration;        // substeps per sample interval
+  std::vector<RotorArray> at_sample;
+};
+RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces);
+
+// Linearises one flight at given values. `wanted`: catalogue columns to differentiate (those of other flights are
+// passed over). F is kept from a former call when there is one.
+void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+               const std::vector<int>& wanted, LinearFlight& out);
+
+}  // namespace gustlab::diagnosis

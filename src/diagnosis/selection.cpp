@@ -1,0 +1,340 @@
+#include "diagnosis/selection.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <map>
+
+#include "diagnosis/subset_search.hpp"
+#include "gustlab/random.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// the search's working parts, in the order of DIAGNOSIS.md §3.6
+class Selector {
+ public:
+  Selector(Session& session, const SelectionOptions& options)
+      : s_(session), options_(options), catalogue_(session.catalogue()) {
+    natural_.resize(catalogue_.size());
+    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.columns()[static_cast<std::size_t>(c)].natural;
+  }
+
+  Selection run() {
+    Selection result;
+    Eigen::VectorXd value = catalogue_.nominal();
+    s_.linearise(value, s_.all_columns());
+    s_.learn_noise(6, s_.biases());
+    result.noise_nominal = s_.noise;
+
+    std::vector<int> chosen;
+    std::map<std::vector<int>, Eigen::VectorXd> visited;
+    for (int round = 0; round < 4; ++round) {
+      if (round > 0) s_.linearise(value, s_.all_columns());
+      s_.learn_noise(4, s_.all_columns());
+      const Grams grams = absolute(value);
+      const std::vector<int> next = search(grams);
+      value = refine(next, coefficients(grams, next));
+      visited[next] = value;
+      const bool settled = round > 0 && next == chosen;
+      chosen = next;
+      if (settled) break;
+      if (round == 0) s_.forget_transitions();
+      if (round == 3) value = best_visited(visited, chosen);
+    }
+    finish(result, chosen, value);
+    return result;
+  }
+
+ private:
+  // Grams whose coefficients count from the nominal vehicle, in natural units
+  Grams absolute(const Eigen::VectorXd& value) {
+    Grams grams = s_.grams();
+    grams.shift((value - catalogue_.nominal()).cwiseQuotient(natural_));
+    return grams;
+  }
+
+  std::vector<int> with_biases(const std::vector<int>& groups) const {
+    std::vector<int> columns = columns_of(catalogue_, groups);
+    columns.insert(columns.end(), s_.biases().begin(), s_.biases().end());
+    return columns;
+  }
+
+  double material(double rows, double total_gain) const {
+    return std::max(options_.materiality * rows, options_.relative_materiality * total_gain);
+  }
+
+  std::vector<int> search(const Grams& grams) const {
+    const Eigen::MatrixXd projected = project_out(grams.total(), s_.biases());
+    const SubsetSearch search(catalogue_, s_.vehicle(), std::log(grams.rows));
+    const auto by_size = search.run(projected, options_.most_effects, options_.beam);
+    double least = by_size[0].front().loss;
+    for (const auto& subsets : by_size)
+      for (const Subset& subset : subsets) least = std::min(least, subset.loss);
+    return SubsetSearch::choose(by_size, material(grams.rows, by_size[0].front().loss - least)).groups;
+  }
+
+  // values of a fit on absolute Grams, SI
+  Eigen::VectorXd coefficients(const Grams& grams, const std::vector<int>& groups) const {
+    const std::vector<int> columns = with_biases(groups);
+    const Fit fit = solve(grams.total(), columns);
+    Eigen::VectorXd value = catalogue_.nominal();
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] * natural_[columns[i]];
+    // a wind that was tried with a drag of natural size means more with a smaller one
+    const int wind = catalogue_.find("steady_wind"), drag = catalogue_.find("rotor_drag");
+    if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
+      const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
+      if (s_.value()[d] == 0.0 && value[d] > 0.1 * natural_[d])
+        for (const int c : catalogue_.groups()[static_cast<std::size_t>(wind)].columns) value[c] *= natural_[d] / value[d];
+    }
+    catalogue_.clamp(value);
+    return value;
+  }
+
+  // Gauss–Newton in the nonlinear model, at most three steps
+  Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
+    const std::vector<int> columns = with_biases(groups);
+    for (int step = 0; step < 3; ++step) {
+      s_.linearise(value, columns);
+      const Fit fit = solve(s_.grams().total(), columns);
+      double largest = 0.0;
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        const double move = std::clamp(fit.coefficient[static_cast<Eigen::Index>(i)], -20.0, 20.0);
+        value[columns[i]] += move * natural_[columns[i]];
+        largest = std::max(largest, std::abs(move));
+      }
+      catalogue_.clamp(value);
+      if (largest < 2e-2) break;
+    }
+    return value;
+  }
+
+  // the set did not settle: every visited set under one noise model
+  Eigen::VectorXd best_visited(const std::map<std::vector<int>, Eigen::VectorXd>& visited, std::vector<int>& chosen) {
+    double best = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd value = catalogue_.nominal();
+    for (const auto& [groups, start] : visited) {
+      const Eigen::VectorXd refined = refine(groups, start);
+      s_.linearise(refined, with_biases(groups));
+      const Grams grams = s_.grams();
+      const double loss = solve(grams.total(), with_biases(groups)).loss;
+      const double score = loss + std::log(grams.rows) * static_cast<double>(columns_of(catalogue_, groups).size()) +
+                           options_.materiality * grams.rows * static_cast<double>(groups.size());
+      if (score < best) {
+        best = score;
+        value = refined;
+        chosen = groups;
+      }
+    }
+    return value;
+  }
+
+  void finish(Selection& result, std::vector<int> chosen, const Eigen::VectorXd& value) {
+    s_.linearise(value, s_.all_columns());
+    s_.learn_noise(6, with_biases(chosen));
+    result.noise_selected = s_.noise;
+    result.grams = absolute(value);
+    const Eigen::MatrixXd total = result.grams.total();
+    result.degrees_of_freedom = result.grams.rows;
+    const double loss_none = solve(total, s_.biases()).loss;
+    result.loss_nominal = loss_none;
+
+    prune(result, chosen, total, loss_none);
+    const std::vector<int> columns = with_biases(chosen);
+    const Fit fit = solve(total, columns);
+    const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
+    result.loss_selected = fit.loss;
+    result.value = catalogue_.nominal();
+    result.deviation = Eigen::VectorXd::Zero(catalogue_.size());
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      result.value[columns[i]] += fit.coefficient[k] * natural_[columns[i]];
+      result.deviation[columns[i]] = std::sqrt(std::max(0.0, covariance(k, k))) * natural_[columns[i]];
+    }
+    catalogue_.clamp(result.value);
+    for (const int g : chosen) {
+      Finding finding;
+      finding.group = g;
+      std::vector<int> rest = chosen;
+      std::erase(rest, g);
+      finding.gain = solve(total, with_biases(rest)).loss - fit.loss;
+      finding.calibration = below_tolerance(result.value, g) || imitated_by_scatter(total, chosen, g);
+      result.findings.push_back(finding);
+    }
+    rivals(result, chosen, fit);
+    stability(result, chosen);
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
+    for (const int g : search.candidates) {
+      if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
+      std::vector<int> more = chosen;
+      more.push_back(g);
+      result.alone.emplace_back(g, fit.loss - solve(total, with_biases(more)).loss -
+                                       std::log(result.grams.rows) *
+                                           static_cast<double>(columns_of(catalogue_, {g}).size()));
+    }
+  }
+
+  // backward: what is not material or not significant goes, the weakest first
+  void prune(const Selection& result, std::vector<int>& chosen, const Eigen::MatrixXd& total, double loss_none) const {
+    while (!chosen.empty()) {
+      const std::vector<int> columns = with_biases(chosen);
+      const Fit fit = solve(total, columns);
+      const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
+      const double needed = material(result.grams.rows, std::max(0.0, loss_none - fit.loss));
+      int worst = -1;
+      double worst_gain = 0.0;
+      Eigen::Index at = 0;
+      for (const int g : chosen) {
+        const auto size = static_cast<Eigen::Index>(catalogue_.groups()[static_cast<std::size_t>(g)].columns.size());
+        std::vector<int> rest = chosen;
+        std::erase(rest, g);
+        const double gain = solve(total, with_biases(rest)).loss - fit.loss;
+        const Eigen::VectorXd b = fit.coefficient.segment(at, size);
+        Eigen::MatrixXd block = covariance.block(at, at, size, size);
+        block.diagonal().array() += 1e-18;
+        const double wald = b.dot(block.ldlt().solve(b));
+        const double p = boost::math::cdf(boost::math::complement(
+            boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
+        const bool bad = gain < needed || !(p < options_.wald_p / static_cast<double>(catalogue_.groups().size()));
+        if (bad && (worst < 0 || gain < worst_gain)) {
+          worst = g;
+          worst_gain = gain;
+        }
+        at += size;
+      }
+      if (worst < 0) return;
+      std::erase(chosen, worst);
+    }
+  }
+
+  bool below_tolerance(const Eigen::VectorXd& value, int g) const {
+    for (const int c : catalogue_.groups()[static_cast<std::size_t>(g)].columns) {
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      double tolerance = column.tolerance;
+      // a lag or delay below 0.6 sample is a convention of the log, unless it tells how commands are held
+      const bool timing = column.unit == "s" && column.tolerance > 0.0;
+      const bool told = std::all_of(s_.flights().begin(), s_.flights().end(), [](const FlightData& f) { return f.hold_known; });
+      if (timing && !told) tolerance = std::max(tolerance, 0.6 * s_.sample_s());
+      if (tolerance == 0.0 || std::abs(value[c] - column.nominal) >= tolerance) return false;
+    }
+    return true;
+  }
+
+  // could small build tolerances of everything together look like this effect?
+  bool imitated_by_scatter(const Eigen::MatrixXd& total, const std::vector<int>& chosen, int g) const {
+    const Group& group = catalogue_.groups()[static_cast<std::size_t>(g)];
+    if (catalogue_.columns()[static_cast<std::size_t>(group.columns.front())].tolerance == 0.0) return false;
+    Eigen::MatrixXd soft = total;
+    std::vector<int> trims;
+    for (int c = 0; c < catalogue_.size(); ++c) {
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const bool in = column.group >= 0 && std::find(chosen.begin(), chosen.end(), column.group) != chosen.end() && column.group != g;
+      if (column.tolerance == 0.0 || in) continue;
+      const double sd = options_.trim_share * column.tolerance / column.natural;
+      soft(c, c) += 1.0 / (sd * sd);
+      trims.push_back(c);
+    }
+    std::vector<int> rest = chosen;
+    std::erase(rest, g);
+    std::vector<int> without = with_biases(rest);
+    without.insert(without.end(), trims.begin(), trims.end());
+    Eigen::MatrixXd free = soft;
+    for (const int c : group.columns) {
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      if (column.tolerance == 0.0) without.push_back(c);
+      else free(c, c) = total(c, c);
+    }
+    return solve(soft, without).loss - solve(free, without).loss < options_.trim_cost;
+  }
+
+  // replace each selected effect by every other, one at a time
+  void rivals(Selection& result, const std::vector<int>& chosen, const Fit& fit) const {
+    const Eigen::MatrixXd total = result.grams.total();
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
+    const Eigen::VectorXd own = block_losses(result.grams, with_biases(chosen), fit.coefficient);
+    for (Finding& finding : result.findings) {
+      for (const int other : search.candidates) {
+        if (std::find(chosen.begin(), chosen.end(), other) != chosen.end()) continue;
+        std::vector<int> groups = chosen;
+        std::replace(groups.begin(), groups.end(), finding.group, other);
+        if (!search.allowed(groups)) continue;
+        const std::vector<int> columns = with_biases(groups);
+        const Fit replaced = solve(total, columns);
+        const Eigen::VectorXd difference = block_losses(result.grams, columns, replaced.coefficient) - own;
+        Eigen::VectorXd sums = Eigen::VectorXd::Zero(result.grams.clusters);
+        for (Eigen::Index b = 0; b < difference.size(); ++b)
+          sums[result.grams.cluster[static_cast<std::size_t>(b)]] += difference[b];
+        const double mean = sums.mean();
+        const double sd = std::sqrt((sums.array() - mean).square().sum() / std::max(1.0, static_cast<double>(sums.size()) - 1.0));
+        finding.rivals.push_back({other, sums.sum() / (std::sqrt(static_cast<double>(sums.size())) * sd + 1e-9),
+                                  replaced.loss - fit.loss});
+      }
+      std::stable_sort(finding.rivals.begin(), finding.rivals.end(),
+                       [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });
+      if (finding.rivals.size() > 4) finding.rivals.resize(4);
+    }
+  }
+
+  // complementary halves of the clusters, each searched anew
+  void stability(Selection& result, const std::vector<int>& chosen) const {
+    if (chosen.empty()) return;
+    const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
+    const RandomStream random(20261121, 0, "half_samples");
+    std::vector<int> count(catalogue_.groups().size(), 0);
+    const int most = static_cast<int>(chosen.size()) + 1;
+    for (int draw = 0; draw < options_.half_samples / 2; ++draw) {
+      std::vector<bool> first(static_cast<std::size_t>(result.grams.clusters));
+      for (std::size_t i = 0; i < first.size(); ++i)
+        first[i] = random.uniform4(static_cast<std::uint64_t>(draw) * 100000 + i)[0] < 0.5;
+      for (const bool half : {true, false}) {
+        Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(result.grams.columns + 1, result.grams.columns + 1);
+        double share = 0.0;
+        for (std::size_t b = 0; b < result.grams.block.size(); ++b)
+          if (first[static_cast<std::size_t>(result.grams.cluster[b])] == half) {
+            gram += result.grams.block[b];
+            share += 1.0 / static_cast<double>(result.grams.block.size());
+          }
+        const auto by_size = search.run(project_out(gram, s_.biases()), std::min(most, options_.most_effects), 5);
+        for (const int g : SubsetSearch::choose(by_size, options_.materiality * result.grams.rows * share).groups)
+          ++count[static_cast<std::size_t>(g)];
+      }
+    }
+    for (Finding& finding : result.findings)
+      finding.inclusion = static_cast<double>(count[static_cast<std::size_t>(finding.group)]) / options_.half_samples;
+  }
+
+  Session& s_;
+  const SelectionOptions& options_;
+  const Catalogue& catalogue_;
+  Eigen::VectorXd natural_;
+};
+
+}  // namespace
+
+std::vector<int> columns_of(const Catalogue& catalogue, const std::vector<int>& groups) {
+  std::vector<int> columns;
+  for (const int g : groups) {
+    const auto& own = catalogue.groups()[static_cast<std::size_t>(g)].columns;
+    columns.insert(columns.end(), own.begin(), own.end());
+  }
+  return columns;
+}
+
+std::vector<int> Selection::groups() const {
+  std::vector<int> result;
+  for (const Finding& finding : findings) result.push_back(finding.group);
+  return result;
+}
+
+const Finding* Selection::find(int group) const {
+  for (const Finding& finding : findings)
+    if (finding.group == group) return &finding;
+  return nullptr;
+}
+
+Selection select_effects(Session& session, const SelectionOptions& options) { return Selector(session, options).run(); }
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,177 @@
+#include "diagnosis/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "util/parallel.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+bool any_voltage(const std::vector<FlightData>& flights) {
+  return std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.has_voltage; });
+}
+
+bool any_channel(const std::vector<FlightData>& flights, unsigned channel) {
+  for (const FlightData& flight : flights)
+    for (const Sample& sample : flight.samples)
+      if (sample.channels & channel) return true;
+  return false;
+}
+
+// sensor effects and biases of one flight at given values
+SensorCorrection correction_at(const Catalogue& catalogue, const Eigen::VectorXd& value, int flight) {
+  SensorCorrection correction;
+  for (int c = 0; c < catalogue.size(); ++c) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    if (column.flight >= 0 && column.flight != flight) continue;
+    if (column.group < 0) {
+      if (column.parameter < 3) correction.rate_bias_B_radps[column.parameter] = value[c];
+      continue;
+    }
+    const std::string_view name = catalogue.groups()[static_cast<std::size_t>(column.group)].row->name;
+    if (name == "attitude_offset") correction.attitude_offset_B_rad[column.parameter] += value[c];
+    if (name == "yaw_offset") correction.attitude_offset_B_rad[2] += value[c];
+    if (name == "pose_delay") correction.pose_delay_s = value[c];
+    if (name == "gyro_scale") correction.rate_scale = value[c];
+  }
+  return correction;
+}
+
+bool same(const SensorCorrection& a, const SensorCorrection& b) {
+  return a.attitude_offset_B_rad == b.attitude_offset_B_rad && a.pose_delay_s == b.pose_delay_s &&
+         a.rate_bias_B_radps == b.rate_bias_B_radps && a.rate_scale == b.rate_scale;
+}
+
+}  // namespace
+
+std::array<double, disturbance_groups> reference_floor(const VehicleModel& vehicle) {
+  // 0.106 m/s² of force; torques in proportion to that force at 0.23 (0.20 in yaw) of the arm
+  const double force = 0.106, lever = force * vehicle.mass_kg * vehicle.arm_m();
+  return {force, force, 0.23 * lever / vehicle.inertia_B_kgm2(0, 0), 0.20 * lever / vehicle.inertia_B_kgm2(2, 2)};
+}
+
+NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleModel& vehicle) {
+  NoiseModel noise;
+  const auto floor = reference_floor(vehicle);
+  for (std::size_t g = 0; g < disturbance_groups; ++g) noise.variance[g] = 9.0 * floor[g] * floor[g];
+  noise.time_s = {0.15, 0.15, 0.06, 0.06};
+  constexpr std::array<unsigned, 4> channel = {has_position, has_attitude, has_rate, has_force};
+  constexpr std::array<double, 4> least = {1e-10, 1e-10, 1e-8, 1e-6};
+  for (std::size_t g = 0; g < noise_groups; ++g) {
+    double sum = 0.0, count = 0.0;
+    for (const FlightData& flight : flights)
+      for (int axis = 0; axis < 3; ++axis) {
+        std::vector<double> series;
+        for (const Sample& s : flight.samples) {
+          if (!(s.channels & channel[g])) continue;
+          series.push_back(g == 0   ? s.position_W_m[axis]
+                           : g == 1 ? 2.0 * s.attitude_WB.vec()[axis]
+                           : g == 2 ? s.body_rate_B_radps[axis]
+                                    : s.specific_force_B_mps2[axis]);
+        }
+        if (series.size() < 8) continue;
+        sum += third_difference_noise(series);
+        count += 1.0;
+      }
+    const double sd = count > 0.0 ? sum / count : 0.0;
+    noise.measurement[g] = std::max(sd * sd, least[g]);
+  }
+  return noise;
+}
+
+Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs)
+    : noise(initial_noise(flights, vehicle)),
+      jobs_(jobs),
+      vehicle_(vehicle),
+      flights_(std::move(flights)),
+      catalogue_(vehicle, static_cast<int>(flights_.size()), any_voltage(flights_), any_channel(flights_, has_force)),
+      linear_(flights_.size()),
+      value_(catalogue_.nominal()),
+      corrected_(flights_.size()) {
+  for (int c = 0; c < catalogue_.size(); ++c) {
+    all_.push_back(c);
+    if (catalogue_.columns()[static_cast<std::size_t>(c)].group < 0) biases_.push_back(c);
+  }
+}
+
+void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted) {
+  value_ = value;
+  for_each_flight([&](std::size_t f) {
+    const SensorCorrection correction = correction_at(catalogue_, value, static_cast<int>(f));
+    if (!same(correction, corrected_[f])) {
+      smooth_motion(flights_[f], correction);
+      corrected_[f] = correction;
+    }
+    gustlab::diagnosis::linearise(flights_[f], static_cast<int>(f), catalogue_, value, wanted, linear_[f]);
+    // the biases of the moment are taken out of the measurements
+    for (std::size_t k = 0; k < linear_[f].size(); ++k)
+      for (const int c : biases_) {
+        const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+        if (column.flight == static_cast<int>(f)) linear_[f].y[k][6 + column.parameter] -= value[c];
+      }
+  });
+}
+
+void Session::for_each_flight(const std::function<void(std::size_t)>& body) const {
+  parallel_for(static_cast<std::int64_t>(flights_.size()), jobs_, [&](std::int64_t f) { body(static_cast<std::size_t>(f)); });
+}
+
+void Session::forget_transitions() {
+  for (LinearFlight& flight : linear_) flight.F.clear();
+}
+
+Eigen::VectorXd flight_shift(const LinearFlight& flight, const std::vector<int>& columns,
+                             const Eigen::VectorXd& coefficient) {
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(flight.columns.size()));
+  for (std::size_t j = 0; j < flight.columns.size(); ++j)
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      if (columns[i] == flight.columns[j]) shift[static_cast<Eigen::Index>(j)] = coefficient[static_cast<Eigen::Index>(i)];
+  return shift;
+}
+
+// columns that were differentiated in the last linearisation
+std::vector<int> Session::present(const std::vector<int>& columns) const {
+  std::vector<int> result;
+  for (const int c : columns)
+    for (const LinearFlight& flight : linear_)
+      if (std::find(flight.columns.begin(), flight.columns.end(), c) != flight.columns.end()) {
+        result.push_back(c);
+        break;
+      }
+  return result;
+}
+
+void Session::learn_noise(int iterations, const std::vector<int>& columns) {
+  const std::vector<int> fitted = present(columns);
+  Eigen::VectorXd coefficient;
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    if (iteration % 2 == 0) coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
+    smoothed.assign(flights_.size(), Smoothed{});
+    for_each_flight([&](std::size_t f) {
+      smoothed[f] = smooth(linear_[f], noise, flight_shift(linear_[f], fitted, coefficient));
+    });
+    noise = update(noise, smoothed, sample_s());
+  }
+}
+
+Grams Session::grams() const {
+  std::vector<Whitened> whitened(flights_.size());
+  for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], linear_[f], noise); });
+  Grams grams;
+  for (std::size_t f = 0; f < flights_.size(); ++f)
+    accumulate(whitened[f], linear_[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+  return grams;
+}
+
+std::vector<Whitened> Session::innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const {
+  std::vector<Whitened> whitened(flights_.size());
+  for_each_flight([&](std::size_t f) {
+    const Eigen::VectorXd shift = flight_shift(linear_[f], columns, coefficient);
+    whitened[f] = whiten(flights_[f], linear_[f], noise, nullptr, &shift, false);
+  });
+  return whitened;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,57 @@
+// One diagnosis in memory: flights of one vehicle, linearised and weighed together.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "diagnosis/gram.hpp"
+
+namespace gustlab::diagnosis {
+
+class Session {
+ public:
+  Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs);
+
+  const Catalogue& catalogue() const { return catalogue_; }
+  const VehicleModel& vehicle() const { return vehicle_; }
+  const std::vector<FlightData>& flights() const { return flights_; }
+  const std::vector<LinearFlight>& linear() const { return linear_; }
+  const Eigen::VectorXd& value() const { return value_; }
+  const std::vector<int>& all_columns() const { return all_; }
+  const std::vector<int>& biases() const { return biases_; }
+  double sample_s() const { return flights_.front().sample_s; }
+
+  // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
+  void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted);
+  // F again from scratch at the next linearise (after a large effect was found).
+  void forget_transitions();
+  // EM on the noise, with the given columns at their least-squares values (ridged) all along.
+  void learn_noise(int iterations, const std::vector<int>& columns);
+  Grams grams() const;
+  // Innovations with the given columns taken out at these values (natural units, counted from the linearisation).
+  std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
+
+  NoiseModel noise;
+  std::vector<Smoothed> smoothed;   // of the last EM iteration
+
+ private:
+  std::vector<int> present(const std::vector<int>& columns) const;
+  void for_each_flight(const std::function<void(std::size_t)>& body) const;
+  int jobs_;
+  VehicleModel vehicle_;
+  std::vector<FlightData> flights_;
+  Catalogue catalogue_;
+  std::vector<LinearFlight> linear_;
+  Eigen::VectorXd value_;
+  std::vector<int> all_, biases_;
+  std::vector<SensorCorrection> corrected_;
+};
+
+// Values per flight of a list of columns, in the order of a flight's own columns.
+Eigen::VectorXd flight_shift(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient);
+// Typical size of the noise before anything is known.
+NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleModel& vehicle);
+// What a calm room leaves unexplained, per group, sd in m/s² and rad/s² (Crazyflie prototype, scaled by size).
+std::array<double, disturbance_groups> reference_floor(const VehicleModel& vehicle);
+
+}  // namespace gustlab::diagnosis
