@@ -28,6 +28,7 @@ class Selector {
     s_.linearise(value, s_.all_columns());
     s_.learn_noise(6, s_.biases());
     result.noise_nominal = s_.noise;
+    result.smoothed_nominal = s_.smoothed;
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
@@ -136,6 +137,7 @@ class Selector {
     s_.linearise(value, s_.all_columns());
     s_.learn_noise(6, with_biases(chosen));
     result.noise_selected = s_.noise;
+    result.smoothed_selected = s_.smoothed;
     result.grams = absolute(value);
     const Eigen::MatrixXd total = result.grams.total();
     result.degrees_of_freedom = result.grams.rows;

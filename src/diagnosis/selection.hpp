@@ -43,6 +43,7 @@ struct Selection {
   double degrees_of_freedom = 0.0;
   double loss_nominal = 0.0, loss_selected = 0.0;
   Grams grams;                     // at the end, coefficients counted from the nominal vehicle
+  std::vector<Smoothed> smoothed_nominal, smoothed_selected;
   std::vector<std::pair<int, double>> alone;   // every group: gain when it is added to the selection
   std::vector<int> groups() const;
   const Finding* find(int group) const;

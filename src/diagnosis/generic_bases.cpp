@@ -1,0 +1,206 @@
+#include "diagnosis/generic_bases.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// what a basis function may look at, per sample
+struct Look {
+  Vector3 position;      // from the middle of the flown volume, in half widths
+  double height;         // m above the lowest
+  Vector3 velocity_B;    // m/s
+  double time;           // 0 … 1
+  RotorArray past;       // mean command one to two samples ago over hover − 1
+  RotorArray change;     // its last change over hover
+};
+
+struct Volume {
+  Vector3 middle = Vector3::Zero(), half = Vector3::Ones();
+  double lowest = 0.0;
+};
+
+Volume flown_volume(const Session& session) {
+  Vector3 low = Vector3::Constant(1e9), high = -low;
+  for (const FlightData& flight : session.flights())
+    for (const Motion& m : flight.motion) {
+      low = low.cwiseMin(m.position_W_m);
+      high = high.cwiseMax(m.position_W_m);
+    }
+  return {0.5 * (low + high), (0.5 * (high - low)).cwiseMax(0.05), low.z()};
+}
+
+std::vector<Look> looks(const FlightData& flight, const Volume& volume, double hover) {
+  std::vector<Look> result(flight.samples.size());
+  const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    const Motion& m = flight.motion[k];
+    const double t = flight.samples[k].time_s, dt = flight.sample_s;
+    Look& look = result[k];
+    look.position = (m.position_W_m - volume.middle).cwiseQuotient(volume.half);
+    look.height = m.position_W_m.z() - volume.lowest;
+    look.velocity_B = m.attitude_WB.conjugate() * m.velocity_W_mps;
+    look.time = (t - flight.start_s) / std::max(flight.duration_s(), dt);
+    const RotorArray late = record.mean(t - dt, t), early = record.mean(t - 2.0 * dt, t - dt);
+    for (std::size_t i = 0; i < max_rotors; ++i) {
+      look.past[i] = late[i] / hover - 1.0;
+      look.change[i] = (late[i] - early[i]) / hover;
+    }
+  }
+  return result;
+}
+
+// one generic column: a function of the look that pushes along one axis of the world or the body, or turns about one
+struct Term {
+  enum Kind { force_W, force_B, torque_B } kind;
+  int axis;
+  double size;   // m/s² or rad/s² per unit of the function
+  std::function<double(const Look&)> function;
+};
+
+BasisFamily family(const std::string& name, const Session& session, const std::vector<std::vector<Look>>& look,
+                   const std::vector<Term>& terms) {
+  BasisFamily result;
+  result.name = name;
+  result.size = static_cast<int>(terms.size());
+  for (std::size_t f = 0; f < session.flights().size(); ++f) {
+    const FlightData& flight = session.flights()[f];
+    std::vector<Eigen::MatrixXd> columns(flight.samples.size());
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      Eigen::MatrixXd& B = columns[k];
+      B.setZero(12, result.size);
+      const double dt = session.linear()[f].interval_s[k];
+      const Matrix3 R = flight.motion[k].attitude_WB.toRotationMatrix();
+      for (int j = 0; j < result.size; ++j) {
+        const Term& term = terms[static_cast<std::size_t>(j)];
+        const double value = term.size * term.function(look[f][k]);
+        const Vector3 push = value * (term.kind == Term::force_B ? Vector3(R.col(term.axis)) : Vector3(Vector3::Unit(term.axis)));
+        const int row = term.kind == Term::torque_B ? 6 : 0;
+        B.block<3, 1>(row, j) = 0.5 * dt * dt * push;
+        B.block<3, 1>(row + 3, j) = dt * push;
+      }
+    }
+    result.columns.push_back(std::move(columns));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<BasisFamily> omnibus_bases(const Session& session) {
+  const Volume volume = flown_volume(session);
+  const double hover = session.vehicle().hover_speed_radps();
+  std::vector<std::vector<Look>> look;
+  for (const FlightData& flight : session.flights()) look.push_back(looks(flight, volume, hover));
+  const auto floor = reference_floor(session.vehicle());
+  const double turn = 6.0 * floor[2];
+
+  std::vector<Term> position, velocity, time, command;
+  std::vector<std::function<double(const Look&)>> place;
+  for (int i = 0; i < 3; ++i) {
+    place.emplace_back([i](const Look& l) { return l.position[i]; });
+    place.emplace_back([i](const Look& l) { return l.position[i] * l.position[i]; });
+  }
+  place.emplace_back([](const Look& l) { return l.position[0] * l.position[1]; });
+  place.emplace_back([](const Look& l) { return 0.0025 / std::pow(std::max(l.height, 0.0) + 0.05, 2); });
+  for (const double x : {-0.7, 0.0, 0.7})
+    for (const double y : {-0.7, 0.0, 0.7})
+      place.emplace_back([x, y](const Look& l) {
+        return std::exp(-(std::pow(l.position[0] - x, 2) + std::pow(l.position[1] - y, 2)) / (2.0 * 0.35 * 0.35));
+      });
+  for (const auto& f : place)
+    for (int axis = 0; axis < 3; ++axis) position.push_back({Term::force_W, axis, 1.0, f});
+
+  for (int i = 0; i < 3; ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      velocity.push_back({Term::force_B, axis, 1.0, [i](const Look& l) { return l.velocity_B[i]; }});
+      velocity.push_back({Term::force_B, axis, 1.0, [i](const Look& l) { return l.velocity_B.norm() * l.velocity_B[i]; }});
+      velocity.push_back({Term::force_B, axis, 1.0, [i](const Look& l) { return l.velocity_B[i] * l.velocity_B[i]; }});
+      velocity.push_back({Term::torque_B, axis, turn, [i](const Look& l) { return l.velocity_B[i]; }});
+    }
+  const std::vector<std::function<double(const Look&)>> clock = {
+      [](const Look& l) { return l.time; }, [](const Look& l) { return l.time * l.time; },
+      [](const Look& l) { return std::sin(2.0 * pi * l.time); }, [](const Look& l) { return std::cos(2.0 * pi * l.time); }};
+  for (const auto& f : clock)
+    for (int axis = 0; axis < 3; ++axis) {
+      time.push_back({Term::force_W, axis, 1.0, f});
+      time.push_back({Term::torque_B, axis, turn, f});
+    }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(session.vehicle().rotor_count); ++i) {
+    const auto sign = [i](const Look& l) { return std::tanh(l.change[i] / 0.01); };
+    for (int axis = 0; axis < 3; ++axis) command.push_back({Term::torque_B, axis, turn, sign});
+    command.push_back({Term::force_B, 2, 1.0, sign});
+    for (int axis = 0; axis < 2; ++axis)
+      command.push_back({Term::torque_B, axis, turn, [i](const Look& l) { return l.past[i] * l.past[i]; }});
+  }
+  return {family("position", session, look, position), family("velocity", session, look, velocity),
+          family("time", session, look, time), family("past command", session, look, command)};
+}
+
+std::vector<BasisFamily> channel_bases(const Session& session) {
+  const Volume volume = flown_volume(session);
+  const double hover = session.vehicle().hover_speed_radps();
+  std::vector<std::vector<Look>> look;
+  for (const FlightData& flight : session.flights()) look.push_back(looks(flight, volume, hover));
+  const double turn = 6.0 * reference_floor(session.vehicle())[2];
+  const auto total = [rotors = static_cast<std::size_t>(session.vehicle().rotor_count)](const Look& l) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rotors; ++i) sum += l.past[i] / static_cast<double>(rotors);
+    return sum;
+  };
+  std::vector<std::function<double(const Look&)>> state = {
+      [](const Look&) { return 1.0; }, [](const Look& l) { return l.time; },
+      [](const Look& l) { return 0.0025 / std::pow(std::max(l.height, 0.0) + 0.05, 2); }, total,
+      [total](const Look& l) { return total(l) * total(l); }};
+  for (int i = 0; i < 3; ++i) {
+    state.emplace_back([i](const Look& l) { return l.velocity_B[i]; });
+    state.emplace_back([i](const Look& l) { return l.velocity_B.norm() * l.velocity_B[i]; });
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(session.vehicle().rotor_count); ++i)
+    state.emplace_back([i](const Look& l) { return l.past[i]; });
+  std::vector<BasisFamily> result;
+  for (int channel = 0; channel < 6; ++channel) {
+    std::vector<Term> terms;
+    for (const auto& f : state)
+      terms.push_back({channel < 3 ? Term::force_B : Term::torque_B, channel % 3, channel < 3 ? 1.0 : turn, f});
+    result.push_back(family(channel < 3 ? "force" : "torque", session, look, terms));
+  }
+  return result;
+}
+
+double gain_of(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
+  // Gram of [chosen columns, family, z]
+  const auto chosen = static_cast<Eigen::Index>(columns.size());
+  const Eigen::Index width = chosen + family.size + 1;
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(width, width);
+  for (std::size_t f = 0; f < session.flights().size(); ++f) {
+    const LinearFlight& linear = session.linear()[f];
+    const Whitened w = whiten(session.flights()[f], linear, session.noise, &family.columns[f]);
+    const auto own = static_cast<Eigen::Index>(linear.columns.size());
+    std::vector<Eigen::Index> to(static_cast<std::size_t>(w.rows.cols()), -1);
+    for (std::size_t j = 0; j < linear.columns.size(); ++j) {
+      const auto at = std::find(columns.begin(), columns.end(), linear.columns[j]);
+      if (at != columns.end()) to[j] = at - columns.begin();
+    }
+    for (Eigen::Index j = own; j < w.rows.cols(); ++j) to[static_cast<std::size_t>(j)] = chosen + j - own;
+    Eigen::MatrixXd picked = Eigen::MatrixXd::Zero(w.rows.rows(), width);
+    Eigen::Index count = 0;
+    for (Eigen::Index r = 0; r < w.rows.rows(); ++r) {
+      if (!w.warm[static_cast<std::size_t>(r)]) continue;
+      for (Eigen::Index j = 0; j < w.rows.cols(); ++j)
+        if (to[static_cast<std::size_t>(j)] >= 0) picked(count, to[static_cast<std::size_t>(j)]) = w.rows(r, j);
+      ++count;
+    }
+    gram += picked.topRows(count).transpose() * picked.topRows(count);
+  }
+  std::vector<int> before, after;
+  for (int j = 0; j < width - 1; ++j) {
+    if (j < chosen) before.push_back(j);
+    after.push_back(j);
+  }
+  return solve(gram, before, 1e-6).loss - solve(gram, after, 1e-6).loss;
+}
+
+}  // namespace gustlab::diagnosis

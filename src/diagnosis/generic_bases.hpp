@@ -1,0 +1,25 @@
+// Columns without a physical name: they ask whether anything is left, not what it is.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/session.hpp"
+
+namespace gustlab::diagnosis {
+
+// A family of columns per flight: 12 × m per sample, to be appended to the filter's own.
+struct BasisFamily {
+  std::string name;
+  std::vector<std::vector<Eigen::MatrixXd>> columns;   // [flight][sample]
+  int size = 0;
+};
+// force of position, force and torque of body velocity, of time, and torque of past commands
+std::vector<BasisFamily> omnibus_bases(const Session& session);
+// a dozen smooth functions of the state acting on one channel each: force x y z, torque x y z in the body
+std::vector<BasisFamily> channel_bases(const Session& session);
+
+// What a family gains beyond the given columns (always free with them).
+double gain_of(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
+
+}  // namespace gustlab::diagnosis
