@@ -27,7 +27,8 @@ struct LogMeta {
   Hold hold = Hold::unknown;
   std::string notes;
   Environment environment;
-  std::vector<std::pair<std::string, std::string>> condition;  // free keys, shown and never fitted
+  // free keys, values as TOML literals; condition is shown and never fitted
+  std::vector<std::pair<std::string, std::string>> condition;
   std::vector<std::pair<std::string, std::string>> origin;     // original file, sha256, importer, known issues
 };
 
@@ -54,7 +55,9 @@ struct FlightLog {
 
 // Reads NAME.csv or NAME.csv.gz and NAME.meta.toml. Throws DataError with file:line:col. Repairs only what needs no guess.
 FlightLog read_flight_log(const std::string& csv_path);
-// Writes both files atomically, 17 significant digits or fewer, the shortest text that reads back the same.
+// NAME.meta.toml of NAME.csv or NAME.csv.gz. Throws DataError for any other name.
+std::string sidecar_path(const std::string& csv_path);
+// Writes both files, each whole or not at all; throws IoError. Numbers are the shortest text that reads back the same.
 void write_flight_log(const FlightLog& log, const std::string& csv_path);
 
 }  // namespace gustlab

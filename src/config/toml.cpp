@@ -249,6 +249,22 @@ std::optional<std::vector<std::string>> Table::texts(std::string_view key) {
   return values;
 }
 
+std::optional<std::vector<std::vector<double>>> Table::number_rows(std::string_view key) {
+  toml::node* node = node_->ask(key);
+  if (node == nullptr) return std::nullopt;
+  std::vector<std::vector<double>> rows;
+  GUSTLAB_EXPECT(node, node->is_array(), key, "an array of arrays of numbers");
+  for (const toml::node& item : *node->as_array()) {
+    GUSTLAB_EXPECT(&item, item.is_array(), key, "an array of arrays of numbers");
+    rows.emplace_back();
+    for (const toml::node& cell : *item.as_array()) {
+      GUSTLAB_EXPECT(&cell, cell.is_number(), key, "an array of arrays of numbers");
+      rows.back().push_back(*cell.value<double>());
+    }
+  }
+  return rows;
+}
+
 std::optional<Table> Table::table(std::string_view key) {
   toml::node* node = node_->ask(key);
   if (node == nullptr) return std::nullopt;

@@ -37,6 +37,7 @@ class Table {
   std::optional<std::string> text(std::string_view key);
   std::optional<std::vector<double>> numbers(std::string_view key);
   std::optional<std::vector<std::string>> texts(std::string_view key);
+  std::optional<std::vector<std::vector<double>>> number_rows(std::string_view key);  // [[1, 2], [3, 4]]
   std::optional<Table> table(std::string_view key);
   std::vector<Table> tables(std::string_view key);     // array of tables; empty when absent
   // the value as a TOML literal, whatever it is

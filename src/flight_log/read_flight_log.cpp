@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "flight_log/checks.hpp"
+#include "flight_log/columns.hpp"
+#include "flight_log/csv.hpp"
+#include "flight_log/sidecar.hpp"
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+
+namespace {
+
+constexpr double worst_norm_error = 0.02;
+constexpr double norm_rounding = 1e-5;  // what six printed digits leave
+
+// index of a column, or −1
+int find(const CsvNumbers& csv, std::string_view name) {
+  const auto found = std::find(csv.names().begin(), csv.names().end(), name);
+  return found == csv.names().end() ? -1 : static_cast<int>(found - csv.names().begin());
+}
+
+// indices of several columns; empty when one is missing
+std::vector<std::size_t> find_all(const CsvNumbers& csv, std::initializer_list<const char*> names) {
+  std::vector<std::size_t> result;
+  for (const char* name : names) {
+    const int index = find(csv, name);
+    if (index < 0) return {};
+    result.push_back(static_cast<std::size_t>(index));
+  }
+  return result;
+}
+
+bool has_samples(const CsvNumbers& csv, const std::vector<std::size_t>& group) {
+  return !group.empty() && std::all_of(group.begin(), group.end(), [&](std::size_t c) {
+    return std::any_of(csv.column(c).begin(), csv.column(c).end(), [](double v) { return !std::isnan(v); });
+  });
+}
+
+void check_required(const CsvNumbers& csv, const std::string& path) {
+  const auto missing = [&](const std::string& what, const std::string& why) {
+    throw DataError(fmt::format("{}:1:1: {} ({})", path, what, why));
+  };
+  if (find(csv, "time_s") < 0) missing("column \"time_s\" is missing", "every sample has a time");
+  if (find(csv, "u1") < 0 && find(csv, "rotor1") < 0)
+    missing("there is no actuator input", "u1 and so on, or rotor1 and so on, are needed");
+  for (const char* prefix : {"u", "rotor"})
+    for (int i = 2; i <= max_rotors; ++i)
+      if (const int c = find(csv, fmt::format("{}{}", prefix, i)); c >= 0 && find(csv, fmt::format("{}{}", prefix, i - 1)) < 0)
+        throw DataError(fmt::format("{}: column \"{}{}\" is here and \"{}{}\" is not (one column per rotor)",
+                                    csv.where_name(static_cast<std::size_t>(c)), prefix, i, prefix, i - 1));
+  if (csv.rows() < 2) throw DataError(fmt::format("{}: the log is empty ({} samples)", path, csv.rows()));
+  if (!has_samples(csv, find_all(csv, {"px", "py", "pz"})) && !has_samples(csv, find_all(csv, {"ax", "ay", "az"})) &&
+      !has_samples(csv, find_all(csv, {"wx", "wy", "wz"})))
+    missing("nothing tells the motion", "px, py, pz or ax, ay, az or wx, wy, wz are needed");
+}
+
+// time must rise; a row that repeats the one before is dropped
+void check_time(CsvNumbers& csv, std::vector<LogRepair>& repairs) {
+  const auto c = static_cast<std::size_t>(find(csv, "time_s"));
+  const std::vector<double>& time_s = csv.column(c);
+  std::vector<bool> wanted(csv.rows(), true);
+  std::size_t duplicates = 0;
+  std::string first;
+  for (std::size_t row = 0; row < csv.rows(); ++row) {
+    if (std::isnan(time_s[row])) throw DataError(fmt::format("{}: this sample has no time", csv.where(row, c)));
+    if (row == 0 || time_s[row] > time_s[row - 1]) continue;
+    if (!csv.same(row, row - 1))
+      throw DataError(fmt::format("{}: time does not rise ({} s after {} s)", csv.where(row, c), time_s[row], time_s[row - 1]));
+    wanted[row] = false;
+    if (duplicates++ == 0) first = csv.where_row(row);
+  }
+  if (duplicates == 0) return;
+  csv.keep(wanted);
+  repairs.push_back({"duplicate", fmt::format("{}: {} rows repeat the one before and are dropped", first, duplicates)});
+}
+
+void check_attitude(CsvNumbers& csv, std::vector<LogRepair>& repairs) {
+  const std::vector<std::size_t> q = find_all(csv, {"qw", "qx", "qy", "qz"});
+  if (q.empty()) return;
+  double worst = 0.0;
+  std::size_t repaired = 0, first = 0;
+  for (std::size_t row = 0; row < csv.rows(); ++row) {
+    double square = 0.0;
+    for (const std::size_t c : q) square += csv.column(c)[row] * csv.column(c)[row];
+    if (std::isnan(square)) continue;
+    const double norm = std::sqrt(square), error = std::abs(norm - 1.0);
+    if (error > worst_norm_error)
+      throw DataError(fmt::format("{}: the quaternion's norm is {:.4g} (1 is needed, {} is the most that is repaired)",
+                                  csv.where(row, q[0]), norm, worst_norm_error));
+    if (error <= norm_rounding) continue;
+    for (const std::size_t c : q) csv.column(c)[row] /= norm;
+    worst = std::max(worst, error);
+    if (repaired++ == 0) first = row;
+  }
+  if (repaired > 0)
+    repairs.push_back({"quaternion_norm", fmt::format("{}: {} quaternions are off norm by up to {:.2g} and are normalised",
+                                                      csv.where(first, q[0]), repaired, worst)});
+  const std::vector<std::size_t> w = find_all(csv, {"wx", "wy", "wz"});
+  if (w.empty()) return;
+  const AttitudeColumns columns{csv.column(static_cast<std::size_t>(find(csv, "time_s"))),
+                                {&csv.column(q[0]), &csv.column(q[1]), &csv.column(q[2]), &csv.column(q[3])},
+                                {&csv.column(w[0]), &csv.column(w[1]), &csv.column(w[2])}};
+  if (const auto wrong = find_contradiction(columns))
+    throw DataError(fmt::format("{}: the attitude contradicts the body rate (from here on they turn differently){}{}",
+                                csv.where(wrong->row, q[0]), wrong->suggestion.empty() ? "" : " ", wrong->suggestion));
+}
+
+}  // namespace
+
+FlightLog read_flight_log(const std::string& csv_path) {
+  FlightLog log;
+  log.path = csv_path;
+  log.meta = read_sidecar(sidecar_path(csv_path));
+  CsvNumbers csv(csv_path, [](std::string_view name) { return !is_known_column(name); });
+  check_required(csv, csv_path);
+  check_time(csv, log.repairs);
+  check_attitude(csv, log.repairs);
+
+  std::vector<std::string> unknown;
+  for (std::size_t c = 0; c < csv.names().size(); ++c) {
+    const std::string& name = csv.names()[c];
+    if (!is_known_column(name)) unknown.push_back(name);
+    if (name == "time_s") log.time_s = std::move(csv.column(c));
+    else log.columns.push_back({name, std::move(csv.column(c))});
+  }
+  if (!unknown.empty())
+    log.repairs.push_back({"unknown_column", fmt::format("{}:1: unknown columns are ignored: {}", csv_path,
+                                                         fmt::join(unknown, ", "))});
+  return log;
+}
+
+}  // namespace gustlab

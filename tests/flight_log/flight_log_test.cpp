@@ -1,0 +1,219 @@
+#include "gustlab/flight_log.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "gustlab/errors.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace gustlab {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+const char* const meta_text = "format = \"gustlab-flight/1\"\nvehicle = \"crazyflie\"\nactuator = \"rotor_speed\"\n";
+const char* const header = "time_s,px,py,pz,u1,u2,u3,u4\n";
+
+// writes both files and reads them; the message when that throws, without the folder
+struct Files {
+  TemporaryFolder folder;
+  FlightLog log;
+
+  std::string read(const std::string& csv, const std::string& meta = meta_text) {
+    folder.write("a.meta.toml", meta);
+    const std::string path = folder.write("a.csv", csv);
+    try {
+      log = read_flight_log(path);
+    } catch (const DataError& error) {
+      EXPECT_EQ(error.exit_code(), 3);
+      return std::string(error.what()).substr(folder.path().string().size() + 1);
+    }
+    return {};
+  }
+};
+std::string said(const std::string& csv, const std::string& meta = meta_text) { return Files().read(csv, meta); }
+
+// a vehicle that turns about changing axes; the quaternion's order and direction and the rate's unit can be wrong
+std::string turning(bool scalar_last, bool world_to_body, double rate_scale) {
+  std::string csv = "time_s,qw,qx,qy,qz,wx,wy,wz,u1,u2,u3,u4\n";
+  Quaternion q(0.9, 0.3, -0.2, 0.1);
+  q.normalize();
+  for (int i = 0; i < 1000; ++i) {
+    const double t = 0.01 * i;
+    const Vector3 rate(2.0 * std::sin(3.0 * t), 1.5 * std::cos(2.0 * t), 1.0);
+    const Quaternion p = world_to_body ? q.conjugate() : q;
+    const double c[4] = {p.w(), p.x(), p.y(), p.z()};
+    csv += std::to_string(t);
+    for (int k = 0; k < 4; ++k) csv += "," + std::to_string(c[scalar_last ? (k + 1) % 4 : k]);
+    for (int k = 0; k < 3; ++k) csv += "," + std::to_string(rate_scale * rate[k]);
+    csv += ",1,1,1,1\n";
+    const Vector3 half = 0.005 * rate;
+    q = q * Quaternion(1.0, half.x(), half.y(), half.z()).normalized();
+  }
+  return csv;
+}
+
+TEST(FlightLog, ReadsColumnsMissingSamplesAndMeta) {
+  Files files;
+  EXPECT_EQ(files.read("time_s,px,py,pz,u1,u2,u3,u4\r\n0,1,+2,-3e-1,1,2,3,4\r\n\r\n 0.5 ,, ,4,5,6,7,8",
+                       std::string(meta_text) + "hold = \"zoh\"\n[environment]\nground_z_m = 0\nwalls = [[1, 2, 0, -2]]\n"
+                                                "[condition]\nwind_mps = 3.0\n[origin]\nfile = \"x.bin\"\n"),
+            "");
+  EXPECT_THAT(files.log.time_s, ElementsAre(0.0, 0.5));
+  EXPECT_THAT(*files.log.find("py"), ElementsAre(2.0, ::testing::IsNan()));
+  EXPECT_EQ(files.log.count("u"), 4);
+  EXPECT_EQ(files.log.count("rotor"), 0);
+  EXPECT_FALSE(files.log.has("vx"));
+  EXPECT_EQ(files.log.meta.hold, Hold::zoh);
+  EXPECT_EQ(files.log.meta.environment.ground_z_m, 0.0);
+  EXPECT_FALSE(files.log.meta.environment.ceiling_z_m);
+  EXPECT_EQ(files.log.meta.environment.walls.at(0).normal_W, Vector3(0.0, -1.0, 0.0));
+  EXPECT_EQ(files.log.meta.condition.at(0), std::make_pair(std::string("wind_mps"), std::string("3.0")));
+  EXPECT_EQ(files.log.meta.origin.at(0).second, "\"x.bin\"");
+  EXPECT_THAT(files.log.repairs, IsEmpty());
+}
+
+TEST(FlightLog, WrittenLogReadsBackTheSamePlainAndCompressed) {
+  FlightLog log;
+  log.meta.vehicle = "crazyflie";
+  log.meta.source = "simulation";
+  log.meta.hold = Hold::zoh;
+  log.meta.notes = "a \"note\"\n";
+  log.meta.environment.ground_z_m = 0.1;
+  log.meta.environment.walls.push_back({Vector3(1.0, 2.0, 0.0), Vector3(0.6, 0.8, 0.0)});
+  log.meta.condition = {{"wind_mps", "3.0"}, {"odd key", "[1, 2]"}};
+  const double values[] = {1.0 / 3.0, -1e-300, 5e-324, 0.1, 12345678.9, 1e22};
+  for (const char* name : {"px", "py", "pz", "u1", "rotor1"}) log.columns.push_back({name, {}});
+  for (int i = 0; i < 6; ++i) {
+    log.time_s.push_back(0.002 * i);
+    for (LogColumn& column : log.columns) column.values.push_back(i == 2 ? nan : values[i] / static_cast<double>(column.name.size()));
+  }
+  TemporaryFolder folder;
+  for (const char* name : {"b.csv", "b.csv.gz"}) {
+    write_flight_log(log, folder.file(name));
+    const std::string bytes = read_text(folder.file(name)), meta = read_text(folder.file("b.meta.toml"));
+    const FlightLog again = read_flight_log(folder.file(name));
+    EXPECT_EQ(again.time_s, log.time_s);
+    ASSERT_EQ(again.columns.size(), log.columns.size());
+    for (std::size_t c = 0; c < log.columns.size(); ++c)
+      for (std::size_t row = 0; row < log.rows(); ++row)
+        if (row == 2) EXPECT_TRUE(std::isnan(again.columns[c].values[row]));
+        else EXPECT_EQ(again.columns[c].values[row], log.columns[c].values[row]);
+    EXPECT_EQ(again.meta.notes, log.meta.notes);
+    EXPECT_EQ(again.meta.condition, log.meta.condition);
+    write_flight_log(again, folder.file(name));
+    EXPECT_EQ(read_text(folder.file(name)), bytes);
+    EXPECT_EQ(read_text(folder.file("b.meta.toml")), meta);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.file("b.csv.part")));
+}
+
+TEST(FlightLog, UnwritablePlaceIsAnIoErrorAndLeavesNothing) {
+  FlightLog log;
+  EXPECT_THROW(write_flight_log(log, "/nonexistent/a.csv"), IoError);
+  EXPECT_THROW(write_flight_log(log, "a.txt"), DataError);
+}
+
+TEST(FlightLog, RepairsWhatNeedsNoGuessAndSaysIt) {
+  Files files;
+  EXPECT_EQ(files.read("time_s,qw,qx,qy,qz,px,py,pz,u1,mood\n0,1,0,0,0,1,1,1,9,good\n0,1,0,0,0,1,1,1,9,good\n"
+                       "1,1.01,0,0,0,1,1,1,9,bad\n"), "");
+  EXPECT_EQ(files.log.rows(), 2u);
+  EXPECT_EQ((*files.log.find("qw"))[1], 1.0);
+  ASSERT_EQ(files.log.repairs.size(), 3u);
+  EXPECT_THAT(files.log.repairs[0].says, EndsWith("a.csv:3: 1 rows repeat the one before and are dropped"));
+  EXPECT_THAT(files.log.repairs[1].says, EndsWith("a.csv:4:3: 1 quaternions are off norm by up to 0.01 and are normalised"));
+  EXPECT_THAT(files.log.repairs[2].says, EndsWith("a.csv:1: unknown columns are ignored: mood"));
+  EXPECT_TRUE(std::isnan(files.log.find("mood")->at(0)));
+}
+
+TEST(FlightLog, BadCellsAreNamedWithLineAndColumn) {
+  const std::string h = header;
+  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n1,1,x,3,4,5,6,7\n"), StartsWith("a.csv:3:5: \"x\" in column py is not a number"));
+  EXPECT_THAT(said(h + "0,1,2,nan,4,5,6,7\n"), StartsWith("a.csv:2:7: \"nan\" in column pz is not a finite number"));
+  EXPECT_THAT(said(h + "0,1,2,inf,4,5,6,7\n"), StartsWith("a.csv:2:7: \"inf\" in column pz is not a finite number"));
+  EXPECT_THAT(said(h + "0,1,2,3,4,5,6\n"), StartsWith("a.csv:2:14: this row has 7 cells, the header 8"));
+  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7,8\n"), StartsWith("a.csv:2:17: this row has more cells than the header's 8"));
+  EXPECT_THAT(said("time_s,px,,pz\n"), StartsWith("a.csv:1:11: a column has no name"));
+  EXPECT_THAT(said("time_s,px,px\n"), StartsWith("a.csv:1:11: column \"px\" is here twice"));
+}
+
+TEST(FlightLog, TimeMustRise) {
+  const std::string h = header;
+  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n2,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,7\n"), StartsWith("a.csv:4:1: time does not rise (1 s after 2 s)"));
+  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n0,1,2,3,4,5,6,8\n"), StartsWith("a.csv:3:1: time does not rise"));
+  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n,1,2,3,4,5,6,8\n"), StartsWith("a.csv:3:1: this sample has no time"));
+}
+
+TEST(FlightLog, RequiredColumnsAreAskedFor) {
+  EXPECT_THAT(said("px,py,pz,u1\n1,1,1,1\n2,2,2,2\n"), HasSubstr("\"time_s\" is missing"));
+  EXPECT_THAT(said("time_s,px,py,pz\n1,1,1,1\n2,2,2,2\n"), HasSubstr("there is no actuator input"));
+  EXPECT_THAT(said("time_s,px,py,pz,u1,u3\n1,1,1,1,1,1\n2,2,2,2,2,2\n"), StartsWith("a.csv:1:20: column \"u3\" is here and \"u2\" is not"));
+  EXPECT_THAT(said("time_s,px,py,u1\n1,1,1,1\n2,2,2,2\n"), HasSubstr("nothing tells the motion"));
+  EXPECT_THAT(said("time_s,px,py,pz,u1\n1,,,,1\n2,,,,2\n"), HasSubstr("nothing tells the motion"));
+  EXPECT_THAT(said(header), HasSubstr("the log is empty (0 samples)"));
+  EXPECT_THAT(said(""), HasSubstr("the file is empty"));
+  EXPECT_EQ(said("time_s,wx,wy,wz,rotor1\n0,1,1,1,1\n1,2,2,2,2\n"), "");
+}
+
+TEST(FlightLog, QuaternionNormBeyondRepairIsAnError) {
+  EXPECT_THAT(said("time_s,qw,qx,qy,qz,px,py,pz,u1\n0,1,0,0,0,1,1,1,9\n1,1.03,0,0,0,1,1,1,9\n"),
+              StartsWith("a.csv:3:3: the quaternion's norm is 1.03"));
+}
+
+TEST(FlightLog, AttitudeThatContradictsTheBodyRateIsAnErrorThatNamesTheConvention) {
+  EXPECT_EQ(said(turning(false, false, 1.0)), "");
+  EXPECT_THAT(said(turning(true, false, 1.0)), EndsWith("turn differently) the quaternion looks scalar-last"));
+  EXPECT_THAT(said(turning(false, true, 1.0)), EndsWith("the quaternion looks world-to-body"));
+  EXPECT_THAT(said(turning(true, true, 1.0)), EndsWith("the quaternion looks scalar-last and world-to-body"));
+  EXPECT_THAT(said(turning(false, false, 180.0 / pi)), EndsWith("the body rate looks like degrees per second"));
+  EXPECT_THAT(said(turning(false, false, -1.0)), StartsWith("a.csv:2:10: the attitude contradicts the body rate"));
+}
+
+TEST(FlightLog, SidecarErrorsAreDataErrorsWithTheirPlace) {
+  const std::string csv = std::string(header) + "0,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,7\n";
+  const std::string meta = meta_text;
+  EXPECT_THAT(said(csv, "format = \"x\"\n"), StartsWith("a.meta.toml:1:10: format \"x\" is not a flight log's"));
+  EXPECT_THAT(said(csv, "format = \"gustlab-flight/1\"\nactuator = \"rotor_sped\"\n"), EndsWith("did you mean \"rotor_speed\"?"));
+  EXPECT_THAT(said(csv, meta + "hold = \"cubic\"\n"), StartsWith("a.meta.toml:4:8: \"cubic\" is not one of unknown, zoh, linear"));
+  EXPECT_THAT(said(csv, meta + "hould = \"zoh\"\n"), EndsWith("unknown key \"hould\" did you mean \"hold\"?"));
+  EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [[1, 2, 0, 0]]\n"), StartsWith("a.meta.toml:5:9: a wall is a point"));
+  EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [1]\n"), HasSubstr("must be an array of arrays of numbers"));
+  EXPECT_THAT(said(csv, "format = "), StartsWith("a.meta.toml:1:10: not TOML"));
+}
+
+TEST(FlightLog, MissingAndDamagedFilesAreDataErrors) {
+  TemporaryFolder folder;
+  const auto message = [&](const std::string& name) {
+    try {
+      read_flight_log(folder.file(name));
+    } catch (const DataError& error) {
+      return std::string(error.what()).substr(folder.path().string().size() + 1);
+    }
+    return std::string();
+  };
+  EXPECT_THAT(message("a.txt"), StartsWith("a.txt: not a flight log"));
+  EXPECT_THAT(message("a.csv"), StartsWith("a.meta.toml: cannot read (No such file or directory)"));
+  folder.write("a.meta.toml", meta_text);
+  EXPECT_THAT(message("a.csv"), StartsWith("a.csv: cannot read (No such file or directory)"));
+  FlightLog log;
+  log.columns = {{"px", {}}, {"py", {}}, {"pz", {}}, {"u1", {}}};
+  for (int i = 0; i < 1000; ++i) {
+    log.time_s.push_back(i);
+    for (LogColumn& column : log.columns) column.values.push_back(std::sin(i));
+  }
+  write_flight_log(log, folder.file("a.csv.gz"));
+  const std::string bytes = read_text(folder.file("a.csv.gz"));
+  folder.write("a.csv.gz", bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT(message("a.csv.gz"), StartsWith("a.csv.gz: cannot read ("));
+}
+
+}  // namespace
+}  // namespace gustlab
