@@ -24,7 +24,7 @@ Autopilot::Autopilot(const Truth& truth, const Path& path) : nominal_(truth.nomi
   rate_gain_ = std::min(cap, 0.75 / slowness_s);
   yaw_gain_ = std::min(nominal_.large ? 3.0 : 6.0, 0.5 * rate_gain_);
   slow_gain_ = std::min(1.8, 0.5 * rate_gain_ / (5.0 + 12 * truth.pose_delay_s));
-  climb_gain_ = std::min(2.5, 0.18 / slowness_s);
+  climb_gain_ = std::min(4.0, 0.18 / slowness_s);
   for (int i = 0; i < kRotors; ++i) {
     const Vec3& hub = nominal_.hub_B_m[i];
     mixer_.col(i) << 1, hub.y(), -hub.x(), -nominal_.spin[i] * nominal_.torque_ratio_m;
@@ -74,7 +74,7 @@ PerRotor Autopilot::command(double t, const Reading& reading) {
   const Vec3 error_W = goal_W - position_W_m_, error_velocity_W = goal_velocity_W - velocity_W_mps_;
   position_sum_ = (position_sum_ + kPeriod_s * error_W).cwiseMax(-0.8).cwiseMin(0.8);
   const double w = slow_gain_, wz = climb_gain_;
-  const Vec3 kp(w * w, w * w, wz * wz), kv(1.8 * w, 1.8 * w, 1.8 * wz), ki = 0.3 * w * kp;
+  const Vec3 kp(w * w, w * w, wz * wz), kv(1.8 * w, 1.8 * w, 1.8 * wz), ki = 0.3 * kp.cwiseProduct(Vec3(w, w, 0.5 * wz));
   Vec3 push_W = goal_push_W + kp.cwiseProduct(error_W) + kv.cwiseProduct(error_velocity_W) +
                 ki.cwiseProduct(position_sum_);
   const double most = nominal_.large ? 9 : 8;

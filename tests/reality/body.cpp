@@ -61,15 +61,10 @@ State derivative(const Truth& truth, const State& x, const Drive& drive) {
     total.torque_B_Nm += pull.at_B_m.cross(pull_B);
   }
   if (truth.outside.payload_kg > 0) {
-    const Outside& o = truth.outside;
-    const double stiffness = o.payload_kg * std::pow(2 * std::numbers::pi * o.payload_hz, 2);
-    for (int axis = 0; axis < 2; ++axis) {
-      const double deflection = x[19 + axis], rate = x[21 + axis];
-      const double reaction = stiffness * deflection + o.payload_friction_N * std::tanh(rate / 0.01);
-      dx[19 + axis] = rate;
-      dx[21 + axis] = -reaction / o.payload_kg - total.force_B_N[axis] / truth.mass_kg;
-      total.force_B_N[axis] += reaction;
-    }
+    const Vec3 reaction_B = payload_force_B(truth, x);
+    dx.segment<2>(19) = x.segment<2>(21);
+    dx.segment<2>(21) = -reaction_B.head<2>() / truth.outside.payload_kg - total.force_B_N.head<2>() / truth.mass_kg;
+    total.force_B_N += reaction_B;
   }
   dx.segment<3>(0) = m.velocity_W_mps;
   dx.segment<3>(3) = truth.mass_kg * kDown_W_mps2 + R * total.force_B_N;
@@ -142,7 +137,7 @@ Acceleration acceleration(const Truth& truth, const State& x, const Drive& drive
   Wrench total = wrench(truth, m, drive);
   const Pull pull = cable(truth, x, m, total);
   const Vec3 pull_B = m.attitude.conjugate() * pull.force_W_N;
-  total.force_B_N += pull_B;
+  total.force_B_N += pull_B + payload_force_B(truth, x);
   total.torque_B_Nm += pull.at_B_m.cross(pull_B);
   const Vec3 spin = truth.inertia_kgm2.cwiseProduct(m.rate_B_radps) + rotor_momentum_B(truth, drive.speed_radps);
   return {total.force_B_N / truth.mass_kg,
@@ -152,6 +147,16 @@ Acceleration acceleration(const Truth& truth, const State& x, const Drive& drive
 Vec3 cable_force_W(const Truth& truth, const State& x, const Drive& drive) {
   const Motion m = motion(truth, x, drive.speed_radps);
   return cable(truth, x, m, wrench(truth, m, drive)).force_W_N;
+}
+
+Vec3 payload_force_B(const Truth& truth, const State& x) {
+  const Outside& o = truth.outside;
+  if (o.payload_kg <= 0) return Vec3::Zero();
+  const double stiffness = o.payload_kg * std::pow(2 * std::numbers::pi * o.payload_hz, 2);
+  const auto pull = [&](int axis) {
+    return stiffness * x[19 + axis] + o.payload_friction_N * std::tanh(x[21 + axis] / 0.01);
+  };
+  return {pull(0), pull(1), 0};
 }
 
 State advance(const Truth& truth, const State& x, const Drive& start, const Drive& middle, const Drive& end,

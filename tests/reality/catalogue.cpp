@@ -17,11 +17,11 @@ std::vector<Effect> build() {
   all.push_back({"translational_lift", {{"coefficient", {3e-4, 3e-3}, {0, 0}}}, 12, false});
   all.push_back({"flapping_torque", {{"coefficient", {1e-7, 1.5e-6}, {0, 0}}}, 20, false});
   all.push_back({"ground_effect", {{"strength", {6, 6}, {0, 0}}}, 5, false, Need::ground});
-  all.push_back({"ceiling_effect", {{"strength", {6, 6}, {0, 0}}}, 5, false, Need::ceiling});
-  all.push_back({"wall_effect", {{"strength", {0.03, 0.03}, {0, 0}}}, 200, false, Need::wall});
+  all.push_back({"ceiling_effect", {{"strength", {6, 6}, {0, 0}}}, 10, false, Need::ceiling});
+  all.push_back({"wall_effect", {{"strength", {0.03, 0.03}, {0, 0}}}, 1000, false, Need::wall});
   all.push_back({"steady_wind",
                  {{"x", {0.6, 4}, {0, 0}}, {"y", {0.6, 4}, {0, 0}}, {"z", {0.06, 0.4}, {0, 0}}},
-                 4, true, Need::drag, false});
+                 2.5, true, Need::drag, false});
   all.push_back({"constant_force",
                  {{"x", {0.01, 0.5}, {0, 0}}, {"y", {0.01, 0.5}, {0, 0}}, {"z", {0.01, 0.5}, {0, 0}}},
                  8, true, Need::nothing, false});
@@ -44,7 +44,7 @@ std::vector<Effect> build() {
                  4, true});
   all.push_back({"actuation_delay", {{"delay", {0.01, 0.006}, {delay, delay}}}, 4, false});
   all.push_back({"thrust_curve", {{"curvature", {0.1, 0.1}, {0, 0}}}, 5, true});
-  all.push_back({"saturation", {{"max_speed", {150, 60}, {0, 0}}}, 6, false});
+  all.push_back({"saturation", {{"max_speed", {140, 40}, {0, 0}}}, 6, false});
   all.push_back({"battery_sag", {{"exponent", {1, 1}, {0, 0}}, {"rate", {0.004, 0.004}, {0, 0}}}, 3, false});
   all.push_back({"yaw_torque_ratio", {{"delta", {0.15, 0.15}, {five, five}}}, 4, true});
   all.push_back({"rotor_inertia", {{"inertia", {3e-8, 1e-5}, {0, 0}}}, 10, false});
@@ -56,6 +56,9 @@ std::vector<Effect> build() {
                  12, true, Need::accel});
   all.push_back({"gyro_scale", {{"delta", {0.02, 0.02}, {0, 0}}}, 10, true});
   all.push_back({"slung_load", {{"mass", {0.003, 0.2}, {0, 0}}}, 4, false});
+  all.push_back({"gust",
+                 {{"sigma_xy", {0.03, 1}, {0, 0}}, {"sigma_z", {0.03, 1}, {0, 0}}, {"line_amplitude", {0.03, 1}, {0, 0}}},
+                 6, false});
   return all;
 }
 

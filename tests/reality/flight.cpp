@@ -88,6 +88,19 @@ Motion between(const std::vector<Past>& past, double time_s) {
   return m;
 }
 
+// forces with a memory of their own, which no change of the vehicle's numbers reproduces
+struct Push {
+  Vec3 force_W_N, torque_B_Nm;
+};
+Push hidden_push(const Truth& truth, const State& x, const Drive& drive) {
+  const Motion m = motion(truth, x, drive.speed_radps);
+  Drive steady = drive;
+  steady.rotor_factor = 1;
+  const Wrench with = wrench(truth, m, drive), without = wrench(truth, m, steady);
+  return {cable_force_W(truth, x, drive) + m.attitude * (payload_force_B(truth, x) + with.force_B_N - without.force_B_N),
+          with.torque_B_Nm - without.torque_B_Nm};
+}
+
 bool sane(const Motion& m, const Path& path, double time_s, const Truth& truth) {
   const double reach_m = truth.nominal.large ? 5.0 : 1.2;
   if (!((m.com_W_m - path.position_W_m(time_s)).norm() < reach_m)) return false;
@@ -143,6 +156,7 @@ Flight fly(const Truth& truth, const Path& path, const Noise& noise, std::uint64
   const int first = -static_cast<int>(std::lround(kPreroll_s / kSample_s));
   const int last = static_cast<int>(std::lround(kFlight_s / kSample_s));
 
+  const bool hidden = truth.load_kg > 0 || truth.outside.payload_kg > 0 || truth.outside.dropout_rotor >= 0;
   Flight flight;
   const double hover = nominal.hover_speed_radps();
   flight.start_radps = {hover, hover, hover, hover};
@@ -188,7 +202,7 @@ Flight fly(const Truth& truth, const Path& path, const Noise& noise, std::uint64
     flight.tape.speed_radps.push_back(command);
     const double volts = here.voltage_V + noise.voltage_V * sensor.normal();
     if (k >= 0)
-      flight.sample.push_back({t, r, command, volts, m, here.voltage_V, Vec3::Zero(), Vec3::Zero()});
+      flight.sample.push_back({t, r, command, volts, m, x, here.voltage_V, Vec3::Zero(), Vec3::Zero()});
 
     for (int i = 0; i < steps; ++i) {
       const double a = t + i * step_s, b = i + 1 == steps ? (k + 1) * kSample_s : t + (i + 1) * step_s;
@@ -200,8 +214,11 @@ Flight fly(const Truth& truth, const Path& path, const Noise& noise, std::uint64
       end.speed_radps = chain.at(b, flight.tape);
       end.voltage_V = battery.at(b, end.speed_radps);
       middle.voltage_V = 0.5 * (here.voltage_V + end.voltage_V);
-      if (k >= 0 && truth.load_kg > 0)
-        flight.sample.back().extra_force_W_N += cable_force_W(truth, x, here) / steps;
+      if (k >= 0 && hidden) {
+        const Push push = hidden_push(truth, x, here);
+        flight.sample.back().extra_force_W_N += push.force_W_N / steps;
+        flight.sample.back().extra_torque_B_Nm += push.torque_B_Nm / steps;
+      }
       x = advance(truth, x, here, middle, end, step_s);
       air.advance(b, step_s);
       air.fill(end, b);

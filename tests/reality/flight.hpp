@@ -33,8 +33,9 @@ struct Sample {
   PerRotor command_radps;
   double voltage_V;     // as logged
   Motion clean;         // truth, for sensitivities and the oracle only
+  State state;          // the same with everything hidden
   double clean_voltage_V;
-  Vec3 extra_force_W_N;   // mean over the following interval of what lies outside rotors and air: cable, jet, ...
+  Vec3 extra_force_W_N;   // mean over the following interval: cable, payload, drop-outs
   Vec3 extra_torque_B_Nm;
 };
 

@@ -6,10 +6,13 @@
 namespace reality {
 namespace {
 
-std::vector<const Flight*> pointers(const Scene& scene) {
-  std::vector<const Flight*> all;
-  for (const Flight& f : scene.flight) all.push_back(&f);
-  return all;
+constexpr double kMateriality = 0.0025;  // of the degrees of freedom, DIAGNOSIS.md 3.6
+constexpr double kFiveSigma = 25;
+
+Information inform(const Scene& scene, const std::vector<Probe>& probes) {
+  std::vector<const Flight*> flights;
+  for (const Flight& f : scene.flight) flights.push_back(&f);
+  return information(flights, scene.base, probes, scene.columns, scene.noise);
 }
 
 Probe probe(const Plan& plan, const Scene& scene, double strength) {
@@ -23,7 +26,7 @@ Probe probe(const Plan& plan, const Scene& scene, double strength) {
   return p;
 }
 
-// the calibration tolerance in strengths along the plan's direction
+// the calibration tolerance in strengths along the plan's direction: the first parameter to pass its own
 double tolerance(const Plan& plan, bool large) {
   double limit = 0;
   for (const Parameter& p : effect(plan.effect).parameter) {
@@ -35,73 +38,102 @@ double tolerance(const Plan& plan, bool large) {
   return limit;
 }
 
-}  // namespace
-
-double threshold(double samples) { return std::max(25.0, 0.0025 * samples); }
-
-Values values_at(const Plan& plan, const Nominal& nominal, double strength, std::size_t flight) {
-  Values values = plan.fixed;
-  const auto& direction = plan.direction.size() == 1 ? plan.direction.front() : plan.direction[flight];
-  for (const Parameter& p : effect(plan.effect).parameter)
-    if (const auto it = direction.find(p.name); it != direction.end())
-      values[p.name] = nominal_value(nominal, plan.effect, p.name) +
-                       (plan.effect == "saturation" ? -1 : 1) * strength * it->second * p.natural[nominal.large];
-  return values;
+// Whittle gain of a gust over turbulence alone: spectra of both below 3 Hz, three axes, and the line's energy
+double gust_gain(const Plan& plan, const Scene& scene, double strength) {
+  const Nominal& n = scene.base.front().nominal;
+  const Values v = values_at(plan, n, strength, 0);
+  const auto get = [&](const char* name) { return v.count(name) ? v.at(name) : 0.0; };
+  const auto spectrum = [](double sigma, double time_s, double radps) {
+    return 2 * sigma * sigma * time_s / (1 + std::pow(radps * time_s, 2));
+  };
+  const Noise& noise = scene.noise;
+  double gain = 0;
+  for (int bin = 1; bin <= 3 * kFlight_s; ++bin) {
+    const double radps = 2 * std::numbers::pi * bin / kFlight_s;
+    const double calm = spectrum(noise.air_mps2, noise.air_time_s, radps);
+    for (const double sigma_N : {get("sigma_xy"), get("sigma_xy"), get("sigma_z")}) {
+      const double ratio = spectrum(sigma_N / n.mass_kg, get("correlation_time"), radps) / calm;
+      gain += 2 * (ratio - std::log1p(ratio));
+    }
+  }
+  const double line_calm = spectrum(noise.air_mps2, noise.air_time_s, get("line_frequency"));
+  gain += 2 * std::pow(get("line_amplitude") / n.mass_kg, 2) * kFlight_s / (2 * line_calm);
+  return static_cast<double>(scene.base.size()) * gain;
 }
 
-Limit detection_limit(const Plan& plan, const Scene& scene,
-                      const std::vector<std::vector<Eigen::Matrix<double, 6, 1>>>& load_push) {
-  const Nominal& nominal = scene.base.front().nominal;
-  std::vector<Probe> probes;
-  if (plan.effect == "slung_load") {
-    Probe load;
-    load.push = load_push;
-    load.step = 1;
-    probes.push_back(load);
-    probes.push_back(probe({"mass", {{{"delta", 1.0}}}, {}}, scene, 1e-3));
-  } else {
-    probes.push_back(probe(plan, scene, 1e-3));
+double gust_strength(const Plan& plan, const Scene& scene, double gain) {
+  double low = 1e-4, high = 1e4;
+  while (high / low > 1 + 1e-9) {
+    const double middle = std::sqrt(low * high);
+    (gust_gain(plan, scene, middle) < gain ? low : high) = middle;
   }
-  const Information info = information(pointers(scene), scene.base, probes, scene.columns, scene.noise);
-  double weight = info.matrix(0, 0);
-  if (plan.effect == "slung_load") {
-    // what hangs still is mass: only the swinging part tells
-    weight -= info.matrix(0, 1) * info.matrix(1, 0) / info.matrix(1, 1);
-    weight *= std::pow(effect(plan.effect).parameter[0].natural[nominal.large], 2);
-  }
-  Limit limit;
-  limit.tolerance = tolerance(plan, nominal.large);
-  limit.materiality = std::sqrt(0.0025 * info.samples / weight);
-  limit.five_sigma = 5 / std::sqrt(weight);
+  return low;
+}
+
+Limit largest(Limit limit) {
   limit.strength = std::max({limit.tolerance, limit.materiality, limit.five_sigma});
   return limit;
 }
 
-std::pair<double, Limit> saturation_strength(const Plan& plan, const Scene& scene, double factor) {
+}  // namespace
+
+double measurements(const Scene& scene) {
+  const double each = 9 + (scene.columns.velocity ? 3 : 0) + (scene.columns.accel ? 3 : 0);
+  double samples = 0;
+  for (const Flight& f : scene.flight) samples += static_cast<double>(f.sample.size());
+  return each * samples;
+}
+
+double threshold(const Scene& scene) { return std::max(kFiveSigma, kMateriality * measurements(scene)); }
+
+Limit detection_limit(const Plan& plan, const Scene& scene, const Pushes& load_push) {
+  const double material = kMateriality * measurements(scene);
+  if (plan.effect == "gust")
+    return largest({0, 0, gust_strength(plan, scene, material), gust_strength(plan, scene, kFiveSigma)});
+  const bool large = scene.base.front().nominal.large;
+  double weight = 0;
+  if (load_push.empty()) {
+    weight = inform(scene, {probe(plan, scene, 1e-3)}).matrix(0, 0);
+  } else {
+    // a load that hangs still is mass: only its swinging tells
+    Probe load;
+    load.push = load_push;
+    const Eigen::MatrixXd both = inform(scene, {load, probe({"mass", {{{"delta", 1.0}}}, {}}, scene, 1e-3)}).matrix;
+    weight = (both(0, 0) - both(0, 1) * both(1, 0) / both(1, 1)) * std::pow(effect(plan.effect).parameter[0].natural[large], 2);
+  }
+  return largest({0, tolerance(plan, large), std::sqrt(material / weight), std::sqrt(kFiveSigma / weight)});
+}
+
+Bite saturation_bite(const Plan& plan, const Scene& scene, double factor) {
+  constexpr int kGrid = 16;
+  std::vector<double> strength{0}, weight{0};
   std::vector<Probe> probes;
-  std::vector<double> strength;
-  const double most = effect(plan.effect).most;
-  for (int i = 1; i <= 16; ++i) strength.push_back(most * i / 16);
-  for (const double s : strength) {
-    probes.push_back(probe(plan, scene, s));
+  for (int i = 1; i <= kGrid; ++i) {
+    strength.push_back(effect(plan.effect).most * i / kGrid);
+    probes.push_back(probe(plan, scene, strength.back()));
     probes.back().step = 1;
   }
-  const Information info = information(pointers(scene), scene.base, probes, scene.columns, scene.noise);
-  const auto reaches = [&](double gain) {
-    double last_s = 0, last = 0;
-    for (std::size_t i = 0; i < strength.size(); ++i) {
-      const double now = info.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
-      if (now >= gain) return last_s + (strength[i] - last_s) * (std::sqrt(gain) - last) / (std::sqrt(now) - last);
-      last_s = strength[i];
-      last = std::sqrt(now);
-    }
-    return 0.0;
+  const Information info = inform(scene, probes);
+  for (int i = 0; i < kGrid; ++i) weight.push_back(std::sqrt(info.matrix(i, i)));
+  const auto reach = [&](double root) {
+    for (std::size_t i = 1; i < weight.size(); ++i)
+      if (weight[i] >= root)
+        return strength[i - 1] + (strength[i] - strength[i - 1]) * (root - weight[i - 1]) / (weight[i] - weight[i - 1]);
+    return strength.back();
   };
-  Limit limit;
-  limit.strength = reaches(threshold(info.samples));
-  limit.materiality = reaches(0.0025 * info.samples);
-  limit.five_sigma = reaches(25);
-  return {reaches(factor * factor * threshold(info.samples)), limit};
+  const double unit = std::sqrt(threshold(scene));
+  Bite bite;
+  bite.factor = std::min(factor, weight.back() / unit);
+  bite.strength = reach(bite.factor * unit);
+  bite.limit = largest({0, 0, reach(std::sqrt(kMateriality * measurements(scene))), reach(std::sqrt(kFiveSigma))});
+  return bite;
+}
+
+double visibility(const std::vector<Truth>& with, const Pushes& pushes, const Scene& scene) {
+  Probe p;
+  p.changed = with;
+  p.push = pushes;
+  return std::sqrt(inform(scene, {p}).matrix(0, 0) / threshold(scene));
 }
 
 }  // namespace reality

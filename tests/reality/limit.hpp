@@ -1,21 +1,12 @@
 // how strong an effect must be before these flights can show it (DIAGNOSIS.md, section 6)
 #pragma once
 
-#include "catalogue.hpp"
 #include "information.hpp"
+#include "plan.hpp"
 
 namespace reality {
 
-/// What a trial conceals before its strength is known: an effect, its direction in natural sizes (norm one) and the
-/// numbers that do not scale (rotor, length, ...).
-struct Plan {
-  std::string effect;
-  std::vector<std::map<std::string, double>> direction;  // one, or one per flight for values per flight
-  Values fixed;
-};
-
-/// Total values of `plan` on flight n at this strength (in natural sizes).
-Values values_at(const Plan& plan, const Nominal& nominal, double strength, std::size_t flight);
+using Pushes = std::vector<std::vector<Eigen::Matrix<double, 6, 1>>>;  // [flight][sample]: force W, torque B
 
 /// The fit flights without what the trial conceals, and what is known of them.
 struct Scene {
@@ -25,22 +16,33 @@ struct Scene {
   Noise noise;
 };
 
+/// A detection limit in natural sizes, and its three parts; zero where a part does not apply.
 struct Limit {
-  double strength = 0;       // in natural sizes
-  double tolerance = 0;      // its three parts
+  double strength = 0;
+  double tolerance = 0;
   double materiality = 0;
   double five_sigma = 0;
 };
 
-/// Detection limit of `plan`; `load_push` holds the cable force per kilogram for a slung load.
-Limit detection_limit(const Plan& plan, const Scene& scene,
-                      const std::vector<std::vector<Eigen::Matrix<double, 6, 1>>>& load_push);
+/// Scalar measurements of the scene: the degrees of freedom of DIAGNOSIS.md.
+double measurements(const Scene& scene);
 
-/// Strength of a saturation whose whole effect weighs `factor` times the limit, and the limit itself; zero if the
-/// flights never come near.
-std::pair<double, Limit> saturation_strength(const Plan& plan, const Scene& scene, double factor);
+/// Gain in chi-square that an effect must bring on these flights: materiality or five sigma, whichever is larger.
+double threshold(const Scene& scene);
 
-/// Gain in chi-square that a model must bring on these flights (the larger of materiality and five sigma).
-double threshold(double samples);
+/// Detection limit of an effect whose footprint grows with its strength; `load_push` is the cable force per kilogram
+/// for a slung load, empty otherwise. `total_gain`: what all concealed effects together gain, for materiality's share.
+Limit detection_limit(const Plan& plan, const Scene& scene, const Pushes& load_push);
+
+/// A saturation bites only beyond some strength: the strength at which it weighs `factor` times the limit.
+struct Bite {
+  double strength = 0;
+  double factor = 0;  // as reached
+  Limit limit;
+};
+Bite saturation_bite(const Plan& plan, const Scene& scene, double factor);
+
+/// Square root of (gain / threshold) of physics outside the catalogue: given as truths that have it or as pushes.
+double visibility(const std::vector<Truth>& with, const Pushes& pushes, const Scene& scene);
 
 }  // namespace reality

@@ -195,6 +195,31 @@ Path staircase(const Scale& s, const Surroundings& around, double gentleness, bo
   return path;
 }
 
+// to and fro along the wall, at a few distances
+Path along_wall(const Scale& s, const Wall& wall, double gentleness, bool large, Rng& rng) {
+  std::vector<double> far_m;
+  for (const double r : {1.0, 1.3, 1.8, 2.6, 1.0, 1.3, 1.8, 4.0}) far_m.push_back((large ? 3.6 : 6.5) * r * s.clearance * s.radius_m);
+  shuffle(far_m, rng);
+  Stairs distance(0.5 * s.span_m);
+  double t = 0.5;
+  for (const double d : far_m) {
+    distance.add(t, 1.6, d);
+    t += 3.0;
+  }
+  const double swing_m = 0.35 * s.span_m, hz = rng.uniform(0.1, 0.16), start = rng.uniform(0, kTurn);
+  const Eigen::Vector2d foot = wall.point_W_m, inward = wall.normal_W, along(-inward.y(), inward.x());
+  const double turn = rng.sign() * rng.uniform(0.25, 0.5), heading = rng.uniform(-3, 3), rise_m = 0.15 * s.height_m;
+  Path path;
+  path.position_W_m = [=](double a) {
+    const Eigen::Vector2d spot = foot + distance(a) * inward + swing_m * std::sin(kTurn * hz * a + start) * along;
+    return Vec3(spot.x(), spot.y(), s.height_m + rise_m * std::sin(1.7 * kTurn * hz * a));
+  };
+  path.yaw_rad = [=](double a) { return heading + turn * a; };
+  path.shake_radps2 = draw_shake(large, 0.6 * gentleness, rng, 1);
+  path.surge_mps2 = [](double) { return 0.0; };
+  return path;
+}
+
 Path waypoints(const Scale& s, const Surroundings& around, double gentleness, bool large, Rng& rng) {
   Stairs x(rng.uniform(-0.5, 0.5) * s.span_m), y(rng.uniform(-0.5, 0.5) * s.span_m), z(s.height_m);
   double last_x = x(0), last_y = y(0), last_z = s.height_m, t = -1;
@@ -284,7 +309,9 @@ Path draw_path(Figure figure, const Nominal& nominal, const Surroundings& around
   if (around.ceiling_z_m && !around.ground_z_m) s.height_m = *around.ceiling_z_m - (large ? 1.4 : 0.7);
   switch (figure) {
     case Figure::circle: return circle(s, around, gentleness, large, rng);
-    case Figure::staircase: return staircase(s, around, gentleness, large, rng);
+    case Figure::staircase:
+      if (around.wall && !around.ground_z_m && !around.ceiling_z_m) return along_wall(s, *around.wall, gentleness, large, rng);
+      return staircase(s, around, gentleness, large, rng);
     case Figure::waypoints: return waypoints(s, around, gentleness, large, rng);
     case Figure::holdout: break;
   }
