@@ -1,0 +1,265 @@
+#include "report/diagnosis_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/diagnosis_charts.hpp"
+#include "report/diagnosis_words.hpp"
+#include "report/page_style.hpp"
+#include "report/svg.hpp"
+
+namespace gustlab {
+
+namespace {
+
+using namespace report;
+using svg::escape;
+
+constexpr double two_sided_95 = 1.959963984540054;  // normal quantile of 0.975
+
+std::string section(const std::string& title, const std::string& body) {
+  return body.empty() ? "" : fmt::format("<section><h2>{}</h2>{}</section>", title, body);
+}
+
+std::string paragraph(const std::string& words, const char* style = "") {
+  if (words.empty()) return "";
+  return fmt::format("<p{}>{}</p>", *style ? fmt::format(" class=\"{}\"", style) : "", escape(words));
+}
+
+std::string verdict_badge(const std::string& verdict) {
+  const std::string style = verdict.substr(0, verdict.find('_'));
+  return fmt::format("<span class=\"badge {}\">{}</span>", escape(style), escape(plain_label(verdict)));
+}
+
+std::string header(const Json& diagnosis) {
+  std::size_t fit = 0, held_out = 0;
+  double seconds = 0.0;
+  for (const Json& flight : part(diagnosis, "flights")) {
+    (text(flight, "role") == "holdout" ? held_out : fit) += text(flight, "role") == "set_aside" ? 0 : 1;
+    if (const double duration = number(flight, "duration_s"); std::isfinite(duration)) seconds += duration;
+  }
+  return fmt::format("<header><p class=\"kind\">Diagnosis of {} · {} flight{} to find, {} to check, {:.0f} s in all</p><h1>{}</h1>{}</header>",
+                     escape(text(diagnosis, "vehicle")), fit, fit == 1 ? "" : "s", held_out, seconds, escape(one_sentence(diagnosis)),
+                     verdict_badge(text(diagnosis, "verdict")));
+}
+
+std::string log_findings(const Json& diagnosis) {
+  std::string items;
+  for (const Json& finding : part(diagnosis, "log_findings")) {
+    std::string place = text(finding, "file");
+    if (const std::string column = text(finding, "column"); !column.empty()) place += (place.empty() ? "" : ", ") + column;
+    const double from = number(finding, "from_s"), to = number(finding, "to_s");
+    if (std::isfinite(from) && std::isfinite(to)) place += fmt::format(", {:.1f}–{:.1f} s", from, to);
+    items += fmt::format("<li><strong>{}</strong>: {}. <span class=\"soft\">{}</span></li>", escape(capital(plain_label(text(finding, "kind")))),
+                         escape(text(finding, "says")), escape(place));
+  }
+  return items.empty() ? "" : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
+}
+
+std::string region(const Json& where) {
+  const Variable variable = plain_variable(text(where, "variable"));
+  const bool above = where.contains("above");
+  const double limit = number(where, above ? "above" : "below"), share = number(where, "share");
+  std::string words = variable.name;
+  if (std::isfinite(limit)) words += fmt::format(" {} {:.3g} {}", above ? "above" : "below", limit, variable.unit);
+  if (std::isfinite(share)) words += fmt::format(" ({:.0f} % of it)", 100.0 * share);
+  return words;
+}
+
+std::string where(const Json& diagnosis) {
+  const Json& mismatch = part(diagnosis, "mismatch");
+  if (mismatch.empty()) return "";
+  double full = 0.0;
+  for (const Json& entry : mismatch)
+    if (const double ratio = number(entry, "rms") / number(entry, "noise_rms"); std::isfinite(ratio)) full = std::max(full, ratio);
+  std::string rows;
+  for (const Json& entry : mismatch) {
+    const double rms = number(entry, "rms"), noise = number(entry, "noise_rms");
+    std::vector<std::string> regions;
+    for (const Json& item : part(entry, "where")) regions.push_back(region(item));
+    const bool significant = entry.value("significant", false);
+    const Display display = display_of("", text(entry, "unit"), rms);
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{} {}</td><td class=\"n\">{} {}</td><td class=\"n\">{}</td><td class=\"where\">{}</td></tr>",
+                        escape(plain_channel(text(entry, "channel"))), svg::bar(rms / noise, 1.0, full), figure(display.factor * rms),
+                        escape(display.unit), figure(display.factor * noise), escape(display.unit), escape(probability(number(entry, "p_value"))),
+                        significant ? (regions.empty() ? "everywhere" : escape(list_in_words(regions))) : "<span class=\"soft\">within noise</span>");
+  }
+  return "<p>The difference between simulation and recording, channel by channel, before anything was added. The dark tick "
+         "is what noise alone would leave.</p><div class=\"scroll\"><table><tr><th>channel</th><th>against noise</th><th class=\"n\">rms</th>"
+         "<th class=\"n\">noise</th><th class=\"n\">p</th><th>where</th></tr>" + rows + "</table></div>";
+}
+
+std::string parameter_row(const std::string& name, const Json& entry, const std::string& flight) {
+  const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
+  const Display display = display_of(name, text(entry, "unit"), std::abs(value));
+  return fmt::format("<tr><td>{}</td>{}<td class=\"n\">{}</td><td>{}</td></tr>", escape(plain_label(name)),
+                     flight.empty() ? "" : fmt::format("<td>{}</td>", escape(flight)),
+                     with_half_width(display.factor * value, display.factor * half), escape(display.unit));
+}
+
+std::string parameters(const Json& effect) {
+  std::string rows;
+  const Json &mean = part(effect, "parameters"), &per_flight = part(effect, "per_flight");
+  const bool flights = !per_flight.empty();
+  for (const auto& [name, entry] : mean.items())
+    if (name != "rotor") rows += parameter_row(name, entry, flights ? "mean" : "");
+  if (flights)
+    for (const auto& [flight, values] : per_flight.items())
+      for (const auto& [name, entry] : values.items()) rows += parameter_row(name, entry, flight);
+  if (rows.empty()) return "";
+  return fmt::format("<div class=\"scroll\"><table><tr><th>parameter</th>{}<th class=\"n\">value ± 95 %</th><th>unit</th></tr>{}</table></div>",
+                     flights ? "<th>flight</th>" : "", rows);
+}
+
+// every name that the data cannot tell from this one, itself first
+std::vector<std::string> class_of(const Json& effect) {
+  std::vector<std::string> names{plain_name(effect)};
+  for (const Json& other : part(effect, "class"))
+    if (other.is_string() && plain_label(other.get<std::string>()) != names.front() && other != effect.at("effect"))
+      names.push_back(plain_label(other.get<std::string>()));
+  return names;
+}
+
+std::string rivals(const Json& effect) {
+  std::vector<std::string> alike = class_of(effect), ruled_out;
+  alike.erase(alike.begin());
+  for (const Json& rival : part(effect, "confusable_with")) {
+    if (rival.value("equivalent", false)) continue;
+    const double z = number(rival, "z");
+    ruled_out.push_back(plain_label(text(rival, "effect")) + (std::isfinite(z) ? fmt::format(" (z = {:.1f})", z) : ""));
+  }
+  std::string words;
+  if (!alike.empty()) words = "These flights cannot tell " + plain_name(effect) + " from " + list_in_words(alike, "or") + "; the numbers are those of " + plain_name(effect) + ". ";
+  if (!ruled_out.empty()) words += "Fits clearly worse in its place: " + list_in_words(ruled_out) + ".";
+  return paragraph(words, "note");
+}
+
+std::string effect_card(const Json& effect) {
+  return fmt::format("<div class=\"effect\"><div class=\"head\"><h3>{}</h3><span class=\"soft\">{} sure · {}</span></div>{}{}{}</div>",
+                     escape(capital(list_in_words(class_of(effect), "or"))), sure(number(effect, "confidence")), escape(plain_place(text(effect, "place"))),
+                     paragraph(capital(text(effect, "says")) + (text(effect, "says").empty() ? "" : ".")), parameters(effect), rivals(effect));
+}
+
+std::string what(const Json& diagnosis) {
+  std::string cards;
+  for (const Json& effect : part(diagnosis, "effects")) cards += effect_card(effect);
+  const Json& model = part(diagnosis, "residual_model");
+  if (!model.empty()) {
+    std::string rows;
+    for (const Json& term : part(model, "terms"))
+      rows += fmt::format("<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td>{}</td></tr>", escape(plain_channel(text(term, "channel"))),
+                          escape(text(term, "term")), figure(number(term, "coefficient")), escape(text(term, "unit")));
+    cards += "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
+             paragraph("Nothing in the catalogue explains the rest. This sparse model describes it and can be flown, but it is a description and no name.") +
+             paragraph(text(model, "says")) +
+             (rows.empty() ? "" : "<div class=\"scroll\"><table><tr><th>channel</th><th>term</th><th class=\"n\">coefficient</th><th>unit</th></tr>" + rows + "</table></div>") +
+             "</div>";
+  }
+  return cards;
+}
+
+std::string calibration(const Json& diagnosis) {
+  std::string rows;
+  const auto add = [&](const Json& list, bool with_name) {
+    for (const Json& effect : list)
+      for (const auto& [name, entry] : part(effect, "parameters").items()) {
+        if (name == "rotor") continue;
+        const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
+        const Display display = display_of(name, text(entry, "unit"), std::abs(value));
+        rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>",
+                            escape(with_name ? plain_name(effect) : text(effect, "sensor")), escape(plain_label(name)),
+                            with_half_width(display.factor * value, display.factor * half), escape(display.unit));
+      }
+  };
+  add(part(diagnosis, "calibration"), true);
+  add(part(diagnosis, "sensor_biases"), false);
+  if (rows.empty()) return "";
+  return "<p>Small corrections below the reporting tolerances: the usual scatter of a build, not missing physics.</p>"
+         "<div class=\"scroll\"><table><tr><th>of</th><th>parameter</th><th class=\"n\">value ± 95 %</th><th>unit</th></tr>" + rows + "</table></div>";
+}
+
+std::string disturbance(const Json& diagnosis) {
+  std::string rows;
+  for (const Json& entry : part(diagnosis, "disturbance"))
+    rows += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{} s</td></tr>",
+                        escape(plain_channel(text(entry, "group"))), figure(number(entry, "before")), figure(number(entry, "after")),
+                        escape(display_of("", text(entry, "unit"), 1.0).unit), figure(number(entry, "correlation_time_s")));
+  if (rows.empty()) return "";
+  return "<p>What still pushes the vehicle at random: turbulence, and whatever has no name. It comes and goes over the correlation time.</p>"
+         "<div class=\"scroll\"><table><tr><th>group</th><th class=\"n\">before</th><th class=\"n\">after</th><th>unit</th><th class=\"n\">correlation "
+         "time</th></tr>" + rows + "</table></div>";
+}
+
+std::string reasons(const Json& list, bool with_score) {
+  std::string rows;
+  for (const Json& entry : list) {
+    const double score = number(entry, "delta_score");
+    rows += fmt::format("<tr><td>{}</td><td>{}</td>{}</tr>", escape(plain_name(entry)), escape(text(entry, "why")),
+                        with_score ? fmt::format("<td class=\"n\">{}</td>", figure(score)) : "");
+  }
+  return rows;
+}
+
+std::string cannot_tell(const Json& diagnosis) {
+  std::string html;
+  if (const std::string rows = reasons(part(diagnosis, "not_identifiable"), false); !rows.empty())
+    html += "<p>These flights do not show enough to say anything, either way, about:</p><div class=\"scroll\"><table><tr><th>effect</th><th>why</th></tr>" +
+            rows + "</table></div>";
+  if (const std::string rows = reasons(part(diagnosis, "rejected"), true); !rows.empty())
+    html += "<details><summary>Looked at and not named</summary><div class=\"scroll\"><table><tr><th>effect</th><th>why not</th><th class=\"n\">score</th></tr>" +
+            rows + "</table></div></details>";
+  return html;
+}
+
+std::string next_flight(const Json& diagnosis) {
+  const Json& next = part(diagnosis, "next_flight");
+  const std::string trajectory = text(next, "trajectory");
+  if (trajectory.empty()) return "";
+  return fmt::format("<p><strong>{}</strong>: {}.</p>", escape(capital(plain_label(trajectory))), escape(text(next, "why")));
+}
+
+std::string flights(const Json& diagnosis) {
+  std::string rows;
+  for (const Json& flight : part(diagnosis, "flights")) {
+    std::vector<std::string> conditions;
+    for (const auto& [key, value] : part(flight, "condition").items()) {
+      const Variable variable = plain_variable(key);
+      conditions.push_back(variable.name + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + " " + variable.unit);
+    }
+    const std::string role = text(flight, "role");
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{} s</td><td class=\"n\">{} ms</td><td>{}</td></tr>", escape(text(flight, "file")),
+                        escape(role == "holdout" ? "held out" : plain_label(role)), figure(number(flight, "duration_s")),
+                        figure(1e3 * number(flight, "time_offset_s")), escape(list_in_words(conditions)));
+  }
+  if (rows.empty()) return "";
+  return "<div class=\"scroll\"><table><tr><th>file</th><th>role</th><th class=\"n\">duration</th><th class=\"n\">time offset</th><th>condition</th></tr>" +
+         rows + "</table></div>";
+}
+
+std::string footer(const Json& diagnosis) {
+  const std::string model = text(diagnosis, "augmented_model");
+  std::string words = "Intervals are 95 %. Held-out flights were never used to choose or to fit an effect, save for what belongs to each flight alone.";
+  if (!model.empty())
+    return fmt::format("<footer><p>{} Fly the improved model: <code>gustlab replay FLIGHT.csv --with {}</code></p></footer>", words, escape(model));
+  return "<footer><p>" + words + "</p></footer>";
+}
+
+}  // namespace
+
+std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
+  std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+                     "content=\"width=device-width, initial-scale=1\">";
+  html += fmt::format("<title>Diagnosis of {}</title><style>{}</style></head>\n<body><main>\n", escape(text(diagnosis, "vehicle")), page_style());
+  for (const std::string& piece :
+       {header(diagnosis), log_findings(diagnosis), section("Where it differs", where(diagnosis)), section("What was left out", what(diagnosis)),
+        horizon_section(diagnosis, figures), residual_section(figures), window_section(figures),
+        section("What cannot be told", cannot_tell(diagnosis)), section("What to fly next", next_flight(diagnosis)),
+        section("Unexplained disturbance", disturbance(diagnosis)), section("Calibration", calibration(diagnosis)),
+        section("Flights", flights(diagnosis)), footer(diagnosis)})
+    if (!piece.empty()) html += piece + "\n";
+  return html + "</main></body></html>\n";
+}
+
+}  // namespace gustlab

@@ -1,0 +1,261 @@
+#include "report/diagnosis_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+namespace gustlab::report {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double degrees = 180.0 / 3.14159265358979323846;
+
+std::string superscript(int exponent) {
+  static const std::array<const char*, 10> digits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string written;
+  for (const char c : std::to_string(exponent)) written += c == '-' ? "⁻" : digits[static_cast<std::size_t>(c - '0')];
+  return written;
+}
+
+// a minus sign that is one
+std::string signed_text(std::string written) {
+  if (!written.empty() && written.front() == '-') written = "−" + written.substr(1);
+  return written;
+}
+
+std::string decimals(double value, int digits) {
+  std::string written = fmt::format("{:.{}f}", value, digits);
+  if (written.find_first_not_of("-0.") == std::string::npos && written.front() == '-') written.erase(0, 1);
+  return signed_text(written);
+}
+
+// "cuts the half-second position error from 7.4 cm to 1.3 cm", empty when nothing was verified
+std::string gain_in_words(const Json& diagnosis) {
+  const Json& fit = part(diagnosis, "fit");
+  const Json &horizons = part(fit, "horizon_s"), &errors = part(fit, "position_m");
+  const Json &before = part(errors, "before"), &after = part(errors, "after");
+  std::size_t best = 0;
+  for (std::size_t h = 0; h < horizons.size(); ++h)
+    if (std::abs(horizons[h].get<double>() - 0.5) < std::abs(horizons[best].get<double>() - 0.5)) best = h;
+  if (best >= before.size() || best >= after.size() || !before[best].is_number() || !after[best].is_number()) return "";
+  const double from = before[best].get<double>(), to = after[best].get<double>();
+  if (!(to < from)) return "";
+  const auto [factor, unit] = from < 0.01 ? Display{1e3, "mm"} : from < 1.0 ? Display{1e2, "cm"} : Display{1.0, "m"};
+  const auto length = [&, scale = factor](double metres) { return decimals(scale * metres, scale * from < 10.0 ? 1 : 0); };
+  return fmt::format("the position predicted {:g} s ahead is then wrong by {} instead of {} {}, on flights that were not used to find it",
+                     horizons[best].get<double>(), length(to), length(from), unit);
+}
+
+// what the residual is and where: the strongest channel with its first region
+std::string where_in_words(const Json& diagnosis) {
+  const Json* strongest = nullptr;
+  double ratio = 0.0;
+  for (const Json& entry : part(diagnosis, "mismatch")) {
+    if (!entry.value("significant", false)) continue;
+    const double here = number(entry, "rms") / number(entry, "noise_rms");
+    if (!strongest || here > ratio) strongest = &entry, ratio = here;
+  }
+  if (!strongest) return "";
+  std::string words = "mostly in the " + plain_channel(text(*strongest, "channel"));
+  const Json& where = part(*strongest, "where");
+  if (!where.empty()) {
+    const Variable variable = plain_variable(text(where[0], "variable"));
+    const bool above = where[0].contains("above");
+    const double limit = number(where[0], above ? "above" : "below");
+    if (std::isfinite(limit))
+      words += fmt::format(", when {} is {} {:.3g} {}", variable.name, above ? "above" : "below", limit, variable.unit);
+  }
+  return words;
+}
+
+// what kind of thing an effect is to a pilot
+enum class Sort { missing, wrong_number, recording };
+Sort sort_of(const Json& effect) {
+  const std::string name = text(effect, "effect"), place = text(effect, "place");
+  if (place == "measurement") return Sort::recording;
+  return place == "body" || name == "thrust_scale" || name == "yaw_torque_ratio" ? Sort::wrong_number : Sort::missing;
+}
+
+std::vector<std::string> names(const Json& effects, Sort sort) {
+  std::vector<std::string> found;
+  for (const Json& effect : effects) {
+    if (sort_of(effect) != sort) continue;
+    std::vector<std::string> alike;
+    for (const Json& other : part(effect, "class")) alike.push_back(plain_label(other.get<std::string>()));
+    std::string name = alike.size() > 1 ? (sort == Sort::wrong_number ? "" : "either ") + list_in_words(alike, "or") : plain_name(effect);
+    // alone, it has room for an explanation
+    if (effects.size() == 1 && alike.size() <= 1 && !text(effect, "says").empty()) name += " (" + text(effect, "says") + ")";
+    found.push_back(name);
+  }
+  return found;
+}
+
+std::string names_in_words(const Json& diagnosis) {
+  const Json& effects = part(diagnosis, "effects");
+  const std::string vehicle = text(diagnosis, "vehicle");
+  std::vector<std::string> clauses;
+  if (const auto missing = names(effects, Sort::missing); !missing.empty()) clauses.push_back("leaves out " + list_in_words(missing));
+  if (const auto wrong = names(effects, Sort::wrong_number); !wrong.empty()) clauses.push_back("has the wrong " + list_in_words(wrong));
+  std::string words = clauses.empty() ? "" : fmt::format("The simulation{} {}", vehicle.empty() ? "" : " of " + vehicle,
+                                                         list_in_words(clauses));
+  if (const auto recording = names(effects, Sort::recording); !recording.empty())
+    words += (words.empty() ? "The recording itself has " : ", and the recording itself has ") + list_in_words(recording);
+  return words;
+}
+
+}  // namespace
+
+double number(const Json& object, const std::string& key) {
+  return object.is_object() && object.contains(key) && object.at(key).is_number() ? object.at(key).get<double>() : nan;
+}
+
+std::string text(const Json& object, const std::string& key) {
+  return object.is_object() && object.contains(key) && object.at(key).is_string() ? object.at(key).get<std::string>() : "";
+}
+
+const Json& part(const Json& object, const std::string& key) {
+  static const Json nothing = Json::array();
+  const bool there = object.is_object() && object.contains(key) && (object.at(key).is_object() || object.at(key).is_array());
+  return there ? object.at(key) : nothing;
+}
+
+std::string plain_label(const std::string& label) {
+  const std::size_t mark = label.find('#');
+  std::string name = label.substr(0, mark);
+  if (mark != std::string::npos && name == "rotor_loss") return "loss of rotor " + label.substr(mark + 1);
+  std::replace(name.begin(), name.end(), '_', ' ');
+  const std::string from = "center", to = "centre";
+  if (const std::size_t at = name.find(from); at != std::string::npos) name.replace(at, from.size(), to);
+  return mark == std::string::npos ? name : name + " " + label.substr(mark + 1);
+}
+
+std::string plain_name(const Json& effect) {
+  const std::string name = text(effect, "effect");
+  const double rotor = number(part(part(effect, "parameters"), "rotor"), "value");
+  return plain_label(std::isfinite(rotor) ? fmt::format("{}#{:.0f}", name, rotor) : name);
+}
+
+std::string plain_channel(const std::string& channel) {
+  static const std::array<std::pair<const char*, const char*>, 12> words{{{"force_x", "push forward or back"},
+                                                                          {"force_y", "push to the side"},
+                                                                          {"force_z", "lift"},
+                                                                          {"force_xy", "horizontal push"},
+                                                                          {"torque_x", "roll torque"},
+                                                                          {"torque_y", "pitch torque"},
+                                                                          {"torque_z", "yaw torque"},
+                                                                          {"torque_xy", "roll and pitch torque"},
+                                                                          {"actuation", "rotors' answer to commands"},
+                                                                          {"timing", "timing of the log"},
+                                                                          {"force", "push"},
+                                                                          {"torque", "torque"}}};
+  for (const auto& [name, said] : words)
+    if (channel == name) return said;
+  return plain_label(channel);
+}
+
+Variable plain_variable(const std::string& variable) {
+  static const std::array<std::pair<const char*, const char*>, 9> units{{{"_radps2", "rad/s²"},
+                                                                         {"_radps", "rad/s"},
+                                                                         {"_mps2", "m/s²"},
+                                                                         {"_mps", "m/s"},
+                                                                         {"_rad", "rad"},
+                                                                         {"_m", "m"},
+                                                                         {"_s", "s"},
+                                                                         {"_N", "N"},
+                                                                         {"_V", "V"}}};
+  for (const auto& [suffix, unit] : units)
+    if (variable.ends_with(suffix)) return {plain_label(variable.substr(0, variable.size() - std::string(suffix).size())), unit};
+  return {plain_label(variable), ""};
+}
+
+std::string list_in_words(const std::vector<std::string>& items, const char* last) {
+  std::string words;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    words += (i == 0 ? "" : i + 1 < items.size() ? ", " : fmt::format(" {} ", last)) + items[i];
+  return words;
+}
+
+Display display_of(const std::string& parameter, const std::string& unit, double magnitude) {
+  if (unit == "m" && magnitude < 0.1) return {1e3, "mm"};
+  if (unit == "s" && magnitude < 1.0) return {1e3, "ms"};
+  if (unit == "N" && magnitude < 0.1) return {1e3, "mN"};
+  if (unit == "N m" && magnitude < 0.1) return magnitude < 1e-3 ? Display{1e6, "µN m"} : Display{1e3, "mN m"};
+  if (unit == "rad") return {degrees, "°"};
+  if (unit == "-" || unit == "–" || unit.empty()) {
+    const bool share = parameter.starts_with("delta") || parameter == "loss";
+    return share ? Display{100.0, "%"} : Display{1.0, ""};
+  }
+  std::string written = unit;
+  for (const auto& [plain, nice] : {std::pair{"^2", "²"}, std::pair{"^3", "³"}, std::pair{"kg m2", "kg m²"}})
+    if (const std::size_t at = written.find(plain); at != std::string::npos) written.replace(at, std::string(plain).size(), nice);
+  return {1.0, written};
+}
+
+std::string capital(std::string words) {
+  if (!words.empty()) words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
+  return words;
+}
+
+std::string plain_place(const std::string& place) {
+  if (place == "body") return "in the body";
+  if (place == "actuation") return "between command and rotor";
+  if (place == "rotor") return "in the rotors";
+  if (place == "wrench") return "from the air or outside";
+  if (place == "measurement") return "in the recording";
+  return place;
+}
+
+std::string figure(double value) {
+  if (!std::isfinite(value)) return "–";
+  if (value == 0.0) return "0";
+  const int exponent = static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-12));
+  if (exponent < -3 || exponent > 5)
+    return fmt::format("{} × 10{}", decimals(value / std::pow(10.0, exponent), 2), superscript(exponent));
+  return decimals(value, std::max(0, 2 - exponent));
+}
+
+std::string with_half_width(double value, double half_width) {
+  if (!std::isfinite(half_width) || half_width <= 0.0) return figure(value);
+  const int exponent = static_cast<int>(std::floor(std::log10(std::max(std::abs(value), half_width)) + 1e-12));
+  const double power = exponent < -3 || exponent > 5 ? std::pow(10.0, exponent) : 1.0;
+  // the half-width gets two digits, the value as many decimals
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width / power) + 1e-12)), 0, 8);
+  const std::string both = fmt::format("{} ± {}", decimals(value / power, digits), decimals(half_width / power, digits));
+  return power == 1.0 ? both : fmt::format("({}) × 10{}", both, superscript(exponent));
+}
+
+std::string probability(double p) {
+  if (!std::isfinite(p)) return "–";
+  if (p < 1e-12) return "< 10⁻¹²";
+  if (p >= 1e-3) return fmt::format("{:.2g}", p);
+  const int exponent = static_cast<int>(std::floor(std::log10(p) + 1e-12));
+  return fmt::format("{:.0f} × 10{}", p / std::pow(10.0, exponent), superscript(exponent));
+}
+
+std::string sure(double confidence) {
+  if (!std::isfinite(confidence)) return "–";
+  return confidence > 0.995 ? "more than 99 %" : fmt::format("{:.0f} %", 100.0 * confidence);
+}
+
+std::string one_sentence(const Json& diagnosis) {
+  const std::string verdict = text(diagnosis, "verdict"), vehicle = text(diagnosis, "vehicle");
+  const std::string model = vehicle.empty() ? "The simulation" : "The simulation of " + vehicle;
+  const std::string where = where_in_words(diagnosis);
+  if (verdict == "consistent") return model + " agrees with these flights: nothing is left beyond noise and calm air.";
+  if (verdict == "insufficient_data") return "These flights cannot tell whether the simulation" + (vehicle.empty() ? "" : " of " + vehicle) + " is right or wrong.";
+  if (verdict == "unexplained")
+    return fmt::format("Something acts on {} that the simulation leaves out{}, and it is none of the effects known here.",
+                       vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")");
+
+  std::string sentence = names_in_words(diagnosis);
+  if (const std::string gain = gain_in_words(diagnosis); !gain.empty()) sentence += "; " + gain;
+  if (verdict == "partly_explained") sentence += "; something else remains";
+  return sentence + ".";
+}
+
+}  // namespace gustlab::report

@@ -1,0 +1,49 @@
+// A diagnosis in words that a pilot understands: names, channels, variables, numbers with units, the one sentence.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace gustlab::report {
+
+using Json = nlohmann::ordered_json;
+
+// Lenient access: absent, null and mistyped all mean "not known".
+double number(const Json& object, const std::string& key);              // NaN
+std::string text(const Json& object, const std::string& key);           // empty
+const Json& part(const Json& object, const std::string& key);           // an empty object or array
+
+// "rotor drag", "loss of rotor 3"
+std::string plain_name(const Json& effect);
+std::string plain_label(const std::string& label);
+// "push to the side" for force_y
+std::string plain_channel(const std::string& channel);
+// "airspeed" and "m/s" for airspeed_mps
+struct Variable {
+  std::string name, unit;
+};
+Variable plain_variable(const std::string& variable);
+std::string plain_place(const std::string& place);
+std::string capital(std::string words);
+std::string list_in_words(const std::vector<std::string>& items, const char* last = "and");
+
+// How a number is shown: multiplied by factor, in unit.
+struct Display {
+  double factor = 1.0;
+  std::string unit;
+};
+// Small m, s, N, N m in thousandths, rad as degrees, relative changes in percent; everything else as it is.
+Display display_of(const std::string& parameter, const std::string& unit, double magnitude);
+// Three significant digits, or a power of ten.
+std::string figure(double value);
+// value and half-width with the digits that the half-width deserves: "14.7 ± 0.8".
+std::string with_half_width(double value, double half_width);
+// p-values and confidences
+std::string probability(double p);
+std::string sure(double confidence);
+
+// The sentence at the top of the page, from verdict, effects and held-out errors.
+std::string one_sentence(const Json& diagnosis);
+
+}  // namespace gustlab::report

@@ -1,0 +1,71 @@
+#include "report/page_style.hpp"
+
+namespace gustlab::report {
+
+std::string_view page_style() {
+  return R"css(
+:root { color-scheme: light dark; --ink: #1d2733; --soft: #5b6876; --faint: #d9dfe5; --paper: #fbfcfd; --card: #ffffff;
+  --before: #c9741a; --after: #1f6fb2; --measured: #1d2733; --warn: #a8480f; --warn-back: #fdf3e7; --good: #2c7a4b; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e4e9ee; --soft: #9aa7b4; --faint: #313b46; --paper: #14191f;
+  --card: #1a2129; --before: #f0a24e; --after: #64b0ec; --measured: #e4e9ee; --warn: #f3b07c; --warn-back: #2b221a;
+  --good: #7cc99a; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--paper); color: var(--ink); font: 16px/1.55 system-ui, "Segoe UI", "Noto Sans",
+  "DejaVu Sans", sans-serif; overflow-wrap: anywhere; }
+main { max-width: 62rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
+header p.kind { margin: 0; color: var(--soft); font-size: .9rem; }
+h1 { font-size: clamp(1.2rem, 1.05rem + .9vw, 1.6rem); line-height: 1.38; font-weight: 500; margin: .6rem 0 1rem;
+  max-width: 48rem; text-wrap: pretty; }
+h2 { font-size: 1.15rem; font-weight: 600; margin: 3rem 0 .4rem; padding-top: 1.2rem; border-top: 1px solid var(--faint); }
+h3 { font-size: 1.05rem; font-weight: 600; margin: 0; }
+p { margin: .4rem 0 .8rem; max-width: 46rem; }
+.note, figcaption, .soft { color: var(--soft); font-size: .88rem; }
+.badge { display: inline-block; padding: .05rem .6rem; border: 1px solid currentColor; border-radius: 1rem;
+  font-size: .85rem; color: var(--after); }
+.badge.consistent { color: var(--good); } .badge.unexplained, .badge.partly { color: var(--before); }
+.badge.insufficient { color: var(--soft); }
+.findings { background: var(--warn-back); border-left: 3px solid var(--warn); border-radius: 4px; padding: .8rem 1.1rem;
+  margin: 1.2rem 0; }
+.findings h2 { border: 0; padding: 0; margin: 0 0 .3rem; color: var(--warn); }
+.findings ul { margin: 0; padding-left: 1.1rem; }
+.effect { background: var(--card); border: 1px solid var(--faint); border-radius: 8px; padding: 1rem 1.2rem; margin: .9rem 0; }
+.effect > p { margin: .2rem 0 .6rem; }
+.effect .head { display: flex; flex-wrap: wrap; gap: .3rem 1rem; align-items: baseline; justify-content: space-between; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .92rem; margin: .5rem 0; font-variant-numeric: tabular-nums; }
+th { text-align: left; font-weight: 500; color: var(--soft); }
+th, td { padding: .28rem 1.1rem .28rem 0; vertical-align: top; border-bottom: 1px solid var(--faint);
+  overflow-wrap: normal; } td.where { min-width: 12rem; }
+tr:last-child td { border-bottom: 0; }
+td.n, th.n { text-align: right; white-space: nowrap; }
+figure { margin: .8rem 0 0; }
+.charts { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 22rem), 1fr)); gap: 1.2rem 1.6rem; }
+figcaption { margin-top: .5rem; max-width: 46rem; }
+.legend { display: flex; flex-wrap: wrap; gap: .2rem 1.3rem; font-size: .88rem; color: var(--soft); margin: .5rem 0 .7rem;
+  padding: 0; list-style: none; }
+.legend svg { width: 26px; height: 10px; margin-right: .4rem; }
+details summary { cursor: pointer; color: var(--soft); font-size: .88rem; }
+code { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: .88em; }
+footer { margin-top: 3rem; padding-top: 1rem; border-top: 1px solid var(--faint); color: var(--soft); font-size: .85rem; }
+svg { display: block; width: 100%; height: auto; }
+svg text { font-size: 11px; fill: var(--soft); font-family: inherit; } svg text.head { fill: var(--ink); font-size: 12px; }
+svg .grid { stroke: var(--faint); stroke-width: 1; opacity: .7; } svg .axis, svg .tick { stroke: var(--soft); stroke-width: 1; }
+svg .zero { stroke: var(--soft); stroke-width: 1; opacity: .6; } svg .mark { stroke: var(--soft); stroke-dasharray: 1 4; opacity: .6; }
+svg path { fill: none; stroke-width: 1.8; stroke-linejoin: round; stroke-linecap: round; }
+svg path.measured { stroke: var(--measured); stroke-width: 1.3; opacity: .85; }
+svg path.before, svg line.before { stroke: var(--before); } svg path.after, svg line.after { stroke: var(--after); }
+svg path.noise { stroke: var(--soft); stroke-dasharray: 5 4; stroke-width: 1.4; }
+svg path.hold { stroke: var(--soft); stroke-dasharray: 1.5 4; stroke-width: 1.4; }
+svg circle.before { fill: var(--before); } svg circle.after { fill: var(--after); } svg circle.cloud { fill: var(--before); opacity: .28; }
+svg .whisker { stroke-width: 1.3; opacity: .7; }
+svg.bar { width: 124px; max-width: 124px; } svg.bar { margin-top: .4rem; }
+svg.bar .back { fill: var(--faint); opacity: .5; } svg.bar .value { fill: var(--before); } svg.bar .reference { stroke: var(--ink); stroke-width: 1.5; }
+@media (max-width: 40rem) { svg.bar { width: 64px; } main { padding: 1.5rem 1rem 3rem; } }
+@media print { :root { --ink: #000; --soft: #444; --faint: #ccc; --paper: #fff; --card: #fff; --before: #b5610c; --after: #1a5f9a;
+  --measured: #000; --warn: #803300; --warn-back: #fff; --good: #205a37; }
+  body { font-size: 11pt; } main { padding: 0; max-width: none; } .effect, figure, tr, .findings { break-inside: avoid; }
+  h2 { break-after: avoid; } details { display: block; } }
+)css";
+}
+
+}  // namespace gustlab::report
