@@ -5,6 +5,7 @@
 
 namespace gustlab {
 
+void add_diagnose(CLI::App& app);
 void add_score(CLI::App& app);
 
 }  // namespace gustlab

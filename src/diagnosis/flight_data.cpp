@@ -206,10 +206,11 @@ FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, con
   flight.has_voltage = voltage != nullptr;
 
   // faster logs are averaged down: the mean of a few samples at their mean time
-  const std::size_t group = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (log_step_s * options.max_rate_hz))));
+  const std::size_t stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (log_step_s * options.max_rate_hz))));
+  const std::size_t group = options.subsample ? 1 : stride;
   Quaternion previous = Quaternion::Identity();
   double last_voltage = vehicle.nominal_voltage_V;
-  for (std::size_t first = 0; first + group <= rows; first += group) {
+  for (std::size_t first = 0; first + group <= rows; first += stride) {
     Sample sample;
     Eigen::Vector4d attitude = Eigen::Vector4d::Zero();
     sample.channels = has_position | has_velocity | has_attitude | has_rate | has_force;

@@ -77,6 +77,7 @@ struct FlightData {
 struct ReadingOptions {
   std::optional<bool> linear_hold;      // overrides the log when it does not say
   double max_rate_hz = 125.0;           // faster logs are averaged down
+  bool subsample = false;               // take one sample of a group instead of its mean (logs that were filtered)
 };
 
 // Throws DataError when the actuator input cannot be mapped by the vehicle.

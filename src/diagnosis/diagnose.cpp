@@ -1,0 +1,152 @@
+#include "diagnosis/diagnose.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/explain.hpp"
+#include "diagnosis/vehicle_check.hpp"
+#include "gustlab/errors.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
+
+// rows of a log between two times
+FlightLog part_of(const FlightLog& log, double from_s, double to_s) {
+  FlightLog part = log;
+  const auto first = std::lower_bound(log.time_s.begin(), log.time_s.end(), from_s) - log.time_s.begin();
+  const auto last = std::lower_bound(log.time_s.begin(), log.time_s.end(), to_s) - log.time_s.begin();
+  part.time_s.assign(log.time_s.begin() + first, log.time_s.begin() + last);
+  for (std::size_t c = 0; c < log.columns.size(); ++c)
+    part.columns[c].values.assign(log.columns[c].values.begin() + first, log.columns[c].values.begin() + last);
+  return part;
+}
+
+// a series is low-pass filtered when its fifth differences are far smaller than white noise would make them
+bool looks_filtered(const std::vector<double>& y) {
+  double third = 0.0, fifth = 0.0;
+  for (std::size_t k = 5; k < y.size(); ++k) {
+    const double d3 = y[k] - 3.0 * y[k - 1] + 3.0 * y[k - 2] - y[k - 3];
+    const double d5 = y[k] - 5.0 * y[k - 1] + 10.0 * y[k - 2] - 10.0 * y[k - 3] + 5.0 * y[k - 4] - y[k - 5];
+    if (!std::isfinite(d5)) continue;
+    third += d3 * d3;
+    fifth += d5 * d5;
+  }
+  // white noise: 252/20 = 12.6
+  return third > 0.0 && fifth / third < 3.0;
+}
+
+bool filtered(const FlightLog& log) {
+  int told = 0, seen = 0;
+  for (const char* name : {"px", "py", "pz", "qx", "qy", "wx", "wy", "wz"})
+    if (const auto* column = log.find(name)) {
+      ++seen;
+      told += looks_filtered(*column) ? 1 : 0;
+    }
+  return seen > 0 && told == seen;
+}
+
+struct Flights {
+  std::vector<FlightLog> fit, holdout;
+};
+
+std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const VehicleModel& vehicle, const ReadingOptions& options) {
+  std::vector<FlightData> flights;
+  for (const FlightLog& log : logs) flights.push_back(prepare_flight(log, vehicle, options));
+  return flights;
+}
+
+// was the command held or interpolated? the likelier of the two, when no log says so
+bool linear_is_likelier(const std::vector<FlightLog>& logs, const VehicleModel& vehicle, ReadingOptions options, int jobs) {
+  double score[2];
+  for (const bool linear : {false, true}) {
+    options.linear_hold = linear;
+    Session session(prepare(logs, vehicle, options), vehicle, jobs);
+    session.linearise(session.value(), session.all_columns());
+    session.learn_noise(6, session.all_columns());
+    score[linear] = 0.0;
+    const Fit fit = solve(session.grams().total(), session.all_columns(), 1e-4);
+    for (const Whitened& w : session.innovations(session.all_columns(), fit.coefficient)) score[linear] += w.minus_two_log_likelihood;
+  }
+  return score[true] < score[false];
+}
+
+void describe_disturbance(const Selection& selection, const Remainder&, Diagnosis& out) {
+  constexpr std::array<const char*, 4> name = {"force_xy", "force_z", "torque_xy", "torque_z"};
+  for (std::size_t g = 0; g < disturbance_groups; ++g)
+    out.disturbance.push_back({name[g], std::sqrt(selection.noise_nominal.variance[g]),
+                               std::sqrt(selection.noise_selected.variance[g]), g < 2 ? "m/s^2" : "rad/s^2",
+                               selection.noise_selected.time_s[g]});
+}
+
+}  // namespace
+
+Diagnosis diagnose(const DiagnoseOptions& options) {
+  Diagnosis out;
+  Flights logs;
+  for (const std::string& path : options.fit) logs.fit.push_back(read_flight_log(path));
+  for (const std::string& path : options.holdout) logs.holdout.push_back(read_flight_log(path));
+  const FlightLog& first = logs.fit.front();
+  VehicleModel vehicle = options.vehicle ? read_vehicle(*options.vehicle) : read_vehicle(first.meta.vehicle, first.path);
+  out.vehicle = vehicle.name;
+
+  if (logs.holdout.empty()) {
+    if (logs.fit.size() > 1) {
+      logs.holdout.push_back(std::move(logs.fit.back()));
+      logs.fit.pop_back();
+      out.notes.push_back(fmt::format("no flight was held out by the user: {} is", label_of(logs.holdout.front().path)));
+    } else {
+      const auto& time = logs.fit.front().time_s;
+      const double cut_s = time.front() + (time.back() - time.front()) * 2.0 / 3.0;
+      logs.holdout.push_back(part_of(logs.fit.front(), cut_s, time.back() + 1.0));
+      logs.fit.front() = part_of(logs.fit.front(), time.front(), cut_s);
+      out.notes.emplace_back("there is one flight only: its last third is held out");
+    }
+  }
+
+  // logs that were smoothed before they were written tell less than their rate
+  ReadingOptions reading;
+  for (const FlightLog& log : logs.fit)
+    if (filtered(log)) {
+      reading.max_rate_hz = 25.0;
+      reading.subsample = true;
+      out.log_findings.push_back({label_of(log.path), "px…wz", "filtered", log.time_s.front(), log.time_s.back(),
+                                  "the recording was low-pass filtered before it was written: it is read at 25 Hz, where its noise is nearly white", false, false});
+    }
+  const bool hold_unknown = std::any_of(logs.fit.begin(), logs.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });
+
+  std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading);
+  for (LogFinding& finding : check_rotors(flights, vehicle)) out.log_findings.push_back(std::move(finding));
+  if (hold_unknown) {
+    reading.linear_hold = linear_is_likelier(logs.fit, vehicle, reading, options.jobs);
+    out.notes.push_back(fmt::format("the logs do not say how commands are held between samples: {} is the likelier",
+                                    *reading.linear_hold ? "linear" : "zoh"));
+  }
+  flights = prepare(logs.fit, vehicle, reading);
+  for (const FlightData& flight : flights) out.flights.push_back({flight.label, "fit", flight.duration_s(), 0.0});
+  std::vector<FlightData> held = prepare(logs.holdout, vehicle, reading);
+  for (const FlightData& flight : held) out.flights.push_back({flight.label, "holdout", flight.duration_s(), 0.0});
+
+  Session session(std::move(flights), vehicle, options.jobs);
+  const Selection selection = select_effects(session, {});
+  const Remainder rest = remainder(session, selection);
+  const HoldoutTest tested = test_holdout(session, selection, std::move(held), options.jobs);
+  explain(session, selection, tested, out);
+  explain_gust(session, selection, rest, out);
+  describe_disturbance(selection, rest, out);
+  out.alarms = rest.alarms;
+  out.mismatch = locate(session, selection);
+
+  if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;
+  else if (rest.alarms.empty() || rest.omnibus_share < 0.1) out.verdict = Verdict::explained;
+  else out.verdict = Verdict::partly_explained;
+  out.augmented_toml = augmented_toml(out);
+  return out;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,48 @@
+// From recordings to the name of the missing physics (DIAGNOSIS.md §3).
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/findings.hpp"
+
+namespace gustlab::diagnosis {
+
+struct DiagnoseOptions {
+  std::vector<std::string> fit;       // flight logs
+  std::vector<std::string> holdout;   // empty: the last flight, or the last third of the only one
+  std::optional<std::string> vehicle; // overrides the logs'
+  int jobs = 1;
+};
+
+// What one flight contributed.
+struct FlightUse {
+  std::string file, role;             // fit | holdout | set_aside
+  double duration_s = 0.0, time_offset_s = 0.0;
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::insufficient_data;
+  std::string vehicle;
+  std::vector<FlightUse> flights;
+  std::vector<Mismatch> mismatch;
+  std::vector<EffectFinding> effects;
+  std::vector<EffectFinding> calibration;    // below their reporting tolerance
+  std::vector<Disturbance> disturbance;
+  std::vector<LogFinding> log_findings;
+  std::vector<Rejected> rejected;
+  std::vector<NotIdentifiable> not_identifiable;
+  std::vector<Alarm> alarms;
+  std::vector<std::string> notes;
+  std::string next_trajectory, next_why;
+  std::string augmented_toml;
+  nlohmann::ordered_json fit;                // FORMATS.md §4
+};
+
+// Throws DataError when no fit flight is usable.
+Diagnosis diagnose(const DiagnoseOptions& options);
+nlohmann::ordered_json to_json(const Diagnosis& diagnosis);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,198 @@
+#include "diagnosis/explain.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "config/toml.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// model-form error: no effect is exactly its formula (DIAGNOSIS.md §3.8)
+constexpr double model_form = 0.03;
+constexpr double equivalent_z = 2.6;
+
+// declared exact aliases: what no flight can tell apart, whatever it does
+constexpr std::pair<std::string_view, std::string_view> exact_alias[] = {
+    {"yaw_torque_ratio", "inertia"},   // only c_τ k_f / J_z is visible, when J_x and J_y are right
+};
+
+std::string catalogue_name(const Group& group) { return std::string(group.row->name); }
+
+double with_model_form(double deviation, double value, double nominal) {
+  return std::hypot(deviation, model_form * (value - nominal));
+}
+
+// the more often half of the data says the same, and the clearer the rivals lose, the surer
+double confidence(const Finding& finding, double holdout_gain) {
+  double nearest = 20.0;
+  for (const Rival& rival : finding.rivals)
+    if (rival.z >= equivalent_z) nearest = std::min(nearest, rival.z);
+  const double stable = std::clamp(finding.inclusion, 0.0, 1.0);
+  const double distinct = 1.0 - 0.25 * std::exp(-0.6 * std::max(0.0, nearest - equivalent_z));
+  const double paid = holdout_gain > 10.0 ? 1.0 : 0.85;
+  return std::clamp(0.985 * (0.6 + 0.4 * stable) * distinct * paid, 0.05, 0.99);
+}
+
+std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group, int flight) {
+  std::vector<NamedValue> values;
+  if (group.rotor > 0) values.push_back({"rotor", "-", static_cast<double>(group.rotor), 0.0});
+  // mean over flights of values per flight
+  std::vector<std::pair<int, std::vector<int>>> by_parameter;
+  for (const int c : group.columns) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    if (flight >= 0 && column.flight != flight) continue;
+    auto at = std::find_if(by_parameter.begin(), by_parameter.end(), [&](const auto& p) { return p.first == column.parameter; });
+    if (at == by_parameter.end()) at = by_parameter.insert(at, {column.parameter, {}});
+    at->second.push_back(c);
+  }
+  for (const auto& [parameter, columns] : by_parameter) {
+    NamedValue value;
+    double variance = 0.0;
+    for (const int c : columns) {
+      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      value.name = column.name;
+      value.unit = column.unit;
+      value.value += selection.value[c] / static_cast<double>(columns.size());
+      const double sd = with_model_form(selection.deviation[c], selection.value[c], column.nominal);
+      variance += sd * sd / std::pow(static_cast<double>(columns.size()), 2);
+    }
+    value.deviation = std::sqrt(variance);
+    values.push_back(value);
+  }
+  return values;
+}
+
+// why a group can hardly be told from these flights; empty when it can
+std::string why_not_told(const Session& session, const Selection& selection, const Group& group) {
+  const std::string_view name = group.row->name;
+  const auto& flights = session.flights();
+  const auto any = [&](const auto& test) { return std::any_of(flights.begin(), flights.end(), test); };
+  if (name == "ground_effect" && !any([](const FlightData& f) { return f.vehicle.environment.ground_z_m.has_value(); }))
+    return "no ground height in the logs (environment.ground_z_m)";
+  if (name == "ceiling_effect" && !any([](const FlightData& f) { return f.vehicle.environment.ceiling_z_m.has_value(); }))
+    return "no ceiling height in the logs (environment.ceiling_z_m)";
+  if (name == "wall_effect" && !any([](const FlightData& f) { return !f.vehicle.environment.walls.empty(); }))
+    return "no walls in the logs (environment.walls)";
+  if (name == "imu_lever" && !any([](const FlightData& f) { return !f.samples.empty() && (f.samples[f.samples.size() / 2].channels & has_force); }))
+    return "no accelerometer in the logs";
+  const bool torque = any([](const FlightData& f) { return !f.collective_only; });
+  constexpr std::string_view torque_only[] = {"inertia", "yaw_torque_ratio", "rotor_inertia", "flapping_torque", "rotor_loss", "gyro_scale"};
+  if (!torque && std::find(std::begin(torque_only), std::end(torque_only), name) != std::end(torque_only))
+    return "the logs know the total thrust only, no torque";
+  // the strength that five standard deviations would need, against a typical one
+  const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
+  double best = 1e300;
+  for (const int c : group.columns) {
+    const double information = projected(c, c);
+    if (information > 1e-9) best = std::min(best, 5.0 / std::sqrt(information));
+  }
+  if (best > 1e200) return fmt::format("these flights do not excite it (it shows in: {})", group.row->shows_in);
+  if (best > 6.0)
+    return fmt::format("only a strength {:.0f} times its natural size would show (it shows in: {})", best, group.row->shows_in);
+  return {};
+}
+
+}  // namespace
+
+void explain(const Session& session, const Selection& selection, const HoldoutTest& holdout, Diagnosis& out) {
+  const Catalogue& catalogue = session.catalogue();
+  const auto group_of = [&](int g) -> const Group& { return catalogue.groups()[static_cast<std::size_t>(g)]; };
+  for (std::size_t i = 0; i < selection.findings.size(); ++i) {
+    const Finding& finding = selection.findings[i];
+    const Group& group = group_of(finding.group);
+    EffectFinding effect;
+    effect.effect = catalogue_name(group);
+    effect.place = to_string(group.row->place);
+    effect.says = group.row->says;
+    effect.gain = finding.gain;
+    effect.parameters = values_of(catalogue, selection, group, -1);
+    if (group.row->per_flight)
+      for (std::size_t f = 0; f < session.flights().size(); ++f)
+        effect.per_flight.emplace_back(session.flights()[f].label, values_of(catalogue, selection, group, static_cast<int>(f)));
+    effect.classmates = {effect.effect};
+    for (const Rival& rival : finding.rivals) {
+      const std::string name = catalogue_name(group_of(rival.group));
+      const bool equivalent = rival.z < equivalent_z;
+      effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
+      if (equivalent) effect.classmates.push_back(name);
+    }
+    for (const auto& [a, b] : exact_alias)
+      if (effect.effect == a && std::find(effect.classmates.begin(), effect.classmates.end(), b) == effect.classmates.end())
+        effect.classmates.emplace_back(b);
+    // the class in catalogue order, each name once; the effect is its first
+    std::vector<std::string> ordered;
+    for (const EffectRow& row : effect_registry())
+      if (std::find(effect.classmates.begin(), effect.classmates.end(), row.name) != effect.classmates.end()) ordered.emplace_back(row.name);
+    effect.classmates = ordered;
+    const double paid = i < holdout.gain.size() ? holdout.gain[i] : 0.0;
+    effect.confidence = confidence(finding, paid);
+    if (finding.calibration) {
+      out.calibration.push_back(effect);
+    } else if (holdout.rows > 0.0 && paid <= 0.0) {
+      out.rejected.push_back({effect.effect, paid, "fits the flights it was found on, and does not pay on the held-out ones"});
+    } else {
+      out.effects.push_back(effect);
+    }
+  }
+  // the best of what was not chosen, and of what was chosen too small to name
+  std::vector<std::pair<double, int>> others;
+  for (const auto& [g, gain] : selection.alone) others.emplace_back(gain, g);
+  std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (std::size_t i = 0; i < std::min<std::size_t>(5, others.size()); ++i) {
+    const Group& group = group_of(others[i].second);
+    out.rejected.push_back({group.rotor > 0 ? fmt::format("{} (rotor {})", group.row->name, group.rotor) : catalogue_name(group), others[i].first,
+                            others[i].first > 0.0 ? "gains less than the materiality of a further effect" : "no gain"});
+  }
+  std::string last;
+  for (const Group& group : catalogue.groups()) {
+    if (!group.candidate || group.row->name == last) continue;
+    last = group.row->name;
+    const std::string why = why_not_told(session, selection, group);
+    if (!why.empty()) out.not_identifiable.push_back({last, why});
+  }
+}
+
+void explain_gust(const Session& session, const Selection& selection, const Remainder& rest, Diagnosis& out) {
+  if (!rest.gust_like) return;
+  const EffectRow* row = find_effect("gust");
+  const NoiseModel& noise = selection.noise_selected;
+  const double mass = session.vehicle().mass_kg;
+  EffectFinding effect;
+  effect.effect = "gust";
+  effect.place = to_string(row->place);
+  effect.says = row->says;
+  effect.classmates = {"gust"};
+  // standard error of a variance from as many independent pieces as the flight has correlation times
+  double duration_s = 0.0;
+  for (const FlightData& flight : session.flights()) duration_s += flight.duration_s();
+  const double pieces = std::max(4.0, 2.0 * duration_s / (2.0 * noise.time_s[0]));
+  const double sigma = mass * std::sqrt(noise.variance[0]), sigma_z = mass * std::sqrt(noise.variance[1]);
+  effect.parameters = {{"sigma_xy", "N", sigma, sigma / std::sqrt(2.0 * pieces) + model_form * sigma},
+                       {"sigma_z", "N", sigma_z, sigma_z / std::sqrt(pieces) + model_form * sigma_z},
+                       {"correlation_time", "s", noise.time_s[0], noise.time_s[0] * std::sqrt(2.0 / pieces)}};
+  effect.confidence = 0.9;
+  effect.gain = 0.0;
+  out.effects.push_back(effect);
+}
+
+std::string augmented_toml(const Diagnosis& diagnosis) {
+  std::string text = fmt::format("# vehicle {} with what the diagnosis found; values are totals\n", diagnosis.vehicle);
+  const auto write = [&](const std::vector<EffectFinding>& effects, std::string_view remark) {
+    for (const EffectFinding& effect : effects) {
+      text += fmt::format("\n[[effect]]{}\ntype = \"{}\"\n", remark, effect.effect);
+      for (const NamedValue& value : effect.parameters) {
+        if (value.name == "rotor") text += fmt::format("rotor = {:.0f}\n", value.value);
+        else text += fmt::format("{} = {}  # {}, sd {:.2g}\n", value.name, config::shortest(value.value), value.unit, value.deviation);
+      }
+    }
+  };
+  write(diagnosis.effects, "");
+  write(diagnosis.calibration, "  # calibration, below its reporting tolerance");
+  return text;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,16 @@
+// From a selection to sentences: names, classes, confidence, what was rejected and what cannot be told.
+#pragma once
+
+#include "diagnosis/diagnose.hpp"
+#include "diagnosis/holdout.hpp"
+
+namespace gustlab::diagnosis {
+
+// Fills effects, calibration, rejected and not_identifiable of a diagnosis.
+void explain(const Session& session, const Selection& selection, const HoldoutTest& holdout, Diagnosis& out);
+// Names `gust` when the flight says so; per axis strength, correlation time and a spectral line.
+void explain_gust(const Session& session, const Selection& selection, const Remainder& rest, Diagnosis& out);
+// `[[effect]]` tables of everything found, totals, calibration included.
+std::string augmented_toml(const Diagnosis& diagnosis);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,66 @@
+// What a diagnosis says, before it becomes JSON, TOML and a page.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/locate.hpp"
+
+namespace gustlab::diagnosis {
+
+// A fault of the log or of the vehicle file; it comes before any physics.
+struct LogFinding {
+  std::string file;
+  std::string column;
+  std::string kind;   // gap | duplicate | frozen | held | out_of_range | unit | frame | sign | inconsistent | delay | filtered
+  double from_s = 0.0, to_s = 0.0;
+  std::string says;
+  bool sets_flight_aside = false;
+  bool sets_column_aside = false;
+};
+
+struct NamedValue {
+  std::string name, unit;
+  double value = 0.0, deviation = 0.0;
+};
+
+struct ConfusableEffect {
+  std::string effect;
+  bool equivalent = false;
+  double z = 0.0, delta_score = 0.0;
+};
+
+struct EffectFinding {
+  std::string effect;      // catalogue name
+  std::string place;
+  std::string says;
+  double confidence = 0.0;
+  std::vector<NamedValue> parameters;
+  std::vector<std::pair<std::string, std::vector<NamedValue>>> per_flight;   // file → values
+  std::vector<std::string> classmates;   // itself included
+  std::vector<ConfusableEffect> confusable;
+  double gain = 0.0;       // rise of the score when it is removed
+};
+
+struct Rejected {
+  std::string effect;
+  double delta_score = 0.0;
+  std::string why;
+};
+
+struct NotIdentifiable {
+  std::string effect, why;
+};
+
+struct Disturbance {
+  std::string group;       // force_xy | force_z | torque_xy | torque_z
+  double before = 0.0, after = 0.0;
+  std::string unit;
+  double correlation_time_s = 0.0;
+};
+
+enum class Verdict { consistent, explained, partly_explained, unexplained, insufficient_data };
+std::string_view to_string(Verdict verdict);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,79 @@
+#include "diagnosis/holdout.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace gustlab::diagnosis {
+
+Eigen::VectorXd carry_over(const Catalogue& from, const Eigen::VectorXd& value, const Catalogue& to) {
+  // (group, parameter) → mean over flights
+  std::map<std::pair<std::string, int>, std::pair<double, int>> mean;
+  for (int c = 0; c < from.size(); ++c) {
+    const Column& column = from.columns()[static_cast<std::size_t>(c)];
+    if (column.group < 0) continue;
+    auto& [sum, count] = mean[{from.groups()[static_cast<std::size_t>(column.group)].label, column.parameter}];
+    sum += value[c];
+    ++count;
+  }
+  Eigen::VectorXd result = to.nominal();
+  for (int c = 0; c < to.size(); ++c) {
+    const Column& column = to.columns()[static_cast<std::size_t>(c)];
+    if (column.group < 0) continue;
+    const auto found = mean.find({to.groups()[static_cast<std::size_t>(column.group)].label, column.parameter});
+    if (found != mean.end()) result[c] = found->second.first / found->second.second;
+  }
+  return result;
+}
+
+HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout, int jobs) {
+  HoldoutTest test;
+  Session session(std::move(holdout), fitted.vehicle(), jobs);
+  const Catalogue& catalogue = session.catalogue();
+  session.noise = selection.noise_selected;
+  const Eigen::VectorXd value = carry_over(fitted.catalogue(), selection.value, catalogue);
+
+  // columns that any finding uses, and the biases
+  std::vector<std::vector<int>> used;
+  std::vector<int> wanted = session.biases();
+  for (const Finding& finding : selection.findings) {
+    const int g = catalogue.find(fitted.catalogue().groups()[static_cast<std::size_t>(finding.group)].label);
+    used.push_back(g < 0 ? std::vector<int>{} : catalogue.groups()[static_cast<std::size_t>(g)].columns);
+    wanted.insert(wanted.end(), used.back().begin(), used.back().end());
+  }
+  std::sort(wanted.begin(), wanted.end());
+  session.linearise(value, wanted);
+  Grams grams = session.grams();
+  Eigen::VectorXd natural(catalogue.size());
+  for (int c = 0; c < catalogue.size(); ++c) natural[c] = catalogue.columns()[static_cast<std::size_t>(c)].natural;
+  const Eigen::VectorXd coefficient = (value - catalogue.nominal()).cwiseQuotient(natural);
+  grams.shift(coefficient);
+  test.rows = grams.rows;
+
+  // loss when the findings in `out` are not there: shared coefficients fixed, values per flight and biases free
+  const auto loss_without = [&](const std::vector<bool>& out) {
+    Eigen::VectorXd fixed = Eigen::VectorXd::Zero(catalogue.size());
+    std::vector<int> free = session.biases();
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      if (out[i]) continue;
+      for (const int c : used[i]) {
+        if (catalogue.columns()[static_cast<std::size_t>(c)].flight < 0) fixed[c] = coefficient[c];
+        else free.push_back(c);
+      }
+    }
+    Grams rest = grams;
+    rest.shift(-fixed);
+    return solve(rest.total(), free).loss;
+  };
+  const std::vector<bool> none(used.size(), false), all(used.size(), true);
+  test.loss_selected = loss_without(none);
+  test.loss_nominal = loss_without(all);
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    std::vector<bool> out = none;
+    out[i] = true;
+    test.gain.push_back(loss_without(out) - test.loss_selected);
+  }
+  return test;
+}
+
+}  // namespace gustlab::diagnosis
