@@ -61,6 +61,29 @@ std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const Vehicl
   return flights;
 }
 
+// Commands of some flights are stamped earlier than those of others: how much later each must be read so that all agree
+// with the promptest. A delay that all share is physics, and stays.
+std::vector<double> command_offsets(const std::vector<FlightData>& fit, const std::vector<FlightData>& held,
+                                    const VehicleModel& vehicle, std::vector<LogFinding>& findings) {
+  std::vector<const FlightData*> all;
+  for (const FlightData& f : fit) all.push_back(&f);
+  for (const FlightData& f : held) all.push_back(&f);
+  std::vector<std::optional<double>> delay;
+  for (const FlightData* f : all) delay.push_back(torque_delay_s(*f, vehicle));
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& d : delay)
+    if (d) least = std::min(least, *d);
+  std::vector<double> offset(all.size(), 0.0);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!delay[i] || *delay[i] - least <= 0.6 * all[i]->sample_s) continue;
+    offset[i] = *delay[i] - least;
+    findings.push_back({all[i]->label, "u1…uN", "delay", all[i]->start_s, all[i]->start_s + all[i]->duration_s(),
+                        fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: commands are read that much later", 1e3 * offset[i]),
+                        false, false});
+  }
+  return offset;
+}
+
 // was the command held or interpolated? the likelier of the two, when no log says so
 bool linear_is_likelier(const std::vector<FlightLog>& logs, const VehicleModel& vehicle, ReadingOptions options, int jobs) {
   double score[2];
@@ -114,23 +137,29 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   for (const FlightLog& log : logs.fit)
     if (filtered(log)) {
       reading.max_rate_hz = 25.0;
-      reading.subsample = true;
+      reading.common_filter_s = 0.022;
       out.log_findings.push_back({label_of(log.path), "px…wz", "filtered", log.time_s.front(), log.time_s.back(),
-                                  "the recording was low-pass filtered before it was written: it is read at 25 Hz, where its noise is nearly white", false, false});
+                                  "the recording was low-pass filtered before it was written: all columns are filtered once more alike and read at 25 Hz", false, false});
     }
   const bool hold_unknown = std::any_of(logs.fit.begin(), logs.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });
 
-  std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading);
-  for (LogFinding& finding : check_rotors(flights, vehicle)) out.log_findings.push_back(std::move(finding));
+  // rotor order, directions and time offsets are judged at the logs' own rate
+  const std::vector<FlightData> raw = prepare(logs.fit, vehicle, {}), raw_held = prepare(logs.holdout, vehicle, {});
+  for (LogFinding& finding : check_rotors(raw, vehicle)) out.log_findings.push_back(std::move(finding));
+  const std::vector<double> offset = command_offsets(raw, raw_held, vehicle, out.log_findings);
   if (hold_unknown) {
     reading.linear_hold = linear_is_likelier(logs.fit, vehicle, reading, options.jobs);
     out.notes.push_back(fmt::format("the logs do not say how commands are held between samples: {} is the likelier",
                                     *reading.linear_hold ? "linear" : "zoh"));
   }
-  flights = prepare(logs.fit, vehicle, reading);
-  for (const FlightData& flight : flights) out.flights.push_back({flight.label, "fit", flight.duration_s(), 0.0});
-  std::vector<FlightData> held = prepare(logs.holdout, vehicle, reading);
-  for (const FlightData& flight : held) out.flights.push_back({flight.label, "holdout", flight.duration_s(), 0.0});
+  std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading), held = prepare(logs.holdout, vehicle, reading);
+  for (std::size_t i = 0; i < offset.size(); ++i) {
+    const bool fit = i < flights.size();
+    FlightData& flight = fit ? flights[i] : held[i - flights.size()];
+    flight.commands.delay(offset[i]);
+    flight.measured_speed.delay(offset[i]);
+    out.flights.push_back({flight.label, fit ? "fit" : "holdout", flight.duration_s(), offset[i]});
+  }
 
   Session session(std::move(flights), vehicle, options.jobs);
   const Selection selection = select_effects(session, {});

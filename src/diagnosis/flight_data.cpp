@@ -108,6 +108,41 @@ struct Stream {
   bool can_fit(std::size_t least) const { return time_s.size() >= least; }
 };
 
+// every sampled column once more through one zero-phase Gaussian; quaternion signs are made continuous first
+FlightLog filtered_alike(FlightLog log, double sd_s) {
+  std::array<std::vector<double>*, 4> q{};
+  for (LogColumn& column : log.columns) {
+    const std::string_view names[] = {"qw", "qx", "qy", "qz"};
+    for (std::size_t i = 0; i < 4; ++i)
+      if (column.name == names[i]) q[i] = &column.values;
+  }
+  if (q[0] && q[1] && q[2] && q[3])
+    for (std::size_t k = 1; k < log.rows(); ++k) {
+      double dot = 0.0;
+      for (const auto* c : q) dot += (*c)[k] * (*c)[k - 1];
+      if (dot < 0.0)
+        for (auto* c : q) (*c)[k] *= -1.0;
+    }
+  const auto& time = log.time_s;
+  std::vector<double> raw;
+  for (LogColumn& column : log.columns) {
+    raw = column.values;
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < log.rows(); ++k) {
+      while (time[k] - time[first] > 4.0 * sd_s) ++first;
+      double sum = 0.0, weight = 0.0;
+      for (std::size_t j = first; j < log.rows() && time[j] - time[k] <= 4.0 * sd_s; ++j) {
+        if (!std::isfinite(raw[j])) continue;
+        const double u = (time[j] - time[k]) / sd_s, w = std::exp(-0.5 * u * u);
+        sum += w * raw[j];
+        weight += w;
+      }
+      if (std::isfinite(raw[k])) column.values[k] = sum / weight;
+    }
+  }
+  return log;
+}
+
 // body rate of a quaternion and its derivative: ω = 2 vec(q⁻¹ q̇)
 Vector3 rate_of(const Quaternion& q, const Eigen::Vector4d& derivative) {
   const Quaternion dq(derivative[3], derivative[0], derivative[1], derivative[2]);
@@ -147,13 +182,19 @@ RotorArray CommandRecord::integral(double time_s) const {
   return result;
 }
 
+void CommandRecord::delay(double by_s) {
+  for (double& t : time_s_) t += by_s;
+}
+
 RotorArray CommandRecord::mean(double from_s, double to_s) const {
   RotorArray a = integral(from_s), b = integral(to_s);
   for (std::size_t i = 0; i < max_rotors; ++i) b[i] = (b[i] - a[i]) / (to_s - from_s);
   return b;
 }
 
-FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, const ReadingOptions& options) {
+FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
+  const FlightLog smooth = options.common_filter_s > 0.0 ? filtered_alike(original, options.common_filter_s) : FlightLog{};
+  const FlightLog& log = options.common_filter_s > 0.0 ? smooth : original;
   FlightData flight;
   flight.file = log.path;
   flight.label = log.path.substr(log.path.find_last_of('/') + 1);
@@ -207,7 +248,7 @@ FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, con
 
   // faster logs are averaged down: the mean of a few samples at their mean time
   const std::size_t stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (log_step_s * options.max_rate_hz))));
-  const std::size_t group = options.subsample ? 1 : stride;
+  const std::size_t group = options.common_filter_s > 0.0 ? 1 : stride;
   Quaternion previous = Quaternion::Identity();
   double last_voltage = vehicle.nominal_voltage_V;
   for (std::size_t first = 0; first + group <= rows; first += stride) {

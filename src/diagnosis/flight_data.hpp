@@ -44,6 +44,8 @@ class CommandRecord final {
   // rows: one RotorArray per time; linear: interpolated, otherwise held from its time stamp on
   CommandRecord(std::vector<double> time_s, std::vector<RotorArray> speed_radps, bool linear);
   RotorArray mean(double from_s, double to_s) const;
+  // The same record, later.
+  void delay(double by_s);
   bool empty() const { return time_s_.empty(); }
 
  private:
@@ -77,7 +79,9 @@ struct FlightData {
 struct ReadingOptions {
   std::optional<bool> linear_hold;      // overrides the log when it does not say
   double max_rate_hz = 125.0;           // faster logs are averaged down
-  bool subsample = false;               // take one sample of a group instead of its mean (logs that were filtered)
+  // Logs that were low-pass filtered, each column differently, are filtered once more and all alike (Gaussian of this
+  // standard deviation, s; commands too), and then sampled: what is linear between them stays as it was. 0: not.
+  double common_filter_s = 0.0;
 };
 
 // Throws DataError when the actuator input cannot be mapped by the vehicle.

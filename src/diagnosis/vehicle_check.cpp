@@ -13,35 +13,46 @@ namespace {
 
 using Row = Eigen::RowVectorXd;
 
-// how strongly each rotor's thrust turns the vehicle about each axis, from the data: ω̇ regressed on Ω², slow parts removed
-Eigen::MatrixXd measured_gains(const std::vector<FlightData>& flights, const VehicleModel& vehicle) {
+// what is slower than this is trim, drag or flapping, and does not count here
+constexpr double difference_s = 0.06;
+// angular acceleration is a local fit over this long; rotor speeds are averaged alike
+constexpr double average_s = 0.09;
+
+struct Gains {
+  Eigen::MatrixXd matrix;    // 3 × rotors, rad/s² per (Ω/Ω_h)²
+  double explained = 0.0;    // share of the variance of roll and pitch acceleration
+};
+
+// how strongly each rotor turns the vehicle about each axis, from the data: ω̇ regressed on Ω² some time before
+Gains measured_gains(const std::vector<FlightData>& flights, const VehicleModel& vehicle, double delay_s) {
   const int rotors = vehicle.rotor_count;
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(rotors, rotors);
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(rotors, 3);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(rotors, rotors), right = Eigen::MatrixXd::Zero(rotors, 3);
+  double total = 0.0;
   const double hover = vehicle.hover_speed_radps();
   for (const FlightData& flight : flights) {
     if (flight.collective_only) continue;
     const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
-    const auto lag = static_cast<std::size_t>(std::max(1.0, std::round(0.5 / flight.sample_s)));
+    const auto back = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / flight.sample_s)));
     const auto at = [&](std::size_t k) {
       Row speed(rotors);
-      // the rotors answer some 30 ms late; what counts here is only who turns what
-      const double t = flight.samples[k].time_s - 0.03;
-      const RotorArray mean = record.mean(t - 2.0 * flight.sample_s, t + 2.0 * flight.sample_s);
+      const double t = flight.samples[k].time_s - delay_s;
+      const RotorArray mean = record.mean(t - 0.5 * average_s, t + 0.5 * average_s);
       for (int i = 0; i < rotors; ++i) speed[i] = std::pow(mean[static_cast<std::size_t>(i)] / hover, 2);
       return speed;
     };
-    for (std::size_t k = lag; k + 1 < flight.samples.size(); ++k) {
-      const std::size_t old = k - lag;
-      const Row x = at(k) - at(old);
-      const Vector3 y = flight.motion[k].angular_acceleration_B_radps2 - flight.motion[old].angular_acceleration_B_radps2;
+    for (std::size_t k = 2 * back; k + back < flight.samples.size(); ++k) {
+      const Row x = at(k) - at(k - back);
+      const Vector3 y = flight.motion[k].angular_acceleration_B_radps2 - flight.motion[k - back].angular_acceleration_B_radps2;
       if (!x.allFinite() || !y.allFinite()) continue;
       gram += x.transpose() * x;
       right += x.transpose() * y.transpose();
+      total += y.head<2>().squaredNorm();
     }
   }
   gram.diagonal().array() += 1e-6 * gram.trace() / rotors + 1e-12;
-  return gram.ldlt().solve(right).transpose();
+  const Eigen::MatrixXd solution = gram.ldlt().solve(right);
+  const double explained = (solution.leftCols<2>().cwiseProduct(right.leftCols<2>())).sum() / (total + 1e-300);
+  return {solution.transpose(), explained};
 }
 
 // the same from the vehicle file, rotor i standing where `place[i]` stands
@@ -76,7 +87,14 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
     });
   });
   if (!turns || vehicle.rotor_count > 6) return findings;
-  const Eigen::MatrixXd measured = measured_gains(flights, vehicle);
+  // rotors and logs answer late by an unknown time
+  Gains found;
+  for (const double delay_s : {0.0, 0.01, 0.02, 0.03, 0.045, 0.06}) {
+    const Gains trial = measured_gains(flights, vehicle, delay_s);
+    if (trial.explained > found.explained) found = trial;
+  }
+  if (found.explained < 0.1) return findings;
+  const Eigen::MatrixXd& measured = found.matrix;
   std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
   std::iota(place.begin(), place.end(), 0);
   const auto level = [&](const std::vector<int>& p) {
@@ -123,6 +141,44 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
     }
   }
   return findings;
+}
+
+std::optional<double> torque_delay_s(const FlightData& flight, const VehicleModel& vehicle) {
+  if (flight.collective_only || flight.samples.size() < 200) return std::nullopt;
+  const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
+  std::iota(place.begin(), place.end(), 0);
+  const Eigen::MatrixXd gains = nominal_gains(vehicle, place);
+  const double hover = vehicle.hover_speed_radps(), dt = flight.sample_s;
+  const auto lag = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / dt)));
+  const auto agreement = [&](double delay_s) {
+    double xy = 0.0, xx = 0.0, yy = 0.0;
+    const auto torque = [&](std::size_t k) {
+      const RotorArray speed = record.mean(flight.samples[k].time_s - delay_s - 0.5 * average_s,
+                                           flight.samples[k].time_s - delay_s + 0.5 * average_s);
+      Eigen::Vector2d t = Eigen::Vector2d::Zero();
+      for (int i = 0; i < vehicle.rotor_count; ++i)
+        t += gains.col(i).head<2>() * std::pow(speed[static_cast<std::size_t>(i)] / hover, 2);
+      return t;
+    };
+    for (std::size_t k = 2 * lag; k + lag < flight.samples.size(); ++k) {
+      const Eigen::Vector2d x = torque(k) - torque(k - lag);
+      const Eigen::Vector2d y = (flight.motion[k].angular_acceleration_B_radps2 -
+                                 flight.motion[k - lag].angular_acceleration_B_radps2).head<2>();
+      xy += x.dot(y), xx += x.squaredNorm(), yy += y.squaredNorm();
+    }
+    return xy / std::sqrt(xx * yy + 1e-300);
+  };
+  double best = 0.0, at = 0.0;
+  const double step = 0.25 * dt;
+  for (double delay_s = -4.0 * dt; delay_s <= 10.0 * dt + 1e-9; delay_s += step) {
+    const double r = agreement(delay_s);
+    if (r > best) best = r, at = delay_s;
+  }
+  if (best < 0.25) return std::nullopt;
+  // the top of a parabola through three points
+  const double left = agreement(at - step), right = agreement(at + step), bend = left - 2.0 * best + right;
+  return bend < 0.0 ? at + 0.5 * step * (left - right) / bend : at;
 }
 
 }  // namespace gustlab::diagnosis
