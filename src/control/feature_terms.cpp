@@ -53,10 +53,10 @@ std::string variable_names() {
 
 std::span<const FeatureVariable> feature_variables() { return variables; }
 
-void set_angles(FeatureInput& input, const Quaternion& q) {
-  input.roll_rad = std::atan2(2.0 * (q.w() * q.x() + q.y() * q.z()), 1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y()));
-  input.pitch_rad = std::asin(std::clamp(2.0 * (q.w() * q.y() - q.z() * q.x()), -1.0, 1.0));
-  input.yaw_rad = std::atan2(2.0 * (q.w() * q.z() + q.x() * q.y()), 1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
+void set_angles(FeatureInput& input, const Matrix3& R_WB) {
+  input.roll_rad = std::atan2(R_WB(2, 1), R_WB(2, 2));
+  input.pitch_rad = std::asin(std::clamp(-R_WB(2, 0), -1.0, 1.0));
+  input.yaw_rad = std::atan2(R_WB(1, 0), R_WB(0, 0));
 }
 
 // Reads a term from left to right.
@@ -172,10 +172,17 @@ double FeatureTerm::value(const FeatureInput& input) const {
     const Factor& factor = factors_[static_cast<std::size_t>(i)];
     double value = factor.variable->value(input);
     switch (factor.function) {
-      case Function::identity: break;
-      case Function::sine: value = std::sin(factor.multiple * value); break;
-      case Function::cosine: value = std::cos(factor.multiple * value); break;
-      case Function::absolute: value = std::abs(value); break;
+      case Function::identity:
+        break;
+      case Function::sine:
+        value = std::sin(factor.multiple * value);
+        break;
+      case Function::cosine:
+        value = std::cos(factor.multiple * value);
+        break;
+      case Function::absolute:
+        value = std::abs(value);
+        break;
     }
     for (int k = 0; k < factor.power; ++k) product *= value;
   }

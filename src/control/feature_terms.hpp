@@ -1,8 +1,10 @@
-// Named terms φ(x, u) of a flight's state: what sparse regression chooses from and what Adaptive SINDy evaluates in flight.
+// Named terms φ(x, u) of a flight's state: what sparse regression chooses from and what Adaptive SINDy evaluates in
+// flight.
 //
-// A term is a product of at most four factors. A factor is a variable (`theta`), a power of one (`vx^2`) or a function of
-// one (`sin theta`, `cos 2 psi`, `abs vx`); `1` is the constant. `T sin theta` and `T*sin(theta)` read the same, and
-// `sin theta^2` is the square of the sine. The paper's library (arXiv 2603.08863, section II-A) is 1, theta, phi, T sin theta, T cos theta, T sin phi, T cos phi.
+// A term is a product of at most four factors. A factor is a variable (`theta`), a power of one (`vx^2`) or a function
+// of one (`sin theta`, `cos 2 psi`, `abs vx`); `1` is the constant. `T sin theta` and `T*sin(theta)` read the same, and
+// `sin theta^2` is the square of the sine. The paper's library (arXiv 2603.08863, section II-A) is 1, theta, phi, T sin
+// theta, T cos theta, T sin phi, T cos phi.
 #pragma once
 
 #include <array>
@@ -25,8 +27,8 @@ struct FeatureInput {
   Vector3 body_rate_B_radps = Vector3::Zero();
 };
 
-// Sets the three angles of `input` from a unit quaternion; pitch within ±π/2, the others within ±π.
-void set_angles(FeatureInput& input, const Quaternion& attitude_WB);
+// Sets the three angles of `input` from the rotation body → world; pitch within ±π/2, the others within ±π.
+void set_angles(FeatureInput& input, const Matrix3& R_WB);
 
 // A row of the registry of variables.
 struct FeatureVariable {

@@ -206,6 +206,12 @@ constexpr EffectRow rows[] = {
      .shows_in = "every flight",
      .confused_with = "",
      .source = "white noise and constant bias, IEEE Std 1431", .make = make_measurement_noise},
+    {.name = "sindy_residual", .place = Place::wrench, .order = 10,
+     .per_flight = false, .diagnosable = false, .external = false,
+     .says = "a force that is a sparse sum of named terms, as `gustlab identify` writes it",
+     .shows_in = "any flight that excites its terms",
+     .confused_with = "whatever its terms resemble: it describes, it does not explain",
+     .source = "Brunton, Proctor, Kutz, PNAS 113(15) 2016", .make = make_sindy_residual},
 };
 
 }  // namespace

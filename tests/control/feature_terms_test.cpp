@@ -63,20 +63,20 @@ TEST(FeatureTerm, EveryVariableIsFiniteAndCanBeNamed) {
 }
 
 TEST(FeatureTerm, WhatIsNotATermIsRefused) {
-  for (const char* text : {"", " ", "thta", "T sin", "sin", "T *", "vx^", "vx^0", "vx^10", "sin(theta", "2", "1 vx", "vx;vy",
-                           "vx vx vx vx vx", "sin 0 psi", "sin 12 psi"}) {
+  for (const char* text : {"", " ", "thta", "T sin", "sin", "T *", "vx^", "vx^0", "vx^10", "sin(theta", "2", "1 vx",
+                           "vx;vy", "vx vx vx vx vx", "sin 0 psi", "sin 12 psi"}) {
     EXPECT_THROW(FeatureTerm::parse(text), ConfigError) << '`' << text << '`';
   }
 }
 
-TEST(SetAngles, RecoversTheAnglesThatMadeTheQuaternion) {
+TEST(SetAngles, RecoversTheAnglesThatMadeTheRotation) {
   for (double roll : {-2.0, 0.0, 0.4}) {
     for (double pitch : {-1.2, 0.0, 0.7}) {
       for (double yaw : {-3.0, 0.0, 1.5}) {
         const Quaternion q = Eigen::AngleAxisd(yaw, Vector3::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3::UnitY()) *
                              Eigen::AngleAxisd(roll, Vector3::UnitX());
         FeatureInput in = some_input();
-        set_angles(in, q);
+        set_angles(in, q.toRotationMatrix());
         EXPECT_NEAR(in.roll_rad, roll, 1e-12);
         EXPECT_NEAR(in.pitch_rad, pitch, 1e-12);
         EXPECT_NEAR(in.yaw_rad, yaw, 1e-12);
