@@ -6,6 +6,7 @@
 namespace gustlab {
 
 void add_diagnose(CLI::App& app);
+void add_identify(CLI::App& app);
 void add_score(CLI::App& app);
 
 }  // namespace gustlab

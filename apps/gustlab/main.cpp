@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Flies multirotors in simulation and finds the physics that a simulation leaves out"};
   app.require_subcommand(1);
   gustlab::add_diagnose(app);
+  gustlab::add_identify(app);
   gustlab::add_score(app);
   try {
     app.parse(argc, argv);

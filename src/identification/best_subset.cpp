@@ -15,14 +15,14 @@ constexpr Index most_terms = 16;
 // a column whose new direction is shorter than this share of it adds nothing but rounding
 constexpr double dependent = 1e-13;
 
-// Visits every support once, depth first: each step adds one column, orthogonalised against those before it, and takes its
-// direction out of the residuals of all targets.
+// Visits every support once, depth first: each step adds one column, orthogonalised against those before it, and takes
+// its direction out of the residuals of all targets.
 struct Search {
   const MatrixXd theta;      // R_ΘΘ
   const VectorXd unreached;  // per target, the squared residual that no term can take
   const double price;
   const Index most_active;
-  MatrixXd basis;            // orthonormal directions of the support
+  MatrixXd basis;  // orthonormal directions of the support
   std::vector<Index> support{};
   VectorXd best_objective;
   std::vector<std::vector<Index>> best_support;

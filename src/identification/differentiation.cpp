@@ -14,7 +14,8 @@ using Eigen::VectorXd;
 
 MatrixXd finite_difference(const VectorXd& time_s, const MatrixXd& values) {
   const Index n = values.rows();
-  if (n < 3 || time_s.size() != n) throw DataError("a derivative needs at least 3 samples (there are " + std::to_string(n) + ")");
+  if (n < 3 || time_s.size() != n)
+    throw DataError("a derivative needs at least 3 samples (there are " + std::to_string(n) + ")");
   MatrixXd out(n, values.cols());
   for (Index i = 0; i < n; ++i) {
     // derivative at t_i of the parabola through three neighbouring samples
@@ -30,7 +31,8 @@ MatrixXd finite_difference(const VectorXd& time_s, const MatrixXd& values) {
 MatrixXd savitzky_golay(const VectorXd& time_s, const MatrixXd& values, int window, int degree, int derivative) {
   const Index n = values.rows();
   if (n < window || time_s.size() != n) {
-    throw DataError("a window of " + std::to_string(window) + " samples does not fit (there are " + std::to_string(n) + ")");
+    throw DataError("a window of " + std::to_string(window) + " samples does not fit (there are " + std::to_string(n) +
+                    ")");
   }
   MatrixXd out(n, values.cols());
   MatrixXd powers(window, degree + 1);
@@ -86,7 +88,8 @@ std::string_view to_string(DerivativeKind kind) {
 
 void Differentiation::check() const {
   if (smoothing_window < 1 || smoothing_window % 2 == 0) {
-    throw ConfigError("smoothing window " + std::to_string(smoothing_window) + " (must be odd and positive) use 1 for none");
+    throw ConfigError("smoothing window " + std::to_string(smoothing_window) +
+                      " (must be odd and positive) use 1 for none");
   }
   if (window < 3 || window % 2 == 0 || degree < 1 || degree >= window) {
     throw ConfigError("Savitzky-Golay window " + std::to_string(window) + ", degree " + std::to_string(degree) +

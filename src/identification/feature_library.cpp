@@ -37,7 +37,8 @@ Arguments arguments(std::string_view text, Arguments out) {
     const auto [end, error] = std::from_chars(parts[1].data(), parts[1].data() + parts[1].size(), out.number);
     if (error != std::errc() || end != parts[1].data() + parts[1].size() || out.number < 1 ||
         out.number > FeatureTerm::max_factors) {
-      throw ConfigError("library `" + std::string(text) + "`: `" + std::string(parts[1]) + "` is not a whole number from 1 to 4");
+      throw ConfigError("library `" + std::string(text) + "`: `" + std::string(parts[1]) +
+                        "` is not a whole number from 1 to 4");
     }
   }
   if (parts.size() > 2) {
@@ -76,7 +77,8 @@ void add_polynomial(const Arguments& arguments, std::vector<std::string>& names)
 void add_trigonometric(const Arguments& arguments, std::vector<std::string>& names) {
   for (const std::string& variable : arguments.variables) {
     for (int multiple = 1; multiple <= arguments.number; ++multiple) {
-      for (const char* function : {"sin ", "cos "}) names.push_back(function + std::to_string(multiple) + " " + variable);
+      for (const char* function : {"sin ", "cos "})
+        names.push_back(function + std::to_string(multiple) + " " + variable);
     }
   }
 }
@@ -104,7 +106,8 @@ std::vector<FeatureTerm> make_library(std::string_view text) {
   std::vector<FeatureTerm> terms;
   for (const std::string& name : names) {
     FeatureTerm term = FeatureTerm::parse(name);
-    const bool known = std::any_of(terms.begin(), terms.end(), [&](const FeatureTerm& t) { return t.name() == term.name(); });
+    const bool known =
+        std::any_of(terms.begin(), terms.end(), [&](const FeatureTerm& t) { return t.name() == term.name(); });
     if (!known) terms.push_back(std::move(term));
   }
   if (terms.size() > max_terms) {

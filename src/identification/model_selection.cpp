@@ -27,7 +27,8 @@ double rms_error(const RegressionData& data, const Eigen::MatrixXd& coefficients
   return std::sqrt(data.squared_error(coefficients).sum() / static_cast<double>(data.samples() * data.targets()));
 }
 
-double cross_validated_rms(const OptimizerRow& optimizer, std::span<const RegressionData> folds, const OptimizerOptions& options) {
+double cross_validated_rms(const OptimizerRow& optimizer, std::span<const RegressionData> folds,
+                           const OptimizerOptions& options) {
   const std::vector<RegressionData> others = complements(folds);
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < folds.size(); ++i) {
@@ -37,7 +38,8 @@ double cross_validated_rms(const OptimizerRow& optimizer, std::span<const Regres
   return std::sqrt(sum / count);
 }
 
-LambdaChoice choose_lambda(const OptimizerRow& optimizer, std::span<const RegressionData> folds, OptimizerOptions options) {
+LambdaChoice choose_lambda(const OptimizerRow& optimizer, std::span<const RegressionData> folds,
+                           OptimizerOptions options) {
   const std::vector<RegressionData> others = complements(folds);
   const RegressionData all = RegressionData::merge(folds);
   const std::vector<double> lambdas = lambda_path(optimizer, all, options);
@@ -50,12 +52,17 @@ LambdaChoice choose_lambda(const OptimizerRow& optimizer, std::span<const Regres
     options.lambda = lambdas[i];
     for (std::size_t k = 0; k < folds.size(); ++k) {
       error(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          folds[k].squared_error(fit(optimizer, others[k], options).coefficients).sum() / static_cast<double>(folds[k].samples());
+          folds[k].squared_error(fit(optimizer, others[k], options).coefficients).sum() /
+          static_cast<double>(folds[k].samples());
     }
     const int active = static_cast<int>((fit(optimizer, all, options).coefficients.array() != 0.0).count());
     out.path.push_back({lambdas[i], error.row(static_cast<Eigen::Index>(i)).mean(), 0.0, 0.0, active});
     if (out.path[i].mean_squared_error < out.path[out.best].mean_squared_error) out.best = i;
   }
+
+  const double negligible = negligible_share *
+                            all.squared_error(Eigen::MatrixXd::Zero(all.targets(), all.terms())).sum() /
+                            static_cast<double>(all.samples());
 
   // fold by fold against the best, so that what makes a fold hard for every λ cancels
   out.chosen = out.best;
@@ -65,7 +72,8 @@ LambdaChoice choose_lambda(const OptimizerRow& optimizer, std::span<const Regres
     LambdaScore& score = out.path[i];
     score.excess = excess.mean();
     score.excess_std = std::sqrt((excess - score.excess).square().sum() / (n - 1.0) / n);
-    if (score.excess <= score.excess_std && score.active < out.path[out.chosen].active) out.chosen = i;
+    if (score.excess <= std::max(score.excess_std, negligible) && score.active < out.path[out.chosen].active)
+      out.chosen = i;
   }
   return out;
 }

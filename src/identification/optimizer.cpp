@@ -36,12 +36,18 @@ std::vector<double> best_subset_path(const RegressionData& data, const Optimizer
 }
 
 constexpr OptimizerRow optimizers[] = {
-    {"stlsq", "sequentially thresholded least squares: drop small coefficients, fit again, until none is small", false, true,
-     stlsq, threshold_path},
-    {"sr3", "sparse relaxed regularized regression with an L0, L1 or L2 penalty and linear constraints", true, false, sr3,
-     sr3_path},
-    {"best_subset", "every support is tried: the exact minimum for a price per term, up to 16 terms", false, false,
-     best_subset, best_subset_path},
+    {.name = "stlsq",
+     .says = "sequentially thresholded least squares: drop small coefficients, fit again, until none is small",
+     .takes_constraints = false, .takes_penalty = false, .refits_by_default = true,
+     .run = stlsq, .lambda_path = threshold_path},
+    {.name = "sr3",
+     .says = "sparse relaxed regularized regression with an L0, L1 or L2 penalty and linear constraints",
+     .takes_constraints = true, .takes_penalty = true, .refits_by_default = false,
+     .run = sr3, .lambda_path = sr3_path},
+    {.name = "best_subset",
+     .says = "every support is tried: the exact minimum for a price per term, up to 16 terms",
+     .takes_constraints = false, .takes_penalty = false, .refits_by_default = false,
+     .run = best_subset, .lambda_path = best_subset_path},
 };
 
 VectorXd column_scale(const RegressionData& data, const OptimizerOptions& options) {
@@ -55,10 +61,26 @@ LinearConstraints scaled(const LinearConstraints& constraints, const VectorXd& s
   return out;
 }
 
+[[noreturn]] void fail_infeasible() {
+  throw ConfigError("the constraints cannot hold on the terms that were found use a smaller lambda");
+}
+
+// the terms that were found; where a constraint asks for something other than zero, those in constraints too
+Support refit_support(const MatrixXd& coefficients, const LinearConstraints& constraints) {
+  Support support = coefficients.array() != 0.0;
+  if (constraints.empty() || constraints.d.isZero(0.0)) return support;
+  for (Index i = 0; i < constraints.C.cols(); ++i) {
+    if (!constraints.C.col(i).isZero(0.0)) support(i / support.cols(), i % support.cols()) = true;
+  }
+  return support;
+}
+
 void check(const OptimizerRow& optimizer, const RegressionData& data, const OptimizerOptions& options) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
-  if (!(options.lambda >= 0.0) || !std::isfinite(options.lambda)) throw ConfigError("lambda must be finite and at least 0");
-  if (!(options.ridge >= 0.0) || !std::isfinite(options.ridge)) throw ConfigError("ridge must be finite and at least 0");
+  if (!(options.lambda >= 0.0) || !std::isfinite(options.lambda))
+    throw ConfigError("lambda must be finite and at least 0");
+  if (!(options.ridge >= 0.0) || !std::isfinite(options.ridge))
+    throw ConfigError("ridge must be finite and at least 0");
   if (!positive(options.nu)) throw ConfigError("nu must be finite and above 0");
   if (!positive(options.tolerance)) throw ConfigError("tolerance must be finite and above 0");
   if (options.max_iterations < 1) throw ConfigError("max_iterations must be at least 1");
@@ -71,7 +93,8 @@ void check(const OptimizerRow& optimizer, const RegressionData& data, const Opti
     throw ConfigError("constraints do not match the terms and targets");
   }
   if (Eigen::ColPivHouseholderQR<MatrixXd>(c.C.transpose()).rank() < c.C.rows()) {
-    throw ConfigError("constraints depend on each other (one of them follows from, or contradicts, the others) leave it out");
+    throw ConfigError(
+        "constraints depend on each other (one of them follows from, or contradicts, the others) leave it out");
   }
 }
 
@@ -99,7 +122,8 @@ std::vector<double> geometric_path(double largest, double factor, int n) {
   return path;
 }
 
-std::vector<double> lambda_path(const OptimizerRow& optimizer, const RegressionData& data, const OptimizerOptions& options) {
+std::vector<double> lambda_path(const OptimizerRow& optimizer, const RegressionData& data,
+                                const OptimizerOptions& options) {
   return optimizer.lambda_path(data.with_scaled_columns(column_scale(data, options)), options);
 }
 
@@ -112,14 +136,15 @@ Fit fit(const OptimizerRow& optimizer, const RegressionData& data, const Optimiz
   out.coefficients *= scale.asDiagonal();
   out.full *= scale.asDiagonal();
   if (options.refit) {
-    out.coefficients = constrained_least_squares(data, options.constraints, out.coefficients.array() != 0.0);
+    out.coefficients =
+        constrained_least_squares(data, options.constraints, refit_support(out.coefficients, options.constraints));
     out.full = out.coefficients;
   }
   return out;
 }
 
 MatrixXd constrained_least_squares(const RegressionData& data, const LinearConstraints& constraints,
-                                   const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>& support) {
+                                   const Support& support) {
   const Index terms = data.terms(), targets = data.targets();
   MatrixXd coefficients = MatrixXd::Zero(targets, terms);
   std::vector<Index> active;  // target · terms + term
@@ -130,7 +155,8 @@ MatrixXd constrained_least_squares(const RegressionData& data, const LinearConst
     }
     if (constraints.empty()) {
       const VectorXd solution = data.solve(of_target, t);
-      for (std::size_t i = 0; i < of_target.size(); ++i) coefficients(t, of_target[i]) = solution[static_cast<Index>(i)];
+      for (std::size_t i = 0; i < of_target.size(); ++i)
+        coefficients(t, of_target[i]) = solution[static_cast<Index>(i)];
     }
     for (Index j : of_target) active.push_back(t * terms + j);
   }
@@ -147,20 +173,26 @@ MatrixXd constrained_least_squares(const RegressionData& data, const LinearConst
     matrix.col(i).segment(w / terms * terms, terms) = data.theta_factor().col(w % terms);
   }
   for (Index t = 0; t < targets; ++t) rhs.segment(t * terms, terms) = data.target_factor().col(t);
+  if (n == 0) {
+    if (!constraints.d.isZero(0.0)) fail_infeasible();
+    return coefficients;
+  }
   const Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver(C);
   const VectorXd w0 = solver.solve(constraints.d);
   if ((C * w0 - constraints.d).norm() > 1e-9 * (1.0 + constraints.d.norm())) {
-    throw ConfigError("the constraints cannot hold on the terms that were found use a smaller lambda");
+    fail_infeasible();
   }
   // the last rows of Z are an orthonormal basis of the null space of C
-  const MatrixXd N = solver.matrixZ().transpose().rightCols(n - solver.rank());
-  MatrixXd null_space(n, n - solver.rank());
-  null_space = solver.colsPermutation() * N;
-  const VectorXd z = Eigen::CompleteOrthogonalDecomposition<MatrixXd>(matrix * null_space).solve(rhs - matrix * w0);
-  const VectorXd w = w0 + null_space * z;
+  const MatrixXd null_space =
+      solver.colsPermutation() * MatrixXd(solver.matrixZ().transpose().rightCols(n - solver.rank()));
+  VectorXd w = w0;
+  if (null_space.cols() > 0) {
+    w += null_space * Eigen::CompleteOrthogonalDecomposition<MatrixXd>(matrix * null_space).solve(rhs - matrix * w0);
+  }
   for (Index i = 0; i < n; ++i) {
+    // what the constraints force to zero is zero, not rounding
     const Index at = active[static_cast<std::size_t>(i)];
-    coefficients(at / terms, at % terms) = w[i];
+    if (std::abs(w[i]) > 1e-14 * w.cwiseAbs().maxCoeff()) coefficients(at / terms, at % terms) = w[i];
   }
   return coefficients;
 }

@@ -23,15 +23,16 @@ struct LinearConstraints {
 struct OptimizerOptions {
   // stlsq: smallest |coefficient| that stays; sr3: weight λ of R; best_subset: ½ Σ(y − Θξ)² that a term must earn
   double lambda = 0.1;
-  double ridge = 0.05;          // stlsq: weight of ‖ξ‖²
-  double nu = 1.0;              // sr3: relaxation ν
+  double ridge = 0.05;                    // stlsq: weight of ‖ξ‖²
+  double nu = 1.0;                        // sr3: relaxation ν
   Regularizer penalty = Regularizer::l0;  // sr3: R
   LinearConstraints constraints;          // sr3
-  int max_terms = 0;            // best_subset: most terms per target; 0: any number
-  double tolerance = 1e-12;     // sr3: largest ‖Δu‖/ν at the end
-  int max_iterations = 100000;  // stlsq, sr3
-  bool normalize_columns = false;  // divide each column of Θ by its length first; λ then acts on the scaled coefficients
-  bool refit = false;           // least squares on the support that was found, constraints kept
+  int max_terms = 0;                      // best_subset: most terms per target; 0: any number
+  double tolerance = 1e-10;               // sr3: largest ‖Δu‖/ν at the end
+  int max_iterations = 100000;            // stlsq, sr3
+  bool normalize_columns =
+      false;           // divide each column of Θ by its length first; λ then acts on the scaled coefficients
+  bool refit = false;  // least squares on the support that was found, constraints kept
 };
 
 struct Fit {
@@ -46,7 +47,8 @@ struct OptimizerRow {
   std::string_view name;
   std::string_view says;
   bool takes_constraints;
-  bool refits_by_default;  // as PySINDy does
+  bool takes_penalty;
+  bool refits_by_default;                                      // as PySINDy does
   Fit (*run)(const RegressionData&, const OptimizerOptions&);  // Θ as given, no refit
   // λ from the sparsest that makes sense down to none
   std::vector<double> (*lambda_path)(const RegressionData&, const OptimizerOptions&);
@@ -58,17 +60,20 @@ const OptimizerRow& find_optimizer(std::string_view name);  // throws ConfigErro
 Fit fit(const OptimizerRow& optimizer, const RegressionData& data, const OptimizerOptions& options);
 
 // The λ to try for `data`, columns scaled if the options say so.
-std::vector<double> lambda_path(const OptimizerRow& optimizer, const RegressionData& data, const OptimizerOptions& options);
+std::vector<double> lambda_path(const OptimizerRow& optimizer, const RegressionData& data,
+                                const OptimizerOptions& options);
+
+using Support = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;  // targets × terms
 
 // argmin Σ‖y − Θξ‖² with ξ zero off `support` (targets × terms) and C w = d. Throws ConfigError when C w = d has no
 // solution on this support.
 Eigen::MatrixXd constrained_least_squares(const RegressionData& data, const LinearConstraints& constraints,
-                                          const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>& support);
+                                          const Support& support);
 
 // Sequentially thresholded (ridge) least squares (Brunton, Proctor, Kutz, PNAS 113, 2016).
 Fit stlsq(const RegressionData& data, const OptimizerOptions& options);
-// Sparse relaxed regularized regression, min ½‖Y − Θw‖² + λ R(u) + ‖w − u‖²/(2ν) with C w = d (Zheng et al., IEEE Access
-// 7, 2019; Champion et al., IEEE Access 8, 2020).
+// Sparse relaxed regularized regression, min ½‖Y − Θw‖² + λ R(u) + ‖w − u‖²/(2ν) with C w = d (Zheng et al., IEEE
+// Access 7, 2019; Champion et al., IEEE Access 8, 2020).
 Fit sr3(const RegressionData& data, const OptimizerOptions& options);
 // The exact minimum of ½‖y − Θξ‖² + λ‖ξ‖₀ per target, by trying every support; at most 16 terms.
 Fit best_subset(const RegressionData& data, const OptimizerOptions& options);

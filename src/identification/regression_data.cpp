@@ -37,7 +37,8 @@ MatrixXd shortest_solution(const MatrixXd& matrix, const MatrixXd& rhs, std::int
 
 }  // namespace
 
-RegressionData::RegressionData(const MatrixXd& theta, const MatrixXd& target) : terms_(theta.cols()), samples_(theta.rows()) {
+RegressionData::RegressionData(const MatrixXd& theta, const MatrixXd& target)
+    : terms_(theta.cols()), samples_(theta.rows()) {
   if (theta.rows() != target.rows()) throw std::invalid_argument("RegressionData: rows of theta and target differ");
   const Index columns = theta.cols() + target.cols();
   MatrixXd work = MatrixXd::Zero(columns + block_rows, columns);
@@ -48,7 +49,8 @@ RegressionData::RegressionData(const MatrixXd& theta, const MatrixXd& target) : 
     triangularize(work.topRows(columns + rows));
   }
   factor_ = work.topRows(columns);
-  if (!factor_.allFinite()) throw DataError("a term or a target is not finite (or too large to square) check the log's columns");
+  if (!factor_.allFinite())
+    throw DataError("a term or a target is not finite (or too large to square) check the log's columns");
 }
 
 RegressionData RegressionData::merge(std::span<const RegressionData> parts) {

@@ -76,7 +76,8 @@ Fit sr3(const RegressionData& data, const OptimizerOptions& options) {
     ++out.iterations;
     // below rounding error of u no smaller step can be told
     const double change = (u - last).norm();
-    out.converged = change < options.tolerance * options.nu || change <= 4.0 * std::numeric_limits<double>::epsilon() * u.norm();
+    out.converged =
+        change < options.tolerance * options.nu || change <= 4.0 * std::numeric_limits<double>::epsilon() * u.norm();
   }
   out.coefficients = u.transpose();
   out.full = w.transpose();

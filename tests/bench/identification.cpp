@@ -1,7 +1,7 @@
 // Speed of sparse regression on a problem of the paper's size: 20,000 samples, its 7 terms, 3 targets, 2 constraints.
 //
-// scripts/compare_pysindy.py makes the same numbers by the same formulas, runs PySINDy on them, and compares both the time
-// and the coefficients, which are counters here. Each time includes the pass over the samples.
+// scripts/compare_pysindy.py makes the same numbers by the same formulas, runs PySINDy on them, and compares both the
+// time and the coefficients, which are counters here. Each time includes the pass over the samples.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -67,9 +67,14 @@ OptimizerOptions options(Regularizer penalty, double lambda, double nu, double t
   return out;
 }
 
-// names and numbers as in scripts/compare_pysindy.py: a small ν, which takes thousands of iterations, and PySINDy's defaults
-void constrained_sr3_l0_small_nu(benchmark::State& state) { run(state, options(Regularizer::l0, 0.1, 1e-3, 1e-5, 100000)); }
-void constrained_sr3_l1_small_nu(benchmark::State& state) { run(state, options(Regularizer::l1, 0.1, 1e-3, 1e-5, 100000)); }
+// names and numbers as in scripts/compare_pysindy.py: a small ν, which takes thousands of iterations, and PySINDy's
+// defaults
+void constrained_sr3_l0_small_nu(benchmark::State& state) {
+  run(state, options(Regularizer::l0, 0.1, 1e-3, 1e-5, 100000));
+}
+void constrained_sr3_l1_small_nu(benchmark::State& state) {
+  run(state, options(Regularizer::l1, 0.1, 1e-3, 1e-5, 100000));
+}
 void constrained_sr3_l0_default(benchmark::State& state) { run(state, options(Regularizer::l0, 0.005, 1.0, 1e-5, 30)); }
 BENCHMARK(constrained_sr3_l0_small_nu)->Unit(benchmark::kMillisecond);
 BENCHMARK(constrained_sr3_l1_small_nu)->Unit(benchmark::kMillisecond);

@@ -24,7 +24,8 @@ MatrixXd polynomial(const VectorXd& t, int degree, bool slope) {
   MatrixXd out(t.size(), 1);
   for (Index i = 0; i < t.size(); ++i) {
     double sum = 0.0;
-    for (int k = slope ? 1 : 0; k <= degree; ++k) sum += (k + 1.0) * (slope ? k * std::pow(t[i] - 3.0, k - 1) : std::pow(t[i] - 3.0, k));
+    for (int k = slope ? 1 : 0; k <= degree; ++k)
+      sum += (k + 1.0) * (slope ? k * std::pow(t[i] - 3.0, k - 1) : std::pow(t[i] - 3.0, k));
     out(i, 0) = sum;
   }
   return out;
@@ -44,7 +45,9 @@ TEST(FiniteDifference, ErrorFallsWithTheSquareOfTheStep) {
   EXPECT_NEAR(error(101) / error(201), 4.0, 0.1);
 }
 
-TEST(FiniteDifference, TooShort) { EXPECT_THROW(finite_difference(VectorXd::LinSpaced(2, 0, 1), MatrixXd::Ones(2, 1)), DataError); }
+TEST(FiniteDifference, TooShort) {
+  EXPECT_THROW(finite_difference(VectorXd::LinSpaced(2, 0, 1), MatrixXd::Ones(2, 1)), DataError);
+}
 
 TEST(SavitzkyGolay, IsExactForItsDegreeUpToTheEdgesOnAnyGrid) {
   const VectorXd t = uneven_time(40);

@@ -32,8 +32,9 @@ TEST(Lorenz, StlsqGivesThePublishedCoefficients) {
   options.lambda = 0.1;
   options.refit = true;
   const Fit found = fit(find_optimizer("stlsq"), lorenz_data(), options);
-  expect_only(found.coefficients, {{0, x, -9.999}, {0, y, 9.999}, {1, x, 27.992}, {1, y, -0.999}, {1, xz, -1.000},
-                                   {2, z, -2.666}, {2, xy, 1.000}});
+  expect_only(
+      found.coefficients,
+      {{0, x, -9.999}, {0, y, 9.999}, {1, x, 27.992}, {1, y, -0.999}, {1, xz, -1.000}, {2, z, -2.666}, {2, xy, 1.000}});
 }
 
 TEST(Lorenz, ConstrainedSr3GivesThePublishedCoefficients) {
@@ -46,8 +47,13 @@ TEST(Lorenz, ConstrainedSr3GivesThePublishedCoefficients) {
   options.constraints.d = Eigen::Vector2d(0.0, 28.0);
   const Fit found = fit(find_optimizer("sr3"), lorenz_data(), options);
   EXPECT_TRUE(found.converged);
-  expect_only(found.coefficients, {{0, x, -10.002}, {0, y, 10.002}, {1, x, 28.000}, {1, y, -1.003}, {1, xz, -1.000},
-                                   {2, z, -2.666}, {2, xy, 0.999}});
+  expect_only(found.coefficients, {{0, x, -10.002},
+                                   {0, y, 10.002},
+                                   {1, x, 28.000},
+                                   {1, y, -1.003},
+                                   {1, xz, -1.000},
+                                   {2, z, -2.666},
+                                   {2, xy, 0.999}});
   EXPECT_NEAR(found.full(0, x) + found.full(0, y), 0.0, 1e-10);
   EXPECT_NEAR(found.full(1, x), 28.0, 1e-10);
 }
@@ -56,8 +62,9 @@ TEST(Lorenz, BestSubsetFindsTheSameSupport) {
   OptimizerOptions options;
   options.lambda = 1.0;
   const Fit found = fit(find_optimizer("best_subset"), lorenz_data(), options);
-  expect_only(found.coefficients, {{0, x, -9.999}, {0, y, 9.999}, {1, x, 27.992}, {1, y, -0.999}, {1, xz, -1.000},
-                                   {2, z, -2.666}, {2, xy, 1.000}});
+  expect_only(
+      found.coefficients,
+      {{0, x, -9.999}, {0, y, 9.999}, {1, x, 27.992}, {1, y, -0.999}, {1, xz, -1.000}, {2, z, -2.666}, {2, xy, 1.000}});
 }
 
 }  // namespace

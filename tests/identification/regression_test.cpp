@@ -91,7 +91,8 @@ TEST(Optimizers, FindPlantedTermsWithExactSupportOnNoiseFreeData) {
     options.ridge = 0.0;
     const Fit found = fit(row, p.data(), options);
     EXPECT_TRUE(found.converged) << row.name;
-    EXPECT_TRUE(((found.coefficients.array() != 0.0) == (p.truth.array() != 0.0)).all()) << row.name << '\n' << found.coefficients;
+    EXPECT_TRUE(((found.coefficients.array() != 0.0) == (p.truth.array() != 0.0)).all()) << row.name << '\n'
+                                                                                         << found.coefficients;
     EXPECT_LT((found.coefficients - p.truth).cwiseAbs().maxCoeff(), 1e-9) << row.name << '\n' << found.coefficients;
   }
 }
@@ -100,7 +101,8 @@ TEST(Optimizers, CrossValidationFindsThePlantedTermsByItself) {
   for (double noise : {0.0, 0.1}) {
     const Problem p = planted(6000, noise);
     std::vector<RegressionData> folds;
-    for (Index k = 0; k < 5; ++k) folds.emplace_back(p.theta.middleRows(1200 * k, 1200), p.target.middleRows(1200 * k, 1200));
+    for (Index k = 0; k < 5; ++k)
+      folds.emplace_back(p.theta.middleRows(1200 * k, 1200), p.target.middleRows(1200 * k, 1200));
     for (const OptimizerRow& row : optimizer_registry()) {
       OptimizerOptions options;
       options.normalize_columns = true;
@@ -110,7 +112,8 @@ TEST(Optimizers, CrossValidationFindsThePlantedTermsByItself) {
       options.lambda = choice.path[choice.chosen].lambda;
       const Fit found = fit(row, p.data(), options);
       EXPECT_TRUE(((found.coefficients.array() != 0.0) == (p.truth.array() != 0.0)).all())
-          << row.name << " noise " << noise << " lambda " << options.lambda << '\n' << found.coefficients;
+          << row.name << " noise " << noise << " lambda " << options.lambda << '\n'
+          << found.coefficients;
       EXPECT_LE(choice.path[choice.chosen].active, choice.path[choice.best].active);
     }
   }
@@ -211,7 +214,9 @@ TEST(BestSubset, IsTheMinimumOverAllSupports) {
   options.lambda = 2.0;
   const Fit found = fit(find_optimizer("best_subset"), data, options);
   for (Index t = 0; t < 3; ++t) {
-    const auto objective = [&](const MatrixXd& c) { return 0.5 * data.squared_error(c)[t] + 2.0 * static_cast<double>((c.row(t).array() != 0.0).count()); };
+    const auto objective = [&](const MatrixXd& c) {
+      return 0.5 * data.squared_error(c)[t] + 2.0 * static_cast<double>((c.row(t).array() != 0.0).count());
+    };
     double least = std::numeric_limits<double>::infinity();
     for (unsigned mask = 0; mask < 128; ++mask) {
       MatrixXd c = MatrixXd::Zero(3, 7);
@@ -247,7 +252,9 @@ TEST(NormalizeColumns, MakesTheResultIndependentOfUnits) {
     options.ridge = 0.0;
     const Fit one = fit(row, p.data(), options);
     const Fit other = fit(row, p.data().with_scaled_columns(units), options);
-    EXPECT_LT((one.coefficients - other.coefficients * units.asDiagonal()).norm(), 1e-8 * (1.0 + one.coefficients.norm())) << row.name;
+    EXPECT_LT((one.coefficients - other.coefficients * units.asDiagonal()).norm(),
+              1e-8 * (1.0 + one.coefficients.norm()))
+        << row.name;
   }
 }
 
@@ -264,7 +271,9 @@ TEST(Options, NonsenseIsRefused) {
   refuses("stlsq", [](OptimizerOptions& o) { o.max_iterations = 0; });
   refuses("stlsq", [](OptimizerOptions& o) { o.ridge = std::nan(""); });
   refuses("stlsq", [](OptimizerOptions& o) { o.constraints = two_constraints(); });
-  refuses("sr3", [](OptimizerOptions& o) { o.constraints = two_constraints(), o.constraints.C.row(1) = 2.0 * o.constraints.C.row(0); });
+  refuses("sr3", [](OptimizerOptions& o) {
+    o.constraints = two_constraints(), o.constraints.C.row(1) = 2.0 * o.constraints.C.row(0);
+  });
   refuses("sr3", [](OptimizerOptions& o) { o.constraints = {MatrixXd::Zero(1, 20), VectorXd::Zero(1)}; });
   EXPECT_THROW(find_optimizer("lasso"), ConfigError);
   const MatrixXd wide = MatrixXd::Random(100, 17);
