@@ -23,12 +23,12 @@ constexpr double target_cutoff_hz = 20.0;      // ATC_RAT_*_FLTT
 constexpr double derivative_cutoff_hz = 20.0;  // ATC_RAT_*_FLTD
 constexpr double yaw_error_cutoff_hz = 2.5;    // ATC_RAT_YAW_FLTE
 constexpr double thrust_expo = 0.65;           // MOT_THST_EXPO
-constexpr double full_speed_radps = 838.0;     // ArduPilot's Gazebo Iris: rotor speed at full throttle
 
 class ArduPilotLoop final : public LowLevelLoop {
  public:
   ArduPilotLoop(const VehicleModel& vehicle, double period_s)
       : period_s_(period_s), count_(vehicle.rotor_count), max_speed_radps_(vehicle.max_speed_radps),
+        full_speed_radps_(PwmMap(vehicle).speed_of_pwm(PwmMap::full)),
         coefficient_Ns2_(vehicle.rotors[0].thrust_coefficient_Ns2) {
     for (int i = 0; i < count_; ++i) {
       const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
@@ -50,7 +50,7 @@ class ArduPilotLoop final : public LowLevelLoop {
     wanted_WB_ = wanted.attitude_WB;
     // thrust in N → the share of the range that the thrust curve turns into the right speed
     const double speed = std::sqrt(std::max(wanted.thrust_N / count_, 0.0) / coefficient_Ns2_);
-    const double throttle = limited(speed, max_speed_radps_) / full_speed_radps;
+    const double throttle = limited(speed, max_speed_radps_) / full_speed_radps_;
     thrust_ = (1.0 - thrust_expo) * throttle + thrust_expo * throttle * throttle;
   }
 
@@ -93,14 +93,16 @@ class ArduPilotLoop final : public LowLevelLoop {
       const double share = std::clamp(thrust + scale * tilt[i] + room * share_[i].z() * torque.z(), 0.0, 1.0);
       const double throttle = (thrust_expo - 1.0 + std::sqrt((1.0 - thrust_expo) * (1.0 - thrust_expo) + 4.0 * thrust_expo * share)) /
                               (2.0 * thrust_expo);
-      command.speed_radps[i] = limited(throttle * full_speed_radps, max_speed_radps_);
+      command.speed_radps[i] = limited(throttle * full_speed_radps_, max_speed_radps_);
     }
     return command;
   }
 
   double period_s_;
   int count_;
-  double max_speed_radps_, coefficient_Ns2_;
+  double max_speed_radps_;
+  double full_speed_radps_;  // at full throttle, which the plant may not reach
+  double coefficient_Ns2_;
   std::array<Vector3, max_rotors> share_;
   Pid rate_;
   LowPass1<Vector3> target_, derivative_;

@@ -1,10 +1,11 @@
-// The Crazyflie's attitude and rate loops, 500 Hz, and its legacy mixer (firmware 2024, attitude_pid_controller and
-// power_distribution_quadrotor). Units are the firmware's: degrees, and counts of a 16 bit motor scale.
+// The Crazyflie's attitude and rate loops, 500 Hz, over its legacy mixer (firmware 2024, attitude_pid_controller). Units are the firmware's: degrees, and counts of a 16 bit motor scale.
+#include <cmath>
+
 #include "control/attitude.hpp"
 #include "control/filters.hpp"
+#include "control/legacy_mixer.hpp"
 #include "control/low_level.hpp"
 #include "control/pid.hpp"
-#include "control/rotors.hpp"
 
 namespace gustlab {
 
@@ -20,15 +21,7 @@ constexpr double torque_limit = 32767.0;  // int16
 
 class CrazyflieLoop final : public LowLevelLoop {
  public:
-  CrazyflieLoop(const VehicleModel& vehicle, double period_s)
-      : period_s_(period_s), count_(vehicle.rotor_count), pwm_(vehicle) {
-    // legacy mixer: half of roll and pitch, by the side that a rotor is on
-    for (int i = 0; i < count_; ++i) {
-      const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
-      const Vector3 hub = rotor.position_B_m - vehicle.center_of_mass_B_m;
-      share_[static_cast<std::size_t>(i)] = {0.5 * side(hub.y()), -0.5 * side(hub.x()), -rotor.direction};
-    }
-  }
+  CrazyflieLoop(const VehicleModel& vehicle, double period_s) : period_s_(period_s), mixer_(vehicle) {}
 
   void reset(const Observation& first) override {
     attitude_ = Pid(attitude_gains);
@@ -40,16 +33,23 @@ class CrazyflieLoop final : public LowLevelLoop {
   }
 
   void command(const ThrustAttitude& wanted) override {
-    wanted_deg_ = degrees(wanted.attitude_WB);
-    thrust_pwm_ = std::clamp(pwm_.pwm_of_thrust(wanted.thrust_N / count_), 0.0, PwmMap::full);
+    wanted_z_W_ = wanted.attitude_WB * Vector3::UnitZ();
+    wanted_yaw_deg_ = euler_angles(wanted.attitude_WB).yaw_rad / degree;
+    thrust_pwm_ = std::clamp(mixer_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full);
   }
 
   RotorCommand update(const Observation& observation) override {
     const Vector3 angle_deg = degrees(observation.attitude_WB);
     const Vector3 rate_degps = observation.body_rate_B_radps / degree;
 
+    // roll and pitch of the wanted thrust direction, seen from the present heading
+    const double c = std::cos(angle_deg.z() * degree), s = std::sin(angle_deg.z() * degree);
+    const Vector3& z = wanted_z_W_;
+    const Vector3 wanted_deg(std::asin(limited(s * z.x() - c * z.y(), 1.0)) / degree,
+                             std::atan2(c * z.x() + s * z.y(), z.z()) / degree, wanted_yaw_deg_);
+
     // attitude error → rate, in Euler angles; derivative of the measured angle, not of the error
-    Vector3 error_deg = wanted_deg_ - angle_deg;
+    Vector3 error_deg = wanted_deg - angle_deg;
     error_deg.z() = std::remainder(error_deg.z(), 360.0);
     Vector3 angle_change_deg = last_angle_deg_ - angle_deg;
     angle_change_deg.z() = std::remainder(angle_change_deg.z(), 360.0);
@@ -62,34 +62,22 @@ class CrazyflieLoop final : public LowLevelLoop {
     const Vector3 torque = limited(rate_.update(wanted_rate_degps - rate_degps, derivative_.update(rate_change), period_s_),
                                    Vector3::Constant(torque_limit));
 
-    // counts above the scale are taken from every rotor alike
-    RotorArray pwm{};
-    double above = 0.0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
-      pwm[i] = thrust_pwm_ + share_[i].dot(torque);
-      above = std::max(above, pwm[i] - PwmMap::full);
-    }
-    RotorCommand command;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i)
-      command.speed_radps[i] = pwm_.speed_of_pwm(std::clamp(pwm[i] - above, 0.0, PwmMap::full));
-    return command;
+    return mixer_.speeds(thrust_pwm_, torque);
   }
 
  private:
-  static double side(double y_m) { return y_m > 0.0 ? 1.0 : -1.0; }
   static Vector3 degrees(const Quaternion& attitude_WB) {
     const EulerAngles angles = euler_angles(attitude_WB);
     return Vector3(angles.roll_rad, angles.pitch_rad, angles.yaw_rad) / degree;
   }
 
   double period_s_;
-  int count_;
-  PwmMap pwm_;
-  std::array<Vector3, max_rotors> share_;
+  LegacyMixer mixer_;
   Pid attitude_, rate_;
   LowPass2<Vector3> derivative_;
   Vector3 last_angle_deg_ = Vector3::Zero(), last_rate_degps_ = Vector3::Zero();
-  Vector3 wanted_deg_ = Vector3::Zero();
+  Vector3 wanted_z_W_ = Vector3::UnitZ();
+  double wanted_yaw_deg_ = 0.0;
   double thrust_pwm_ = 0.0;
 };
 

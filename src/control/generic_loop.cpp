@@ -1,10 +1,10 @@
 // Attitude and rate loops for any multirotor of 3 to 8 rotors: gains from its own mass, inertia, rotor lag and torque limits.
 //
-// rate wanted = ω_a error; torque = J (ω_r (rate wanted − ω) + integral) + ω × J ω, then the vehicle's own mixer. Rotors
-// that follow slowly are led: the command goes past the wanted speed by as much as a model of the lag says is missing.
+// rate wanted = ω_a error; torque = J (ω_r (rate wanted − ω) + integral) + ω × J ω, then the vehicle's own mixer.
 #include "control/attitude.hpp"
 #include "control/low_level.hpp"
 #include "control/pid.hpp"
+#include "control/rotor_lead.hpp"
 #include "control/rotors.hpp"
 
 namespace gustlab {
@@ -15,7 +15,7 @@ class GenericLoop final : public LowLevelLoop {
  public:
   GenericLoop(const VehicleModel& vehicle, double period_s)
       : period_s_(period_s), inertia_B_kgm2_(vehicle.inertia_B_kgm2), mixer_(vehicle), bandwidths_(bandwidths_of(vehicle, period_s)),
-        lead_(lead_of(vehicle, period_s)), max_speed_radps_(vehicle.max_speed_radps) {
+        lead_(vehicle, period_s) {
     const Vector3 rate(bandwidths_.rate, bandwidths_.rate, bandwidths_.yaw_rate);
     const Vector3 authority = (vehicle.inertia_B_kgm2.inverse() * mixer_.torque_authority_B_Nm()).cwiseAbs();
     gains_.p = rate;
@@ -30,7 +30,7 @@ class GenericLoop final : public LowLevelLoop {
 
   void reset(const Observation& first) override {
     rate_ = Pid(gains_);
-    speed_radps_ = first.rotor_speed_radps;
+    lead_.reset(first.rotor_speed_radps);
     command({0.0, first.attitude_WB});
   }
 
@@ -43,20 +43,10 @@ class GenericLoop final : public LowLevelLoop {
     Vector3 acceleration = rate_.update(wanted_rate - rate, Vector3::Zero(), period_s_);
     if (!yaw_controlled_) acceleration.z() = 0.0;
     const Vector3 torque = inertia_B_kgm2_ * acceleration + rate.cross(inertia_B_kgm2_ * rate);
-    return led(mixer_.speeds(wanted_.thrust_N, torque));
+    return lead_.update(mixer_.speeds(wanted_.thrust_N, torque));
   }
 
  private:
-  RotorCommand led(RotorCommand wanted) {
-    if (lead_.factor == 1.0) return wanted;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(mixer_.count()); ++i) {
-      double& speed = wanted.speed_radps[i];
-      speed = std::clamp(speed_radps_[i] + lead_.factor * (speed - speed_radps_[i]), 0.0, max_speed_radps_);
-      speed_radps_[i] += lead_.follows * (speed - speed_radps_[i]);
-    }
-    return wanted;
-  }
-
   double period_s_;
   Matrix3 inertia_B_kgm2_;
   Mixer mixer_;
@@ -65,9 +55,7 @@ class GenericLoop final : public LowLevelLoop {
   Vector3 rate_limit_radps_ = Vector3::Zero();
   double yaw_weight_ = 0.0;
   bool yaw_controlled_ = true;
-  Lead lead_;
-  double max_speed_radps_;
-  RotorArray speed_radps_{};  // of the model
+  RotorLead lead_;
   Pid rate_;
   ThrustAttitude wanted_;
 };

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "control/rotors.hpp"
+#include "control/rotor_lead.hpp"
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
@@ -42,21 +42,11 @@ std::unique_ptr<LowLevelLoop> make_low_level(LowLevel loop, const VehicleModel& 
   return nullptr;
 }
 
-Lead lead_of(const VehicleModel& vehicle, double period_s) {
-  Lead lead;
-  const double lag_s = nominal_motor_lag_s(vehicle);
-  // four times as fast at most: the speed limit does not allow more
-  lead.factor = std::clamp(lag_s / 0.02, 1.0, 4.0);
-  lead.lag_s = lag_s / lead.factor;
-  if (lag_s > 0.0) lead.follows = 1.0 - std::exp(-period_s / lag_s);
-  return lead;
-}
-
 Bandwidths bandwidths_of(const VehicleModel& vehicle, double period_s) {
   const Mixer mixer(vehicle);
   const Vector3 authority = vehicle.inertia_B_kgm2.inverse() * mixer.torque_authority_B_Nm();
   // a loop of bandwidth w around a lag τ wants w τ below about 0.4; half a radian of tilt error may use all the torque
-  const double lag_s = lead_of(vehicle, period_s).lag_s + 1.5 * period_s;
+  const double lag_s = RotorLead(vehicle, period_s).lag_s() + 1.5 * period_s;
   const auto rate = [&](double authority_radps2) {
     return std::min({25.0, 0.4 / lag_s, std::sqrt(6.0 * std::max(authority_radps2, 1e-3))});
   };

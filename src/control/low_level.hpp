@@ -42,14 +42,6 @@ std::unique_ptr<LowLevelLoop> make_ardupilot_loop(const VehicleModel& vehicle, d
 std::unique_ptr<LowLevelLoop> make_generic_loop(const VehicleModel& vehicle, double period_s);
 std::unique_ptr<LowLevelLoop> make_low_level(LowLevel loop, const VehicleModel& vehicle, double period_s);
 
-// How the generic loop quickens slow rotors.
-struct Lead {
-  double factor = 1.0;   // command = model + factor (wanted − model)
-  double follows = 1.0;  // share of the gap that the model closes in a period
-  double lag_s = 0.0;    // what is left of the lag
-};
-Lead lead_of(const VehicleModel& vehicle, double period_s);
-
 // Bandwidths that a vehicle's rotors allow, rad/s; what the generic loops and every position law's defaults are made of.
 struct Bandwidths {
   double rate = 25.0;

@@ -19,8 +19,7 @@ constexpr double integral_limit = 5000.0;  // DEFAULT_PID_INTEGRATION_LIMIT
 }  // namespace
 
 CrazyfliePosition::CrazyfliePosition(const VehicleModel& vehicle, const Options& options, double period_s)
-    : options_(options), pwm_(vehicle), rotor_count_(vehicle.rotor_count), period_s_(period_s) {
-  for (int i = 0; i < rotor_count_; ++i) coefficient_sum_Ns2_ += vehicle.rotors[static_cast<std::size_t>(i)].thrust_coefficient_Ns2;
+    : options_(options), mixer_(vehicle), period_s_(period_s) {
   position_gains_.p = options.position_scale * Vector3(2.0, 2.0, 2.0);
   position_gains_.i = options.integral_scale * Vector3(0.0, 0.0, 0.5);
   velocity_gains_.p = options.velocity_scale * Vector3(25.0, 25.0, 25.0);
@@ -52,7 +51,7 @@ ThrustAttitude CrazyfliePosition::update(const Observation& observation, const R
   EulerAngles angles;
   angles.pitch_rad = limited(limited(output.x(), tilt_overhead * tilt_deg), tilt_deg) * degree;
   angles.roll_rad = -limited(limited(output.y(), tilt_overhead * tilt_deg), tilt_deg) * degree;
-  angles.yaw_rad = reference.yaw_rad;
+  angles.yaw_rad = yaw_rad;
   if (options_.feedforward == FeedForward::full) {
     const Vector3 acceleration = to_heading(reference.acceleration_W_mps2);
     angles.pitch_rad = limited(angles.pitch_rad + acceleration.x() / 9.81, options_.tilt_limit_rad);
@@ -60,8 +59,7 @@ ThrustAttitude CrazyfliePosition::update(const Observation& observation, const R
   }
   const double pwm = std::clamp(pwm_per_output * limited(output.z(), vertical_output_limit) + thrust_base_pwm,
                                 thrust_least_pwm, PwmMap::full);
-  const double speed = pwm_.speed_of_pwm(pwm);
-  return {coefficient_sum_Ns2_ * speed * speed, from_euler(angles)};
+  return {mixer_.total_thrust_of_pwm(pwm), attitude_along(from_euler(angles) * Vector3::UnitZ(), reference.yaw_rad)};
 }
 
 ForcePosition::ForcePosition(const VehicleModel& vehicle, const Options& options, double period_s)

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "control/filters.hpp"
+#include "control/legacy_mixer.hpp"
 #include "control/low_level.hpp"
 #include "control/pid.hpp"
-#include "control/rotors.hpp"
 
 namespace gustlab {
 
@@ -30,9 +30,7 @@ class CrazyfliePosition {
 
  private:
   Options options_;
-  PwmMap pwm_;
-  int rotor_count_ = 0;
-  double coefficient_sum_Ns2_ = 0.0;
+  LegacyMixer mixer_;
   double period_s_ = 0.01;
   PidGains position_gains_, velocity_gains_;
   Pid position_, velocity_;

@@ -8,5 +8,10 @@
 namespace gustlab {
 
 std::unique_ptr<Controller> make_pid();
+std::unique_ptr<Controller> make_indi();
+std::unique_ptr<Controller> make_asindy();
+std::unique_ptr<Controller> make_daiml();
+std::unique_ptr<Controller> make_geometric();
+std::unique_ptr<Controller> make_l1();
 
 }  // namespace gustlab

@@ -51,7 +51,7 @@ class Multisine final : public Trajectory {
     return sum;
   }
 
-  Vector3 amplitude_W_m_{0.4, 0.4, 0.25};
+  Vector3 amplitude_W_m_{0.35, 0.35, 0.2};
   // lines that no two axes share, none a multiple of another axis's
   std::array<std::vector<double>, 3> frequencies_hz_{
       {{0.10, 0.23, 0.41, 0.73}, {0.13, 0.29, 0.47, 0.79}, {0.17, 0.31, 0.53, 0.89}}};

@@ -10,6 +10,7 @@
 #include "gustlab/trajectory.hpp"
 #include "plant/plant.hpp"
 #include "support/parameters.hpp"
+#include "support/vehicles.hpp"
 
 namespace gustlab::test {
 
@@ -27,11 +28,11 @@ class ForceEffect final : public Effect {
   Force force_;
 };
 
-inline constexpr EffectRow force_row{.name = "test_force", .place = Place::wrench, .order = 10, .per_flight = true,
+inline constexpr EffectRow test_force_row{.name = "test_force", .place = Place::wrench, .order = 10, .per_flight = true,
                                      .diagnosable = false, .external = true, .says = "", .shows_in = "", .confused_with = "",
                                      .source = "", .make = nullptr};
 
-struct Flight {
+struct ControllerFlight {
   Controller* controller = nullptr;
   const Trajectory* trajectory = nullptr;
   VehicleModel vehicle;
@@ -41,10 +42,10 @@ struct Flight {
   ForceEffect::Force force;                       // empty: none
   Quaternion start_attitude_WB = Quaternion::Identity();
   std::function<void(Observation&)> sensor;       // what happens to an observation on its way
-  std::function<void(const VehicleState&)> watch;
+  std::function<void(const RotorCommand&)> heard;
 };
 
-struct FlightResult {
+struct ControllerFlightEnd {
   bool finite = true;
   double rmse_xy_m = 0.0, rmse_z_m = 0.0, max_m = 0.0, final_error_m = 0.0, final_tilt_rad = 0.0;
   VehicleState last;
@@ -62,10 +63,10 @@ inline std::vector<NamedEffect> vehicle_effects(const VehicleModel& vehicle) {
   return effects;
 }
 
-inline FlightResult fly(const Flight& flight) {
+inline ControllerFlightEnd fly(const ControllerFlight& flight) {
   const double period_s = 1.0 / flight.controller->rate_hz(flight.vehicle);
   std::vector<NamedEffect> effects = vehicle_effects(flight.vehicle);
-  if (flight.force) effects.push_back({&force_row, std::make_unique<ForceEffect>(flight.force)});
+  if (flight.force) effects.push_back({&test_force_row, std::make_unique<ForceEffect>(flight.force)});
   Plant plant(flight.vehicle, std::move(effects), {.step_s = period_s / flight.steps_per_tick});
 
   VehicleState start;
@@ -83,7 +84,7 @@ inline FlightResult fly(const Flight& flight) {
   };
   flight.controller->reset({flight.vehicle, period_s}, observe());
 
-  FlightResult result;
+  ControllerFlightEnd result;
   double sum_xy = 0.0, sum_z = 0.0;
   int samples = 0;
   const int ticks = static_cast<int>(std::lround(flight.duration_s / period_s));
@@ -99,7 +100,7 @@ inline FlightResult fly(const Flight& flight) {
       ++samples;
     }
     result.final_error_m = error.norm();
-    if (flight.watch) flight.watch(plant.state());
+    if (flight.heard) flight.heard(command);
     for (int step = 0; step < flight.steps_per_tick; ++step) result.finite = result.finite && plant.step(command);
     if (!result.finite) break;
   }

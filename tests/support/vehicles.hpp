@@ -59,6 +59,7 @@ inline VehicleModel iris() {
   vehicle.rotors[2] = rotor(0.13, 0.22, 0.023, -1.0, k, ratio);
   vehicle.rotors[3] = rotor(-0.13, -0.20, 0.023, -1.0, k, ratio);
   vehicle.max_speed_radps = 620.9;
+  vehicle.actuator.pwm_line = {838.0 / 65535.0, 0.0};
   vehicle.rotor_radius_m = 0.1;
   return vehicle;
 }
