@@ -44,8 +44,8 @@ class RotorSetter final : public ParameterVisitor {
   int rotor_;
 };
 
-// effects that have no column: found by other means (disturbance spectrum, limits, pendulum scan)
-bool has_no_column(std::string_view name) { return name == "gust" || name == "saturation" || name == "slung_load"; }
+// effects that have no column: found by other means (disturbance spectrum, limits)
+bool has_no_column(std::string_view name) { return name == "gust" || name == "saturation"; }
 
 }  // namespace
 
@@ -85,6 +85,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage
       const Number& number = numbers[p];
       // the battery is described by its voltage where there is one, otherwise by time
       if (row.name == "battery_sag" && (number.name == "rate") == with_voltage) continue;
+      if (row.name == "slung_load" && number.name != "mass") continue;
       Column column;
       column.group = index;
       column.parameter = static_cast<int>(p);
@@ -159,7 +160,7 @@ std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int fl
     const Group& group = groups_[g];
     bool acts = static_cast<int>(g) == also || !group.candidate;
     for (const int c : group.columns) acts = acts || value[c] != 0.0;
-    if (!acts) continue;
+    if (!acts || (group.row->name == "slung_load" && group.candidate)) continue;
     auto effect = make(group);
     const auto numbers = numbers_of(*effect);
     for (const int c : group.columns) {
@@ -170,6 +171,11 @@ std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int fl
     result.push_back({group.row, std::move(effect)});
   }
   return result;
+}
+
+void Catalogue::set_load_length(double length_m) {
+  for (Group& group : groups_)
+    if (group.row->name == "slung_load") group.length_m = length_m;
 }
 
 void Catalogue::clamp(Eigen::VectorXd& value) const {

@@ -30,6 +30,7 @@ struct Group {
   int rotor = 0;         // rotor_loss: 1…N
   bool nominal = false;  // part of the vehicle file
   bool candidate = true; // false: part of the nominal model, with nothing to fit
+  double length_m = 0.0; // slung_load: cable length, found by a scan
   std::vector<int> columns;
 };
 
@@ -57,6 +58,8 @@ class Catalogue {
 
   // The effects that fly in one flight at given values: those of non-zero strength, and `also` (a group) in any case.
   std::vector<NamedEffect> effects(const Eigen::VectorXd& value, int flight, int also = -1) const;
+  // The cable length of slung_load, whose force is a history of each flight and never part of effects().
+  void set_load_length(double length_m);
   // Values kept inside their bounds.
   void clamp(Eigen::VectorXd& value) const;
 

@@ -40,6 +40,7 @@ double confidence(const Finding& finding, double holdout_gain) {
 std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group, int flight) {
   std::vector<NamedValue> values;
   if (group.rotor > 0) values.push_back({"rotor", "-", static_cast<double>(group.rotor), 0.0});
+  if (group.row->name == "slung_load") values.push_back({"length", "m", group.length_m, 0.03 * group.length_m});
   // mean over flights of values per flight
   std::vector<std::pair<int, std::vector<int>>> by_parameter;
   for (const int c : group.columns) {

@@ -69,7 +69,7 @@ struct FlightData {
   bool collective_only = false;         // torques unknown
   bool has_voltage = false;
   bool hold_known = false;
-  bool filtered = false;                // low-pass filtered before it was written
+  std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
   double sample_s = 0.01;               // median interval
   double start_s = 0.0;
   // seconds by which the pose lags the inertial data in the model of the moment; motion is corrected for it

@@ -4,6 +4,8 @@
 #include <map>
 #include <tuple>
 
+#include "diagnosis/pendulum.hpp"
+
 namespace gustlab::diagnosis {
 
 Eigen::VectorXd carry_over(const Catalogue& from, const Eigen::VectorXd& value, const Catalogue& to) {
@@ -42,6 +44,19 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
     wanted.insert(wanted.end(), used.back().begin(), used.back().end());
   }
   std::sort(wanted.begin(), wanted.end());
+  const int load = fitted.catalogue().find("slung_load");
+  if (load >= 0 && selection.find(load)) {
+    // the held-out swing, driven by the vehicle as it flew
+    const Group& group = fitted.catalogue().groups()[static_cast<std::size_t>(load)];
+    session.linearise(catalogue.nominal(), {});
+    session.learn_noise(1, {});
+    session.noise = selection.noise_selected;
+    const PendulumScan scan{group.length_m, 1.0, selection.value[group.columns.front()]};
+    std::vector<std::vector<Vector3>> force;
+    for (std::size_t f = 0; f < session.flights().size(); ++f)
+      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, scan));
+    session.suspect_load(group.length_m, std::move(force));
+  }
   session.linearise(value, wanted);
   Grams grams = session.grams();
   Eigen::VectorXd natural(catalogue.size());

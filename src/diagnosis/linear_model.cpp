@@ -289,6 +289,21 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     out.y[k] = innovation(sample, predict_sensors(forces, flight.motion[k], x[k], t, force, angular));
   }
 
+  // a slung load is a force history
+  const int load = catalogue.find("slung_load");
+  const int load_column = load >= 0 && !flight.load_force_W_mps2.empty()
+                              ? catalogue.groups()[static_cast<std::size_t>(load)].columns.front() : -1;
+  const auto load_push = [&](std::size_t k) {
+    const double dt = out.interval_s[k];
+    const Vector3 a = flight.load_force_W_mps2[k] / forces.vehicle().mass_kg;
+    Vector12 push;
+    push << 0.5 * dt * dt * a, dt * a, Vector3::Zero(), Vector3::Zero();
+    return push;
+  };
+  if (load_column >= 0 && value[load_column] != 0.0)
+    for (std::size_t k = 0; k < n; ++k)
+      if (!out.b[k].isZero(0.0)) out.b[k] += value[load_column] * load_push(k);
+
   // columns: those wanted that act in this flight
   out.columns.clear();
   for (const int c : wanted) {
@@ -344,6 +359,11 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       continue;
     }
     const Group& group = catalogue.groups()[static_cast<std::size_t>(column.group)];
+    if (group.row->name == "slung_load") {
+      if (c == load_column)
+        for (std::size_t k = 0; k < n; ++k) out.B[k].col(j) = column.natural * load_push(k);
+      continue;
+    }
     Eigen::VectorXd from = value, to = value;
     const double step = 1e-3 * column.natural;
     to[c] += step;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "diagnosis/pendulum.hpp"
 #include "diagnosis/subset_search.hpp"
 #include "gustlab/random.hpp"
 
@@ -29,6 +30,7 @@ class Selector {
     s_.learn_noise(6, s_.biases());
     result.noise_nominal = s_.noise;
     result.smoothed_nominal = s_.smoothed;
+    suspect_load();
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
@@ -50,6 +52,17 @@ class Selector {
   }
 
  private:
+  // a swinging load shows in the disturbance before anything else is known
+  void suspect_load() {
+    const PendulumScan scan = scan_pendulum(s_);
+    if (scan.share < 0.03) return;
+    std::vector<std::vector<Vector3>> force;
+    for (std::size_t f = 0; f < s_.flights().size(); ++f)
+      force.push_back(pendulum_force(s_.flights()[f], s_.smoothed[f], s_.vehicle().mass_kg, scan));
+    s_.suspect_load(scan.length_m, std::move(force));
+    s_.linearise(catalogue_.nominal(), s_.all_columns());
+  }
+
   // Grams whose coefficients count from the nominal vehicle, in natural units
   Grams absolute(const Eigen::VectorXd& value) {
     Grams grams = s_.grams();

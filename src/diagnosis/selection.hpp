@@ -9,7 +9,7 @@
 namespace gustlab::diagnosis {
 
 struct SelectionOptions {
-  int most_effects = 6;
+  int most_effects = 8;
   int beam = 25;
   double materiality = 0.0025;        // of the degrees of freedom, per further effect
   double relative_materiality = 3e-4; // of the whole gain

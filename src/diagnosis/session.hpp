@@ -23,6 +23,8 @@ class Session {
 
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
   void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted);
+  // A slung load of this length is suspected: its force history becomes a column.
+  void suspect_load(double length_m, std::vector<std::vector<Vector3>> force_per_flight);
   // F again from scratch at the next linearise (after a large effect was found).
   void forget_transitions();
   // EM on the noise, with the given columns at their least-squares values (ridged) all along.

@@ -23,15 +23,18 @@ SubsetSearch::SubsetSearch(const Catalogue& known, const VehicleModel&, double p
 }
 
 bool SubsetSearch::allowed(const std::vector<int>& groups) const {
-  bool wind = false, air = false;
+  bool wind = false, air = false, mass = false, thrust = false;
   for (std::size_t g = 0; g < catalogue.groups().size(); ++g) {
     const Group& group = catalogue.groups()[g];
     const bool in = std::find(groups.begin(), groups.end(), static_cast<int>(g)) != groups.end();
     if (in && group.row->name == "steady_wind") wind = true;
+    if (in && group.row->name == "mass") mass = true;
+    if (in && group.row->name == "thrust_scale") thrust = true;
     if ((in || group.nominal) && std::find(std::begin(air_relative), std::end(air_relative), group.row->name) != std::end(air_relative))
       air = true;
   }
-  return !wind || air;
+  // mass, inertia and thrust together have one exact scale alias
+  return (!wind || air) && !(mass && thrust);
 }
 
 Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const {
@@ -47,6 +50,9 @@ Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int
       subset.loss = std::numeric_limits<double>::infinity();
   }
   subset.score = subset.loss + penalty * static_cast<double>(columns.size());
+  // a cable's length and its swing in every flight were fitted beforehand
+  for (const int g : groups)
+    if (catalogue.groups()[static_cast<std::size_t>(g)].row->name == "slung_load") subset.score += 30.0 * penalty;
   return subset;
 }
 
