@@ -30,7 +30,7 @@ class AdaptiveSindy {
     FeatureInput features;
     features.position_W_m = in.seen.position_W_m;
     features.velocity_W_mps = in.seen.velocity_W_mps;
-    set_angles(features, in.seen.attitude_WB);
+    set_angles(features, in.seen.attitude_WB.toRotationMatrix());
     // in units of the weight: terms with and without T are of one size, on every vehicle
     features.thrust_N = in.thrust_W_N.norm() / weight_N_;
     features.body_rate_B_radps = in.seen.body_rate_B_radps;
