@@ -55,6 +55,7 @@ struct CollisionShape {
 struct VehicleModel {
   std::string name;
   double mass_kg = 0.0;
+  double rated_mass_kg = 0.0;                     // of the vehicle file, which defines hover; 0: mass_kg
   Vector3 center_of_mass_B_m = Vector3::Zero();   // from the body's origin
   Matrix3 inertia_B_kgm2 = Matrix3::Identity();   // about the centre of mass, body axes
   double gravity_mps2 = 9.81;                     // MuJoCo's default
@@ -72,10 +73,10 @@ struct VehicleModel {
   std::string source_bytes;                       // vehicle.toml and MJCF as read: part of a run's key
 
   double weight_N() const { return mass_kg * gravity_mps2; }
-  // Speed at which equal rotors carry the weight.
+  // Thrust and speed of one rotor when equal rotors carry the weight that the vehicle file says. A rotor's drag or thrust
+  // curve, which refer to hover, do not change when the vehicle is loaded.
+  double hover_thrust_N() const { return (rated_mass_kg > 0.0 ? rated_mass_kg : mass_kg) * gravity_mps2 / rotor_count; }
   double hover_speed_radps() const;
-  // Thrust of one rotor at hover.
-  double hover_thrust_N() const { return weight_N() / rotor_count; }
   // Mean horizontal distance of the hubs from the centre of mass.
   double arm_m() const;
 };

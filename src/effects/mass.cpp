@@ -1,4 +1,4 @@
-// mass: the vehicle weighs m (1 + delta); its inertia stays.
+// mass: the vehicle weighs m (1 + delta); its inertia stays, and so do its rotors.
 #include "effects/effects.hpp"
 
 namespace gustlab {
@@ -13,7 +13,10 @@ class Mass final : public Effect {
                     .tolerance = 0.012});
   }
 
-  void on_body(VehicleModel& vehicle) const override { vehicle.mass_kg *= 1.0 + delta_; }
+  void on_body(VehicleModel& vehicle) const override {
+    if (vehicle.rated_mass_kg == 0.0) vehicle.rated_mass_kg = vehicle.mass_kg;
+    vehicle.mass_kg *= 1.0 + delta_;
+  }
 
  private:
   double delta_ = 0.0;

@@ -7,7 +7,7 @@ namespace gustlab {
 double VehicleModel::hover_speed_radps() const {
   double coefficient = 0.0;
   for (int i = 0; i < rotor_count; ++i) coefficient += rotors[static_cast<std::size_t>(i)].thrust_coefficient_Ns2;
-  return std::sqrt(weight_N() / coefficient);
+  return std::sqrt(hover_thrust_N() * rotor_count / coefficient);
 }
 
 double VehicleModel::arm_m() const {

@@ -197,6 +197,18 @@ TEST(Mass, ChangesWeightAndNotInertia) {
   EXPECT_EQ(vehicle.inertia_B_kgm2, now.vehicle.inertia_B_kgm2);
 }
 
+// drag, inflow and thrust curve are said at hover: of the vehicle file, whatever it carries
+TEST(Mass, ChangesNoRotor) {
+  const Instant now;
+  const std::vector<Wanted> rotors = {{"rotor_drag", {{"at_hover", 0.02}}}, {"axial_inflow", {{"at_hover", 0.01}}},
+                                      {"thrust_curve", {{"curvature", 0.2}}}};
+  std::vector<Wanted> loaded = rotors;
+  loaded.push_back({"mass", {{"delta", 0.3}}});
+  const Evaluated light = now.evaluate(rotors), heavy = now.evaluate(loaded);
+  EXPECT_EQ(light.wrench.force_B_N, heavy.wrench.force_B_N);
+  EXPECT_EQ(light.wrench.torque_B_Nm, heavy.wrench.torque_B_Nm);
+}
+
 TEST(CenterOfMass, MovesArmsAndTheLoggedPoint) {
   const Instant now;
   const Evaluated out = now.evaluate({{"center_of_mass", {{"x", 0.002}, {"y", -0.001}, {"z", 0.003}}}});
