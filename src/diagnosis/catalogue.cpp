@@ -44,8 +44,10 @@ class RotorSetter final : public ParameterVisitor {
   int rotor_;
 };
 
-// effects that have no column: found by other means (disturbance spectrum, limits)
-bool has_no_column(std::string_view name) { return name == "gust" || name == "saturation"; }
+// found in the disturbance's spectrum
+bool has_no_column(std::string_view name) { return name == "gust"; }
+// effects whose column is a history that a scan found; they never fly in the linearised model
+bool is_history(std::string_view name) { return name == "slung_load" || name == "saturation"; }
 
 }  // namespace
 
@@ -97,6 +99,10 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage
       column.min = number.info.min;
       column.max = number.info.max;
       column.nominal = *number.value;
+      if (row.name == "saturation") {
+        if (number.name != "max_speed") continue;
+        column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;
+      }
       for (int f = 0; f < (row.per_flight ? flights : 1); ++f) {
         column.flight = row.per_flight ? f : -1;
         group.columns.push_back(size());
@@ -160,7 +166,7 @@ std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int fl
     const Group& group = groups_[g];
     bool acts = static_cast<int>(g) == also || !group.candidate;
     for (const int c : group.columns) acts = acts || value[c] != 0.0;
-    if (!acts || (group.row->name == "slung_load" && group.candidate)) continue;
+    if (!acts || (group.candidate && is_history(group.row->name))) continue;
     auto effect = make(group);
     const auto numbers = numbers_of(*effect);
     for (const int c : group.columns) {
@@ -176,6 +182,11 @@ std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int fl
 void Catalogue::set_load_length(double length_m) {
   for (Group& group : groups_)
     if (group.row->name == "slung_load") group.length_m = length_m;
+}
+
+void Catalogue::set_speed_limit(double limit_radps) {
+  for (Group& group : groups_)
+    if (group.row->name == "saturation") group.limit_radps = limit_radps;
 }
 
 void Catalogue::clamp(Eigen::VectorXd& value) const {

@@ -31,6 +31,7 @@ struct Group {
   bool nominal = false;  // part of the vehicle file
   bool candidate = true; // false: part of the nominal model, with nothing to fit
   double length_m = 0.0; // slung_load: cable length, found by a scan
+  double limit_radps = 0.0;  // saturation: speed limit, found by a scan; its column is a switch near one
   std::vector<int> columns;
 };
 
@@ -60,6 +61,7 @@ class Catalogue {
   std::vector<NamedEffect> effects(const Eigen::VectorXd& value, int flight, int also = -1) const;
   // The cable length of slung_load, whose force is a history of each flight and never part of effects().
   void set_load_length(double length_m);
+  void set_speed_limit(double limit_radps);
   // Values kept inside their bounds.
   void clamp(Eigen::VectorXd& value) const;
 

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/explain.hpp"
+#include "diagnosis/log_checks.hpp"
 #include "diagnosis/vehicle_check.hpp"
 #include "gustlab/errors.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -54,6 +56,46 @@ bool filtered(const FlightLog& log) {
 struct Flights {
   std::vector<FlightLog> fit, holdout;
 };
+
+// a log that cannot be read is set aside, and said
+std::vector<FlightLog> read_all(const std::vector<std::string>& paths, Diagnosis& out) {
+  std::vector<FlightLog> logs;
+  for (const std::string& path : paths) {
+    try {
+      logs.push_back(read_flight_log(path));
+    } catch (const DataError& error) {
+      out.log_findings.push_back({label_of(path), "*", "inconsistent", 0.0, 0.0, error.what(), true, false});
+      out.flights.push_back({label_of(path), "set_aside", 0.0, 0.0});
+    }
+  }
+  return logs;
+}
+
+void set_aside(std::vector<FlightLog>& logs, const VehicleModel& vehicle, Diagnosis& out) {
+  std::vector<bool> away(logs.size(), false);
+  const auto note = [&](const std::vector<LogFinding>& findings, std::size_t i) {
+    for (const LogFinding& finding : findings) {
+      if (finding.file != label_of(logs[i].path)) continue;
+      out.log_findings.push_back(finding);
+      away[i] = away[i] || finding.sets_flight_aside;
+    }
+  };
+  const std::vector<LogFinding> copies = check_copies(logs);
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    note(copies, i);
+    if (!away[i]) note(check_log(logs[i], vehicle), i);
+    if (away[i]) out.flights.push_back({label_of(logs[i].path), "set_aside", 0.0, 0.0});
+  }
+  std::size_t at = 0;
+  std::erase_if(logs, [&](const FlightLog&) { return away[at++]; });
+}
+
+std::string nothing_usable(const Diagnosis& out) {
+  std::string text = "no fit flight is usable:";
+  for (const LogFinding& f : out.log_findings)
+    if (f.sets_flight_aside) text += fmt::format("\n  {}: {} {}", f.file, f.column, f.says);
+  return text;
+}
 
 std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const VehicleModel& vehicle, const ReadingOptions& options) {
   std::vector<FlightData> flights;
@@ -112,11 +154,15 @@ void describe_disturbance(const Selection& selection, const Remainder&, Diagnosi
 Diagnosis diagnose(const DiagnoseOptions& options) {
   Diagnosis out;
   Flights logs;
-  for (const std::string& path : options.fit) logs.fit.push_back(read_flight_log(path));
-  for (const std::string& path : options.holdout) logs.holdout.push_back(read_flight_log(path));
+  logs.fit = read_all(options.fit, out);
+  logs.holdout = read_all(options.holdout, out);
+  if (logs.fit.empty()) throw DataError(out.log_findings.front().says);
   const FlightLog& first = logs.fit.front();
   VehicleModel vehicle = options.vehicle ? read_vehicle(*options.vehicle) : read_vehicle(first.meta.vehicle, first.path);
   out.vehicle = vehicle.name;
+  set_aside(logs.fit, vehicle, out);
+  set_aside(logs.holdout, vehicle, out);
+  if (logs.fit.empty()) throw DataError(nothing_usable(out));
 
   if (logs.holdout.empty()) {
     if (logs.fit.size() > 1) {
@@ -169,7 +215,14 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   explain_gust(session, selection, rest, out);
   describe_disturbance(selection, rest, out);
   out.alarms = rest.alarms;
+  out.unexplained_share = rest.omnibus_share;
   out.mismatch = locate(session, selection);
+
+  // a remainder as large as a third of all structure: what was named may be its shadow
+  if (rest.omnibus_share > 0.3)
+    for (EffectFinding& effect : out.effects)
+      out.rejected.push_back({effect.effect, effect.gain, "only suspected: most of the mismatch is not explained"});
+  if (rest.omnibus_share > 0.3) out.effects.clear();
 
   if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;
   else if (rest.alarms.empty() || rest.omnibus_share < 0.1) out.verdict = Verdict::explained;

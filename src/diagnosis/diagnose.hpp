@@ -35,6 +35,7 @@ struct Diagnosis {
   std::vector<Rejected> rejected;
   std::vector<NotIdentifiable> not_identifiable;
   std::vector<Alarm> alarms;
+  double unexplained_share = 0.0;            // of all structure, what a generic test still finds
   std::vector<std::string> notes;
   std::string next_trajectory, next_why;
   std::string augmented_toml;

@@ -70,6 +70,8 @@ struct FlightData {
   bool has_voltage = false;
   bool hold_known = false;
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
+  // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected
+  std::vector<Eigen::Matrix<double, 6, 1>> limit_change;
   double sample_s = 0.01;               // median interval
   double start_s = 0.0;
   // seconds by which the pose lags the inertial data in the model of the moment; motion is corrected for it

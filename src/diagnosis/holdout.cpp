@@ -57,6 +57,9 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
       force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, scan));
     session.suspect_load(group.length_m, std::move(force));
   }
+  const int limit = fitted.catalogue().find("saturation");
+  if (limit >= 0 && selection.find(limit))
+    session.suspect_limit(fitted.catalogue().groups()[static_cast<std::size_t>(limit)].limit_radps);
   session.linearise(value, wanted);
   Grams grams = session.grams();
   Eigen::VectorXd natural(catalogue.size());

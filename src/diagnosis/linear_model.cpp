@@ -174,7 +174,35 @@ ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, con
   return forces;
 }
 
+// accelerations at mid-interval along a flight
+std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceModel& forces, const RotorHistory& history) {
+  std::vector<Acceleration> result(flight.samples.size());
+  const auto count = static_cast<std::size_t>(history.substeps);
+  Evaluator at{forces, {}, {}};
+  for (std::size_t k = 0; k < result.size(); ++k)
+    result[k] = at(center_of_mass(flight.motion[k], forces.vehicle().center_of_mass_B_m),
+                   flight.samples[k].time_s - flight.start_s, flight.samples[k].voltage_V,
+                   mean_of(&history.mean[k * count], history.substeps),
+                   mean_of(&history.acceleration[k * count], history.substeps));
+  return result;
+}
+
 }  // namespace
+
+std::vector<Eigen::Matrix<double, 6, 1>> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+                                                      const Eigen::VectorXd& value, double limit_radps) {
+  FlightData limited;
+  limited = flight;
+  limited.vehicle.max_speed_radps = limit_radps;
+  const ForceModel free = force_model(flight, catalogue, value, flight_index, -1);
+  const ForceModel bound = force_model(limited, catalogue, value, flight_index, -1);
+  const auto before = mid_interval(flight, free, rotor_history(flight, free));
+  const auto after = mid_interval(limited, bound, rotor_history(limited, bound));
+  std::vector<Eigen::Matrix<double, 6, 1>> change(before.size());
+  for (std::size_t k = 0; k < change.size(); ++k)
+    change[k] << after[k].linear_W_mps2 - before[k].linear_W_mps2, after[k].angular_B_radps2 - before[k].angular_B_radps2;
+  return change;
+}
 
 RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
   RotorHistory history;
@@ -304,6 +332,21 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     for (std::size_t k = 0; k < n; ++k)
       if (!out.b[k].isZero(0.0)) out.b[k] += value[load_column] * load_push(k);
 
+  // so is a lower speed limit
+  const int limit = catalogue.find("saturation");
+  const auto limit_push = [&](std::size_t k) {
+    const double dt = out.interval_s[k];
+    const Vector3 linear = flight.limit_change[k].head<3>(), angular = flight.limit_change[k].tail<3>();
+    Vector12 push;
+    push << 0.5 * dt * dt * linear, dt * linear, 0.5 * dt * dt * angular, dt * angular;
+    return push;
+  };
+  const double limited = limit >= 0 && !flight.limit_change.empty() && !catalogue.groups()[static_cast<std::size_t>(limit)].columns.empty()
+                             ? value[catalogue.groups()[static_cast<std::size_t>(limit)].columns.front()] : 0.0;
+  if (limited != 0.0)
+    for (std::size_t k = 0; k < n; ++k)
+      if (!out.b[k].isZero(0.0)) out.b[k] += limited * limit_push(k);
+
   // columns: those wanted that act in this flight
   out.columns.clear();
   for (const int c : wanted) {
@@ -359,6 +402,10 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       continue;
     }
     const Group& group = catalogue.groups()[static_cast<std::size_t>(column.group)];
+    if (group.row->name == "saturation") {
+      for (std::size_t k = 0; k < flight.limit_change.size(); ++k) out.B[k].col(j) = limit_push(k);
+      continue;
+    }
     if (group.row->name == "slung_load") {
       if (c == load_column)
         for (std::size_t k = 0; k < n; ++k) out.B[k].col(j) = column.natural * load_push(k);

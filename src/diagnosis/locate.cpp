@@ -311,7 +311,7 @@ Remainder remainder(const Session& session, const Selection& selection) {
   const auto floor = reference_floor(session.vehicle());
   constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
   const NoiseModel& noise = selection.noise_selected;
-  const bool structured = worst > 0.02 * rows;
+  const bool structured = worst > 0.0;
   result.gust_like = noise.time_s[0] > 0.25 && std::sqrt(noise.variance[0]) > 1.5 * floor[0] && !structured;
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     const double ratio = std::sqrt(noise.variance[g]) / floor[g];
@@ -358,6 +358,7 @@ Remainder remainder(const Session& session, const Selection& selection) {
         high += energy[g][order[order.size() - 1 - i]];
       }
       if (r > 0.45 && high > 3.0 * low) {
+        if (g == 0) result.gust_like = false;
         result.alarms.push_back({"heteroscedastic", fmt::format("{} grows with {}", group_name[g], name), 0.001 * high / low});
         break;
       }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "diagnosis/limit_scan.hpp"
 #include "diagnosis/pendulum.hpp"
 #include "diagnosis/subset_search.hpp"
 #include "gustlab/random.hpp"
@@ -30,12 +31,16 @@ class Selector {
     s_.learn_noise(6, s_.biases());
     result.noise_nominal = s_.noise;
     result.smoothed_nominal = s_.smoothed;
-    suspect_load();
+    suspect(value, {});
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
     for (int round = 0; round < 4; ++round) {
       if (round > 0) s_.linearise(value, s_.all_columns());
+      if (round == 1 && !chosen.empty()) {
+        s_.learn_noise(2, with_biases(chosen));
+        suspect(value, chosen);
+      }
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);
       const std::vector<int> next = search(grams);
@@ -52,15 +57,21 @@ class Selector {
   }
 
  private:
-  // a swinging load shows in the disturbance before anything else is known
-  void suspect_load() {
-    const PendulumScan scan = scan_pendulum(s_);
-    if (scan.share < 0.03) return;
-    std::vector<std::vector<Vector3>> force;
-    for (std::size_t f = 0; f < s_.flights().size(); ++f)
-      force.push_back(pendulum_force(s_.flights()[f], s_.smoothed[f], s_.vehicle().mass_kg, scan));
-    s_.suspect_load(scan.length_m, std::move(force));
-    s_.linearise(catalogue_.nominal(), s_.all_columns());
+  // a swinging load and a lower speed limit show in the disturbance that the chosen effects leave
+  void suspect(const Eigen::VectorXd& value, const std::vector<int>& chosen) {
+    const PendulumScan load = chosen_has(chosen, "slung_load") ? PendulumScan{} : scan_pendulum(s_);
+    const LimitScan limit = chosen_has(chosen, "saturation") ? LimitScan{} : scan_limit(s_);
+    if (load.share > 0.03) {
+      std::vector<std::vector<Vector3>> force;
+      for (std::size_t f = 0; f < s_.flights().size(); ++f)
+        force.push_back(pendulum_force(s_.flights()[f], s_.smoothed[f], s_.vehicle().mass_kg, load));
+      s_.suspect_load(load.length_m, std::move(force));
+    }
+    if (limit.gain > 30.0) s_.suspect_limit(limit.limit_radps);
+    if (load.share > 0.03 || limit.gain > 30.0) s_.linearise(value, s_.all_columns());
+  }
+  bool chosen_has(const std::vector<int>& chosen, std::string_view name) const {
+    return std::find(chosen.begin(), chosen.end(), catalogue_.find(name)) != chosen.end();
   }
 
   // Grams whose coefficients count from the nominal vehicle, in natural units

@@ -123,6 +123,13 @@ void Session::suspect_load(double length_m, std::vector<std::vector<Vector3>> fo
   for (std::size_t f = 0; f < flights_.size(); ++f) flights_[f].load_force_W_mps2 = std::move(force_per_flight[f]);
 }
 
+void Session::suspect_limit(double limit_radps) {
+  catalogue_.set_speed_limit(limit_radps);
+  for_each_flight([&](std::size_t f) {
+    flights_[f].limit_change = diagnosis::limit_change(flights_[f], static_cast<int>(f), catalogue_, value_, limit_radps);
+  });
+}
+
 void Session::forget_transitions() {
   for (LinearFlight& flight : linear_) flight.F.clear();
 }

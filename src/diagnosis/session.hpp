@@ -25,6 +25,8 @@ class Session {
   void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted);
   // A slung load of this length is suspected: its force history becomes a column.
   void suspect_load(double length_m, std::vector<std::vector<Vector3>> force_per_flight);
+  // A lower speed limit is suspected: what it changes becomes a column.
+  void suspect_limit(double limit_radps);
   // F again from scratch at the next linearise (after a large effect was found).
   void forget_transitions();
   // EM on the noise, with the given columns at their least-squares values (ridged) all along.

@@ -53,6 +53,7 @@ Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int
   // a cable's length and its swing in every flight were fitted beforehand
   for (const int g : groups)
     if (catalogue.groups()[static_cast<std::size_t>(g)].row->name == "slung_load") subset.score += 30.0 * penalty;
+    else if (catalogue.groups()[static_cast<std::size_t>(g)].row->name == "saturation") subset.score += 5.0 * penalty;
   return subset;
 }
 

@@ -80,6 +80,7 @@ ordered_json to_json(const Diagnosis& d) {
   for (const NotIdentifiable& n : d.not_identifiable) out["not_identifiable"].push_back({{"effect", n.effect}, {"why", n.why}});
   out["alarms"] = ordered_json::array();
   for (const Alarm& a : d.alarms) out["alarms"].push_back({{"kind", a.kind}, {"says", a.says}, {"size", number(a.size)}});
+  out["unexplained_share"] = number(d.unexplained_share);
   out["notes"] = d.notes;
   out["fit"] = d.fit;
   if (!d.next_trajectory.empty()) out["next_flight"] = {{"trajectory", d.next_trajectory}, {"why", d.next_why}};
