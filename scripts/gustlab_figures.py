@@ -1,0 +1,110 @@
+"""What the figures share: reading flights, one look, and files that are the same bytes each time."""
+
+import csv
+import gzip
+import json
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+# Okabe and Ito's palette, told apart by readers with any colour vision
+COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+REFERENCE = {"color": "0.55", "linestyle": (0, (4, 2)), "linewidth": 1.0, "label": "reference"}
+
+plt.rcParams.update({
+    "font.size": 8, "axes.titlesize": 8, "axes.labelsize": 8, "legend.fontsize": 7, "figure.constrained_layout.use": True,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "0.92", "axes.axisbelow": True,
+    "lines.linewidth": 1.0, "legend.frameon": False, "axes.prop_cycle": plt.cycler(color=COLORS),
+    "savefig.dpi": 200, "svg.hashsalt": "gustlab", "pdf.fonttype": 42,
+})
+
+
+class DataError(Exception):
+    """an input that cannot be drawn: `place: problem (why)`"""
+
+
+class Flight:
+    """one flight: columns by name (FORMATS: SI, world z up), and what `gustlab run` said of it"""
+
+    def __init__(self, path):
+        path = Path(path)
+        self.path = path
+        if path.is_dir():
+            found = [path / name for name in ("flight.csv", "flight.csv.gz") if (path / name).is_file()]
+            if not found:
+                raise DataError(f"{path}: no flight.csv (is it the --out of `gustlab run`?)")
+            path = found[0]
+        outcome = path.parent / "outcome.json"
+        try:
+            self.outcome = json.loads(outcome.read_text(encoding="utf-8")) if outcome.is_file() else {}
+            with gzip.open(path, "rt") if path.suffix == ".gz" else open(path, encoding="utf-8") as file:
+                names = file.readline().strip().split(",")
+                table = np.genfromtxt(file, delimiter=",", ndmin=2)
+        except (OSError, ValueError) as error:
+            raise DataError(f"{path}: cannot be read ({' '.join(str(error).split())})") from None
+        if table.size == 0 or table.shape[1] != len(names):
+            raise DataError(f"{path}: no table (a header and rows of {len(names)} numbers are needed)")
+        self.columns = dict(zip(names, table.T))
+        self.time_s = self.need("time_s")
+
+    def need(self, *names):
+        """the columns as one array, shape (samples,) or (len(names), samples)"""
+        missing = [name for name in names if name not in self.columns]
+        if missing:
+            raise DataError(f"{self.path}: no column {', '.join(missing)} (the figure shows it)")
+        return np.array([self.columns[name] for name in names]).squeeze()
+
+    def rotor_speeds(self):
+        """measured rotor speeds, else the actuator inputs, shape (rotors, samples); and what they are"""
+        for prefix, label in (("rotor", "rotor speed / rad/s"), ("u", "actuator input")):
+            names = [f"{prefix}{i}" for i in range(1, 9) if f"{prefix}{i}" in self.columns]
+            if names:
+                return np.atleast_2d(self.need(*names)), label
+        raise DataError(f"{self.path}: no column rotor1 or u1 (the figure shows it)")
+
+    def name(self, *keys):
+        """words for legends and titles; the folder's name where nothing was said"""
+        said = [str(self.outcome[key]) for key in keys if key in self.outcome]
+        return " ".join(said) or self.path.name
+
+
+def read_runs(folder):
+    """rows of a sweep's runs.csv as dictionaries"""
+    path = Path(folder) / "runs.csv"
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
+    wanted = {"experiment", "vehicle", "trajectory", "controller", "outcome", "rmse_xy_m", "p95_xy_m"}
+    if not rows or not wanted <= set(rows[0]):
+        raise DataError(f"{path}: not the runs of a sweep (columns {', '.join(sorted(wanted))} and a row are needed)")
+    return rows
+
+
+def save(figure, stem):
+    """writes stem.pdf, stem.svg and stem.png without dates or versions"""
+    stem = Path(stem)
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(stem.with_name(stem.name + ".pdf"), metadata={"CreationDate": None, "Producer": None, "Creator": None})
+    figure.savefig(stem.with_name(stem.name + ".svg"), metadata={"Date": None, "Creator": None})
+    figure.savefig(stem.with_name(stem.name + ".png"), metadata={"Software": None})
+    plt.close(figure)
+
+
+def main(draw, parser, arguments):
+    """runs a figure's command line with the program's exit codes"""
+    try:
+        draw(parser.parse_args(arguments))
+    except DataError as error:
+        print(error, file=sys.stderr)
+        return 3
+    except OSError as error:
+        print(f"{error.filename}: cannot be written ({error.strerror})", file=sys.stderr)
+        return 4
+    return 0

@@ -1,0 +1,119 @@
+"""The figures: all three formats, the same bytes each time, and clear refusals that write nothing."""
+
+import contextlib
+import importlib
+import io
+import json
+import math
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import gustlab_figures
+import plot_heatmap
+
+RUNS = "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,key"
+
+
+class Figures(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+
+    def run_script(self, name, *arguments):
+        """exit code and standard error of a script"""
+        errors = io.StringIO()
+        with contextlib.redirect_stderr(errors):
+            try:
+                code = importlib.import_module(name).main([str(argument) for argument in arguments])
+            except SystemExit as refused:
+                code = refused.code
+        return code, errors.getvalue()
+
+    def flight(self, name, controller="pid", trajectory="circle", force=True):
+        """a folder as `gustlab run` writes it, with a circle of 1 m flown 5 cm too wide"""
+        folder = self.root / name
+        folder.mkdir()
+        columns = ["time_s", "px", "py", "pz", "rpx", "rpy", "rpz", "rotor1", "rotor2"] + ["fx", "fy", "fz"] * force
+        lines = [",".join(columns)]
+        for k in range(100):
+            c, s = math.cos(0.06 * k), math.sin(0.06 * k)
+            values = [0.1 * k, 1.05 * c, 1.05 * s, 1, c, s, 1, 900 + k, 900 - k] + [0.1 * s, 0, 0.2] * force
+            lines.append(",".join(map(str, values)))
+        (folder / "flight.csv").write_text("\n".join(lines) + "\n")
+        outcome = {"vehicle": "iris", "trajectory": trajectory, "controller": controller, "outcome": "completed"}
+        (folder / "outcome.json").write_text(json.dumps(outcome))
+        return folder
+
+    def sweep(self, name):
+        folder = self.root / name
+        folder.mkdir()
+        lines = [RUNS]
+        for controller, error in (("pid", 0.4), ("asindy", 0.1)):
+            for replicate, outcome in ((1, "completed"), (2, "crashed")):
+                value = error + 0.01 * replicate
+                lines.append(f"t,iris,circle,{controller},{replicate},{outcome},1,{value},{value},{value},{value},0,k")
+        (folder / "runs.csv").write_text("\n".join(lines) + "\n")
+        return folder
+
+    def check_figure(self, stems, name, *arguments):
+        """draws twice; the files are there, are what they say, and are equal"""
+        written = []
+        for out in ("first", "second"):
+            code, text = self.run_script(name, *arguments, "--out", self.root / out / stems[0][0])
+            self.assertEqual(code, 0, text)
+            files = [self.root / out / f"{stem}{suffix}" for _, stem in stems for suffix in (".pdf", ".svg", ".png")]
+            self.assertEqual(sorted(p for p in (self.root / out).rglob("*") if p.is_file()), sorted(files))
+            written.append([file.read_bytes() for file in files])
+        for k in range(0, len(written[0]), 3):
+            self.assertTrue(written[0][k].startswith(b"%PDF"))
+            self.assertIn(b"<svg", written[0][k + 1])
+            self.assertTrue(written[0][k + 2].startswith(b"\x89PNG"))
+        self.assertEqual(*written)
+        return written[0]
+
+    def test_flight(self):
+        self.check_figure([("one", "one")], "plot_flight", self.flight("run"))
+
+    def test_flight_without_a_known_disturbance(self):
+        self.check_figure([("one", "one")], "plot_flight", self.flight("run", force=False) / "flight.csv")
+
+    def test_overlay(self):
+        flights = [self.flight("a"), self.flight("b", controller="indi"), self.flight("c", trajectory="spiral")]
+        self.check_figure([("paths", "paths")], "plot_overlay", *flights)
+
+    def test_heat_maps(self):
+        folder = self.sweep("sweep")
+        self.check_figure([("", "heatmap_rmse"), ("", "heatmap_p95")], "plot_heatmap", folder)
+
+    def test_heat_map_cell_says_mean_spread_and_how_many_completed(self):
+        cell = plot_heatmap.cells(gustlab_figures.read_runs(self.sweep("sweep")), "rmse_xy_m")[("pid", "circle")]
+        self.assertEqual(plot_heatmap.label(*cell), "0.415\n± 0.007\n1/2")
+
+    def test_what_cannot_be_drawn_is_refused_and_nothing_is_written(self):
+        empty = self.root / "empty"
+        empty.mkdir()
+        ragged = self.root / "ragged.csv"
+        ragged.write_text("time_s,px\n1,2\n3\n")
+        without = self.root / "without.csv"
+        without.write_text("time_s,px\n1,2\n3,4\n")
+        for name, argument, said in (
+            ("plot_flight", empty, "no flight.csv"),
+            ("plot_flight", ragged, "cannot be read"),
+            ("plot_flight", without, "no column py, pz"),
+            ("plot_overlay", self.root / "nowhere.csv", "cannot be read"),
+            ("plot_heatmap", empty, "cannot be read"),
+        ):
+            code, text = self.run_script(name, argument, "--out", self.root / "out" / "figure")
+            self.assertEqual(code, 3, text)
+            self.assertIn(said, text)
+            self.assertEqual(len(text.splitlines()), 1, text)
+            self.assertFalse((self.root / "out").exists())
+        self.assertEqual(self.run_script("plot_flight")[0], 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
