@@ -42,7 +42,8 @@ Pull cable(const Truth& truth, const State& x, const Motion& m, const Wrench& ot
   const double push = across2 / truth.load_length_m - along_W.dot(anchor_acceleration_W);
   const double mobility =
       1 / truth.load_kg + 1 / truth.mass_kg + arm_B.dot(inverse_inertia.cwiseProduct(arm_B));
-  pull.force_W_N = std::max(0.0, push / mobility) * along_W;
+  const double rubs = 2 * truth.hook_damping * std::sqrt(kGravity_mps2 / truth.load_length_m) * truth.load_kg;
+  pull.force_W_N = std::max(0.0, push / mobility) * along_W + rubs * (slide_W - slide_W.dot(along_W) * along_W);
   return pull;
 }
 
@@ -61,10 +62,13 @@ State derivative(const Truth& truth, const State& x, const Drive& drive) {
     total.torque_B_Nm += pull.at_B_m.cross(pull_B);
   }
   if (truth.outside.payload_kg > 0) {
-    const Vec3 reaction_B = payload_force_B(truth, x);
+    const Wrench stem = payload_wrench(truth, x);
+    const Vec3 arm_B(0, 0, -truth.outside.payload_arm_m);
+    const Vec3 shake_B = total.force_B_N / truth.mass_kg + total.torque_B_Nm.cwiseQuotient(truth.inertia_kgm2).cross(arm_B);
     dx.segment<2>(19) = x.segment<2>(21);
-    dx.segment<2>(21) = -reaction_B.head<2>() / truth.outside.payload_kg - total.force_B_N.head<2>() / truth.mass_kg;
-    total.force_B_N += reaction_B;
+    dx.segment<2>(21) = -stem.force_B_N.head<2>() / truth.outside.payload_kg - shake_B.head<2>();
+    total.force_B_N += stem.force_B_N;
+    total.torque_B_Nm += stem.torque_B_Nm;
   }
   dx.segment<3>(0) = m.velocity_W_mps;
   dx.segment<3>(3) = truth.mass_kg * kDown_W_mps2 + R * total.force_B_N;
@@ -137,8 +141,9 @@ Acceleration acceleration(const Truth& truth, const State& x, const Drive& drive
   Wrench total = wrench(truth, m, drive);
   const Pull pull = cable(truth, x, m, total);
   const Vec3 pull_B = m.attitude.conjugate() * pull.force_W_N;
-  total.force_B_N += pull_B + payload_force_B(truth, x);
-  total.torque_B_Nm += pull.at_B_m.cross(pull_B);
+  const Wrench stem = payload_wrench(truth, x);
+  total.force_B_N += pull_B + stem.force_B_N;
+  total.torque_B_Nm += pull.at_B_m.cross(pull_B) + stem.torque_B_Nm;
   const Vec3 spin = truth.inertia_kgm2.cwiseProduct(m.rate_B_radps) + rotor_momentum_B(truth, drive.speed_radps);
   return {total.force_B_N / truth.mass_kg,
           (total.torque_B_Nm - m.rate_B_radps.cross(spin)).cwiseQuotient(truth.inertia_kgm2)};
@@ -149,14 +154,15 @@ Vec3 cable_force_W(const Truth& truth, const State& x, const Drive& drive) {
   return cable(truth, x, m, wrench(truth, m, drive)).force_W_N;
 }
 
-Vec3 payload_force_B(const Truth& truth, const State& x) {
+Wrench payload_wrench(const Truth& truth, const State& x) {
   const Outside& o = truth.outside;
-  if (o.payload_kg <= 0) return Vec3::Zero();
+  Wrench stem;
+  if (o.payload_kg <= 0) return stem;
   const double stiffness = o.payload_kg * std::pow(2 * std::numbers::pi * o.payload_hz, 2);
-  const auto pull = [&](int axis) {
-    return stiffness * x[19 + axis] + o.payload_friction_N * std::tanh(x[21 + axis] / 0.01);
-  };
-  return {pull(0), pull(1), 0};
+  for (int axis = 0; axis < 2; ++axis)
+    stem.force_B_N[axis] = stiffness * x[19 + axis] + o.payload_friction_N * std::tanh(x[21 + axis] / 0.01);
+  stem.torque_B_Nm = Vec3(0, 0, -o.payload_arm_m).cross(stem.force_B_N);
+  return stem;
 }
 
 State advance(const Truth& truth, const State& x, const Drive& start, const Drive& middle, const Drive& end,

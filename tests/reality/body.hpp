@@ -49,7 +49,7 @@ State advance(const Truth& truth, const State& state, const Drive& start, const 
 /// Cable force on the body for this state [N, W]; zero when slack or without load.
 Vec3 cable_force_W(const Truth& truth, const State& state, const Drive& drive);
 
-/// Horizontal force of the swinging payload on the body [N, B]; zero without payload.
-Vec3 payload_force_B(const Truth& truth, const State& state);
+/// Force and torque of the swinging payload on the body; zero without payload.
+Wrench payload_wrench(const Truth& truth, const State& state);
 
 }  // namespace reality

@@ -80,7 +80,7 @@ class Draft {
     paths_.clear();
     // a pilot swings a load gently
     const bool load = std::any_of(concealed_.begin(), concealed_.end(), [](const auto& c) { return c.plan.effect == "slung_load"; });
-    const double calm = load ? 0.7 : 1;
+    const double calm = load ? 0.6 : 1;
     for (std::uint64_t n = 0; n < kFlights; ++n) {
       Rng rng(request_.seed, index_, kPaths + 10 * (n + 1) + 1000 * static_cast<std::uint64_t>(attempt));
       paths_.push_back(draw_path(figure[n], trial_.vehicle, trial_.surroundings, calm * std::pow(0.9, attempt), rng));
@@ -89,8 +89,7 @@ class Draft {
     if (!concealed_.empty() || stranger_) {
       scene_.flight.clear();
       for (std::size_t n = 0; n < kFitFlights; ++n) scene_.flight.push_back(fly_once(base_, n, kAirBefore));
-      if (lost(scene_.flight)) return false;
-      size_up(weaker);
+      if (lost(scene_.flight) || !size_up(weaker)) return false;
     }
     truth_.assign(kFlights, base_);
     for (std::size_t n = 0; n < kFlights; ++n) {
@@ -102,8 +101,8 @@ class Draft {
     return !lost(trial_.flight);
   }
 
-  // detection limits from the flights without the effects, then strengths
-  void size_up(double weaker) {
+  // detection limits from the flights without the effects, then strengths; false if a load cannot be carried so
+  bool size_up(double weaker) {
     double total = 0;
     for (Concealed& c : concealed_) {
       const double most = weaker * most_strength(c.plan, trial_.vehicle);
@@ -113,12 +112,15 @@ class Draft {
         c.limit = bite.limit;
         c.factor = bite.factor;
       } else {
-        c.limit = detection_limit(c.plan, scene_, c.plan.effect == "slung_load" ? load_history(c.plan) : Pushes{});
+        const bool load = c.plan.effect == "slung_load";
+        const Pushes pushes = load ? load_history(c.plan) : Pushes{};
+        if (load && pushes.empty()) return false;
+        c.limit = detection_limit(c.plan, scene_, pushes);
         c.strength = std::min(c.factor * c.limit.strength, most);
       }
       total += gain(c);
     }
-    if (concealed_.size() < 2) return;
+    if (concealed_.size() < 2) return true;
     // beside a strong effect a weak one must also be material
     for (Concealed& c : concealed_) {
       if (c.plan.effect == "saturation" || c.plan.effect == "gust") continue;
@@ -127,17 +129,20 @@ class Draft {
       c.limit.strength = std::max(c.limit.strength, share);
       c.strength = std::min(c.factor * c.limit.strength, weaker * most_strength(c.plan, trial_.vehicle));
     }
+    return true;
   }
 
   double gain(const Concealed& c) const { return 25 * std::pow(c.strength / c.limit.five_sigma, 2); }
 
-  // cable force per kilogram of a light load along the fit flights
+  // cable force per kilogram of a light load along the fit flights; empty if it swings too far
   Pushes load_history(const Plan& plan) const {
     Pushes pushes;
     for (std::size_t n = 0; n < kFitFlights; ++n) {
       Truth loaded = base_;
       plant(loaded, plan.effect, values_at(plan, trial_.vehicle, 0.5, n));
-      pushes.push_back(history(fly_once(loaded, n, kAirBefore), 1 / loaded.load_kg));
+      const Flight flight = fly_once(loaded, n, kAirBefore);
+      if (flight.lost) return {};
+      pushes.push_back(history(flight, 1 / loaded.load_kg));
     }
     return pushes;
   }

@@ -97,14 +97,17 @@ Push hidden_push(const Truth& truth, const State& x, const Drive& drive) {
   Drive steady = drive;
   steady.rotor_factor = 1;
   const Wrench with = wrench(truth, m, drive), without = wrench(truth, m, steady);
-  return {cable_force_W(truth, x, drive) + m.attitude * (payload_force_B(truth, x) + with.force_B_N - without.force_B_N),
-          with.torque_B_Nm - without.torque_B_Nm};
+  const Wrench stem = payload_wrench(truth, x);
+  return {cable_force_W(truth, x, drive) + m.attitude * (stem.force_B_N + with.force_B_N - without.force_B_N),
+          stem.torque_B_Nm + with.torque_B_Nm - without.torque_B_Nm};
 }
 
-bool sane(const Motion& m, const Path& path, double time_s, const Truth& truth) {
+bool sane(const State& x, const Motion& m, const Path& path, double time_s, const Truth& truth) {
   const double reach_m = truth.nominal.large ? 5.0 : 1.2;
   if (!((m.com_W_m - path.position_W_m(time_s)).norm() < reach_m)) return false;
   if ((m.attitude * Vec3::UnitZ()).z() < 0.2) return false;
+  // no pilot lets a load swing beyond seventy degrees
+  if (truth.load_kg > 0 && x[15] - m.com_W_m.z() > -0.34 * truth.load_length_m) return false;
   const Surroundings& s = truth.surroundings;
   const double size_m = truth.nominal.radius_m;
   if (s.ground_z_m && m.com_W_m.z() < *s.ground_z_m + size_m) return false;
@@ -178,7 +181,7 @@ Flight fly(const Truth& truth, const Path& path, const Noise& noise, std::uint64
   for (int k = first; k < last; ++k) {
     const double t = k * kSample_s;
     m = motion(truth, x, here.speed_radps);
-    if (!sane(m, path, t, truth)) {
+    if (!sane(x, m, path, t, truth)) {
       flight.lost = true;
       return flight;
     }

@@ -32,10 +32,11 @@ Stranger draw_stranger(const std::string& name, const Nominal& n, double size, R
     o.climb_drag = newton * (large ? 0.9 : 2.5) * rng.uniform(0.8, 1.2);
     s.channels = {"force_z"};
   } else if (name == "swinging_payload") {
-    o.payload_kg = n.mass_kg * std::min(0.5, 0.15 * size);
-    o.payload_hz = rng.uniform(1.2, 2.5);
-    o.payload_friction_N = o.payload_kg * rng.uniform(0.1, 0.3);
-    s.channels = {"force_x", "force_y"};
+    o.payload_kg = n.mass_kg * std::min(0.3, 0.07 * size);
+    o.payload_arm_m = large ? 0.15 : 0.03;
+    o.payload_hz = rng.uniform(2.5, 5.0);
+    o.payload_friction_N = o.payload_kg * rng.uniform(0.05, 0.2);
+    s.channels = {"force_x", "force_y", "torque_x", "torque_y"};
   } else if (name == "vortex_ring") {
     o.vortex_loss = std::min(0.5, 0.15 * size);
     o.vortex_speed_mps = (large ? 1.2 : 0.5) * rng.uniform(0.8, 1.2);

@@ -246,7 +246,7 @@ Path waypoints(const Scale& s, const Surroundings& around, double gentleness, bo
       to_y += lack_m * n.y();
     }
     const double far_m = Vec3(to_x - last_x, to_y - last_y, 1.5 * (to_z - last_z)).norm();
-    const double takes_s = std::max({1.2, 1.9 * far_m / (slow * s.speed_mps), std::sqrt(5.8 * far_m / kMostPush_mps2)});
+    const double takes_s = std::max({1.2, 1.9 * far_m / (slow * s.speed_mps), std::sqrt(5.8 * far_m / kMostPush_mps2) / gentleness});
     x.add(t, takes_s, to_x);
     y.add(t, takes_s, to_y);
     z.add(t, takes_s, to_z);

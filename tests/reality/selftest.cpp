@@ -67,6 +67,7 @@ void check_slung_load() {
   Truth t = as_nominal(nominal_vehicle(false, false));
   t.load_kg = 0.006;
   t.load_length_m = 0.3;
+  t.hook_damping = 0;
   const State start = [&] {
     State x = state_of(t, {{0, 0, 5}, Vec3::Zero(), Vec3::Zero(), Quat::Identity()}, kStill);
     x[16] = 1.5;

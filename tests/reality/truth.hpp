@@ -68,7 +68,8 @@ struct Outside {
   double tether_npm = 0;           // N/m toward tether_W_m beyond its slack length
   Vec3 tether_W_m = Vec3::Zero();
   double tether_slack_m = 0;
-  double payload_kg = 0;           // swings on a spring in the body plane, with dry friction
+  double payload_kg = 0;           // on a bending stem below the body, with dry friction
+  double payload_arm_m = 0;
   double payload_hz = 2;
   double payload_friction_N = 0;
 };
@@ -95,6 +96,7 @@ struct Truth {
   Vec3 force_W_N = Vec3::Zero();
   double gust_xy_N = 0, gust_z_N = 0, gust_time_s = 1, line_N = 0, line_radps = 1;
   double load_kg = 0, load_length_m = 0.3;
+  double hook_damping = 0.03;  // damping ratio of a swinging load: the hook rubs, so that a swing dies out in seconds
   Vec3 attitude_offset_rad = Vec3::Zero();
   double pose_delay_s = 0;
   Vec3 imu_lever_m = Vec3::Zero();
