@@ -5,8 +5,11 @@
 
 namespace gustlab {
 
+void add_defaults(CLI::App& app);
 void add_diagnose(CLI::App& app);
 void add_identify(CLI::App& app);
+void add_list(CLI::App& app);
+void add_replay(CLI::App& app);
 void add_score(CLI::App& app);
 
 }  // namespace gustlab

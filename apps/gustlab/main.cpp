@@ -1,25 +1,62 @@
-#include <cstdio>
-#include <exception>
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
 
 #include "commands.hpp"
 #include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
 
+namespace {
+
+using namespace gustlab;
+
+std::string version_text() {
+  const BuildInfo& build = build_info();
+  return fmt::format("gustlab {} ({})\nMuJoCo {}\n{} {}", build.version, build.commit, build.mujoco_version, build.compiler,
+                     build.flags);
+}
+
+// messages go to stderr, data to stdout; colours only on a terminal that wants them
+void start_messages() {
+  const char* no_color = std::getenv("NO_COLOR");
+  const bool plain = no_color != nullptr && *no_color != '\0';
+  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_st>(plain ? spdlog::color_mode::never : spdlog::color_mode::automatic);
+  auto logger = std::make_shared<spdlog::logger>("gustlab", sink);
+  logger->set_pattern("%^%l%$: %v");
+  spdlog::set_default_logger(logger);
+}
+
+void add_commands(CLI::App& app) {
+  add_list(app);
+  add_defaults(app);
+  add_replay(app);
+  add_diagnose(app);
+  add_identify(app);
+  add_score(app);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  CLI::App app{"Flies multirotors in simulation and finds the physics that a simulation leaves out"};
+  CLI::App app{"Flies multirotors in simulation and finds the physics that a simulation leaves out", "gustlab"};
   app.require_subcommand(1);
-  gustlab::add_diagnose(app);
-  gustlab::add_identify(app);
-  gustlab::add_score(app);
+  app.fallthrough();
+  app.set_version_flag("--version", version_text());
+  app.add_flag_callback("-q,--quiet", [] { spdlog::set_level(spdlog::level::err); }, "errors only");
+  app.add_flag_callback("-v,--verbose", [] { spdlog::set_level(spdlog::level::debug); }, "says more");
   try {
+    start_messages();
+    add_commands(app);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
-  } catch (const gustlab::UserError& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+  } catch (const UserError& error) {
+    fmt::print(stderr, "{}\n", error.what());
     return error.exit_code();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "gustlab: %s\n", error.what());
+    fmt::print(stderr, "gustlab: {}\n", error.what());
     return 4;
   }
   return 0;

@@ -1,16 +1,13 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 
 #include "config/toml.hpp"
 #include "flight_log/sidecar.hpp"
 #include "gustlab/errors.hpp"
+#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -55,30 +52,14 @@ std::string compressed(const std::string& text) {
   return bytes;
 }
 
-// beside its place first, then renamed
-void write_whole(const std::string& path, const std::string& bytes) {
-  const std::string beside = path + ".part";
-  errno = 0;
-  std::ofstream file(beside, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(beside, path, error);
-  if (!file || error) {
-    const std::string why = error ? error.message() : std::strerror(errno ? errno : EIO);
-    std::filesystem::remove(beside, error);
-    throw IoError(fmt::format("{}: cannot write ({})", path, why));
-  }
-}
-
 }  // namespace
 
 void write_flight_log(const FlightLog& log, const std::string& csv_path) {
   const std::string description = sidecar_text(log.meta), description_path = sidecar_path(csv_path);
   config::Table::parse(description, description_path);
   const std::string text = csv_text(log);
-  write_whole(csv_path, csv_path.ends_with(".gz") ? compressed(text) : text);
-  write_whole(description_path, description);
+  write_file(csv_path, csv_path.ends_with(".gz") ? compressed(text) : text);
+  write_file(description_path, description);
 }
 
 }  // namespace gustlab

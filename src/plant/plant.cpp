@@ -94,8 +94,9 @@ void Plant::actuate(const RotorCommand& command) {
   actuation_.command_radps = command.speed_radps;
   actuation_.start_speed_radps = state_.rotor_speed_radps;
   actuation_.past = memory_.get();
-  forces_.actuate(actuation_);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(actuation_.count); ++i)
+  if (speed_is_measured_) actuation_.end_speed_radps = actuation_.mean_speed_radps = command.speed_radps;
+  else forces_.actuate(actuation_);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(forces_.vehicle().rotor_count); ++i)
     rotor_acceleration_radps2_[i] =
         (actuation_.end_speed_radps[i] - actuation_.start_speed_radps[i]) / options_.step_s;
 }
@@ -125,6 +126,11 @@ bool Plant::step(const RotorCommand& command) {
 void Plant::advance_actuation(const RotorCommand& command) {
   actuate(command);
   state_.rotor_speed_radps = actuation_.end_speed_radps;
+}
+
+void Plant::set_speed_is_measured(bool measured) {
+  speed_is_measured_ = measured;
+  forces_.set_speed_is_measured(measured);
 }
 
 bool Plant::touches_ground() const { return memory_->body.contacts() > 0; }

@@ -37,6 +37,8 @@ class Plant {
   std::int64_t steps() const { return steps_; }
   double step_s() const { return options_.step_s; }
   bool touches_ground() const;
+  // The commands are measured rotor speeds: they drive the body as they are.
+  void set_speed_is_measured(bool measured);
   void set_voltage(double voltage_V) { voltage_V_ = voltage_V; }
   double voltage_V() const { return voltage_V_; }
 
@@ -72,6 +74,7 @@ class Plant {
   std::int64_t observations_ = 0;
   double start_time_s_ = 0.0;
   bool finite_ = true;
+  bool speed_is_measured_ = false;
   bool remembers_ = false;  // some effect looks back
 };
 

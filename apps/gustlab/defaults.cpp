@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.hpp"
+#include "config/toml.hpp"
+#include "gustlab/controller.hpp"
+#include "gustlab/effect.hpp"
+#include "gustlab/errors.hpp"
+#include "gustlab/trajectory.hpp"
+#include "parameter_table.hpp"
+#include "simulation/experiment.hpp"
+
+namespace gustlab {
+
+namespace {
+
+// Something with declared parameters, and how an experiment writes it.
+struct Entry {
+  std::string kind, name, says, head;
+  std::unique_ptr<Parameterized> target;
+};
+
+std::vector<Entry> entries() {
+  std::vector<Entry> result;
+  result.push_back({"experiment", "experiment", "the keys of an experiment outside its tables", "", make_experiment_keys()});
+  for (const TrajectoryRow& row : trajectory_registry())
+    result.push_back({"trajectory", std::string(row.name), std::string(row.says), fmt::format("[trajectory.{}]\n", row.name), row.make()});
+  for (const ControllerRow& row : controller_registry())
+    result.push_back({"controller", std::string(row.name), fmt::format("{} ({})", row.says, row.source),
+                      fmt::format("[controller.{}]\n", row.name), row.make()});
+  for (const EffectRow& row : effect_registry())
+    result.push_back({"effect", std::string(row.name), fmt::format("{} ({})", row.says, row.source),
+                      fmt::format("[[effect]]\ntype = \"{}\"\n", row.name), row.make()});
+  return result;
+}
+
+struct Options {
+  std::string name;
+  std::string format = "toml";
+};
+
+void run(const Options& options) {
+  std::vector<std::string> names;
+  bool found = false;
+  for (const Entry& entry : entries()) {
+    names.push_back(entry.name);
+    if (entry.name != options.name) continue;
+    if (options.format == "toml") {
+      fmt::print("{}# {}\n{}{}", found ? "\n" : "", entry.says, entry.head, config::commented_text(*entry.target));
+    } else {
+      const nlohmann::ordered_json json{{"kind", entry.kind}, {"name", entry.name}, {"says", entry.says},
+                                        {"parameters", parameter_table(*entry.target)}};
+      fmt::print("{}\n", json.dump(1));
+    }
+    found = true;
+  }
+  if (!found)
+    throw ConfigError(fmt::format("defaults {}: there is nothing of this name (see `gustlab list`) {}", options.name,
+                                  config::suggest(options.name, names)));
+}
+
+}  // namespace
+
+void add_defaults(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("defaults", "a commented TOML of every parameter of an effect, trajectory, controller or experiment");
+  command->add_option("NAME", options->name, "an effect, a trajectory, a controller, or `experiment`")->required();
+  command->add_option("--format", options->format)->check(CLI::IsMember({"toml", "json"}))->capture_default_str();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace gustlab

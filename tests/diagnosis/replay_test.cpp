@@ -1,0 +1,198 @@
+#include "diagnosis/replay.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "config/toml.hpp"
+#include "gustlab/errors.hpp"
+#include "plant/plant.hpp"
+#include "simulation/make_effects.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+std::vector<EffectSpec> specs(const std::string& text) {
+  config::Table document = config::Table::parse(text, "test");
+  return config::read_effects(document);
+}
+
+// three seconds of a vehicle that is shaken, a sample every 10 ms, commands held between samples
+FlightLog fly(const VehicleModel& vehicle, const std::vector<EffectSpec>& effects) {
+  Plant plant(vehicle, make_effects(effects), {.step_s = 0.001, .seed = 1, .replicate = 1});
+  VehicleState state;
+  state.position_W_m.z() = 1.0;
+  state.velocity_W_mps = Vector3(0.8, -0.4, 0.1);
+  const double hover = vehicle.hover_speed_radps();
+  for (std::size_t i = 0; i < 4; ++i) state.rotor_speed_radps[i] = hover;
+  plant.reset(state);
+
+  FlightLog log;
+  log.path = "shaken.csv";
+  log.meta.hold = Hold::zoh;
+  for (const char* name : {"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"})
+    log.columns.push_back({name, {}});
+  for (int k = 0; k < 300; ++k) {
+    const double t = 0.01 * k;
+    RotorCommand command;
+    for (std::size_t i = 0; i < 4; ++i)
+      command.speed_radps[i] = hover * (1.0 + 0.01 * std::sin(25.0 * t + 1.7 * static_cast<double>(i)) + 0.03 * std::sin(9.0 * t));
+    const Observation seen = plant.observe(false);
+    const double row[] = {seen.position_W_m.x(), seen.position_W_m.y(), seen.position_W_m.z(),
+                          seen.velocity_W_mps.x(), seen.velocity_W_mps.y(), seen.velocity_W_mps.z(),
+                          seen.attitude_WB.w(), seen.attitude_WB.x(), seen.attitude_WB.y(), seen.attitude_WB.z(),
+                          seen.body_rate_B_radps.x(), seen.body_rate_B_radps.y(), seen.body_rate_B_radps.z(),
+                          command.speed_radps[0], command.speed_radps[1], command.speed_radps[2], command.speed_radps[3]};
+    log.time_s.push_back(100.0 + t);
+    for (std::size_t c = 0; c < log.columns.size(); ++c) log.columns[c].values.push_back(row[c]);
+    for (int step = 0; step < 10; ++step) EXPECT_TRUE(plant.step(command));
+  }
+  return log;
+}
+
+void drop(FlightLog& log, std::initializer_list<const char*> names) {
+  std::erase_if(log.columns, [&](const LogColumn& c) { return std::find(names.begin(), names.end(), c.name) != names.end(); });
+}
+
+double mean(const std::vector<double>& values, std::size_t horizon, std::size_t horizons) {
+  double sum = 0.0;
+  for (std::size_t i = horizon; i < values.size(); i += horizons) sum += values[i];
+  return sum * static_cast<double>(horizons) / static_cast<double>(values.size());
+}
+double model_error(const FitErrors& errors, FitQuantity quantity, std::size_t horizon) {
+  return mean(errors[quantity].model, horizon, errors.horizon_s.size());
+}
+
+class Replay : public ::testing::Test {
+ protected:
+  const VehicleModel vehicle = read_vehicle("crazyflie");
+  const FlightLog log = fly(vehicle, vehicle.effects);
+};
+
+TEST_F(Replay, OfTheModelThatFlewIsExact) {
+  const FitErrors errors = replay(log, vehicle, vehicle.effects, {});
+  EXPECT_EQ(errors.windows(), 2u);  // 0 to 1 s and 1 to 2 s; the record ends at 2.99 s
+  for (std::size_t h = 0; h < 3; ++h) {
+    EXPECT_LT(model_error(errors, FitQuantity::position_m, h), 1e-9);
+    EXPECT_LT(model_error(errors, FitQuantity::velocity_mps, h), 1e-9);
+    EXPECT_LT(model_error(errors, FitQuantity::attitude_rad, h), 1e-8);
+    EXPECT_LT(model_error(errors, FitQuantity::body_rate_radps, h), 1e-7);
+  }
+}
+
+TEST_F(Replay, HoldIsTheDistanceFromTheStart) {
+  ReplayOptions options;
+  options.stride = 7;
+  const FitErrors errors = replay(log, vehicle, vehicle.effects, options);
+  const std::size_t row = errors.start_row.at(3);
+  EXPECT_EQ(row, 21u);
+  const auto at = [&](const char* name, std::size_t r) { return (*log.find(name))[r]; };
+  const Vector3 moved(at("px", row + 50) - at("px", row), at("py", row + 50) - at("py", row), at("pz", row + 50) - at("pz", row));
+  EXPECT_DOUBLE_EQ(errors[FitQuantity::position_m].hold[3 * 3 + 1], moved.norm());
+}
+
+TEST_F(Replay, AMissingEffectShowsAndThePresentOneDoesNot) {
+  const auto without_drag = specs("[[effect]]\ntype = 'motor_lag'\ntime_constant = 0.0125\ntime_constant_down = 0.025\n");
+  const FitErrors errors = replay(log, vehicle, without_drag, {});
+  EXPECT_GT(model_error(errors, FitQuantity::velocity_mps, 1), 0.05);
+  EXPECT_GT(model_error(errors, FitQuantity::velocity_mps, 1), 100.0 * mean(errors[FitQuantity::velocity_mps].noise, 1, 3));
+}
+
+TEST_F(Replay, RotorSpeedAtAStartComesFromTheWholeRecordBefore) {
+  const auto slow = specs("[[effect]]\ntype = 'motor_lag'\ntime_constant = 0.3\n[[effect]]\ntype = 'actuation_delay'\ndelay = 0.025\n");
+  const FlightLog late = fly(vehicle, slow);
+  const FitErrors errors = replay(late, vehicle, slow, {});
+  EXPECT_LT(model_error(errors, FitQuantity::position_m, 2), 1e-8);
+}
+
+TEST_F(Replay, SensorEffectsAreTakenOutOfTheStartAndPutOnThePrediction) {
+  for (const char* sensor : {"[[effect]]\ntype = 'pose_delay'\ndelay = 0.015\n", "[[effect]]\ntype = 'attitude_offset'\nx = 0.03\ny = -0.02\n",
+                             "[[effect]]\ntype = 'yaw_offset'\nz = 0.1\n", "[[effect]]\ntype = 'gyro_scale'\ndelta = 0.05\n"}) {
+    const auto effects = config::merge_effects(vehicle.effects, specs(sensor));
+    const FlightLog seen = fly(vehicle, effects);
+    ReplayOptions options;
+    options.stride = 10;
+    const FitErrors with = replay(seen, vehicle, effects, options), without = replay(seen, vehicle, vehicle.effects, options);
+    // a late pose leaves the interpolation of the body rate over a sample
+    EXPECT_LT(model_error(with, FitQuantity::position_m, 1), 0.02 * model_error(without, FitQuantity::position_m, 1) + 1e-4) << sensor;
+    EXPECT_LT(model_error(with, FitQuantity::attitude_rad, 1), 0.15 * model_error(without, FitQuantity::attitude_rad, 1)) << sensor;
+  }
+}
+
+TEST_F(Replay, MeasuredRotorSpeedDrivesTheBodyPastTheCommandsWay) {
+  FlightLog measured = log;
+  for (int i = 1; i <= 4; ++i) measured.columns.push_back({"rotor" + std::to_string(i), *log.find("u" + std::to_string(i))});
+  for (int i = 1; i <= 4; ++i)
+    for (LogColumn& column : measured.columns)
+      if (column.name == "u" + std::to_string(i))
+        for (double& value : column.values) value = 0.0;
+  const FlightLog quick = fly(vehicle, specs("[[effect]]\ntype = 'rotor_drag'\nat_hover = 0.0072\n"));
+  const FitErrors errors = replay(measured, vehicle, vehicle.effects, {});
+  // commands of zero would fall 4.9 m in the second; a held command read as interpolated and a lag leave little
+  EXPECT_LT(model_error(errors, FitQuantity::position_m, 2), 0.2);
+}
+
+TEST_F(Replay, WhatTheLogDoesNotHaveIsNotComparedAndIsEstimatedFromThePast) {
+  FlightLog poses = log;
+  drop(poses, {"vx", "vy", "vz", "wx", "wy", "wz"});
+  const FitErrors errors = replay(poses, vehicle, vehicle.effects, {});
+  EXPECT_TRUE(std::isnan(errors[FitQuantity::velocity_mps].model[0]));
+  EXPECT_TRUE(std::isnan(errors[FitQuantity::body_rate_radps].hold[0]));
+  EXPECT_LT(model_error(errors, FitQuantity::position_m, 0), 0.01);
+  const auto block = fit_block({errors}, {});
+  EXPECT_TRUE(block["velocity_mps"]["before"][0].is_null());
+  EXPECT_FALSE(block["position_m"].contains("after"));
+}
+
+TEST_F(Replay, WithOnlyTheTotalThrustTheRecordedAttitudeIsTakenAsGiven) {
+  FlightLog total = log;
+  total.meta.actuator = ActuatorKind::collective_thrust;
+  std::vector<double> thrust(log.rows());
+  for (std::size_t k = 0; k < log.rows(); ++k)
+    for (int i = 1; i <= 4; ++i) thrust[k] += 1.7965e-8 * std::pow((*log.find("u" + std::to_string(i)))[k], 2);
+  drop(total, {"u1", "u2", "u3", "u4"});
+  total.columns.push_back({"u1", thrust});
+  const FitErrors errors = replay(total, vehicle, vehicle.effects, {});
+  EXPECT_TRUE(std::isnan(errors[FitQuantity::attitude_rad].model[0]));
+  EXPECT_LT(model_error(errors, FitQuantity::position_m, 1), 0.01);
+}
+
+TEST_F(Replay, WindowsKeepClearOfGaps) {
+  FlightLog gap = log;
+  for (std::size_t k = 150; k < gap.rows(); ++k) gap.time_s[k] += 0.5;
+  ReplayOptions options;
+  options.stride = 1;
+  options.horizon_s = {0.1, 0.5};
+  const FitErrors errors = replay(gap, vehicle, vehicle.effects, options);
+  EXPECT_EQ(errors.windows(), 200u);
+  for (const std::size_t row : errors.start_row) EXPECT_TRUE(row < 100 || row >= 150);
+}
+
+TEST_F(Replay, EveryNumberOfThreadsGivesTheSameBytes) {
+  ReplayOptions one, four;
+  one.stride = four.stride = 5;
+  four.jobs = 4;
+  const std::string a = fit_block({replay(log, vehicle, vehicle.effects, one)}, {}).dump();
+  const std::string b = fit_block({replay(log, vehicle, vehicle.effects, four)}, {}).dump();
+  EXPECT_EQ(a, b);
+}
+
+TEST_F(Replay, TheCallerMayKnowTheStartBetter) {
+  ReplayOptions options;
+  options.correct_start = [](std::size_t, VehicleState& state) { state.position_W_m.x() += 0.5; };
+  const FitErrors errors = replay(log, vehicle, vehicle.effects, options);
+  EXPECT_NEAR(model_error(errors, FitQuantity::position_m, 0), 0.5, 1e-9);
+}
+
+TEST_F(Replay, WithoutAttitudeOrALongEnoughStretchThereIsNoRollout) {
+  FlightLog blind = log;
+  drop(blind, {"qw"});
+  EXPECT_THROW(replay(blind, vehicle, vehicle.effects, {}), DataError);
+  ReplayOptions options;
+  options.horizon_s = {5.0};
+  EXPECT_THROW(replay(log, vehicle, vehicle.effects, options), DataError);
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
