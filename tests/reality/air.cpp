@@ -68,7 +68,8 @@ Wrench rotors_in_air(const Truth& truth, const Motion& m, const Drive& drive) {
     const double speed = drive.speed_radps[i], tip_mps = speed * station_m;
     const BladeMeans mean = sweep(axis_B, nominal.spin[i], tip_mps, hub_air_B);
     const double plain_N = nominal.thrust_coefficient * speed * speed;
-    double scaled_N = truth.thrust_scale * truth.rotor_gain[i] * sag * plain_N * (1 - truth.curvature + steep * plain_N);
+    double scaled_N =
+        truth.thrust_scale * truth.rotor_gain[i] * sag * plain_N * (1 - truth.curvature + steep * plain_N);
     if (i == truth.outside.dropout_rotor) scaled_N *= drive.rotor_factor;
     scaled_N *= vortex_factor(truth.outside, m.velocity_W_mps.z());
     double thrust_N = scaled_N - lift * tip_mps * tip_mps + lift * mean.square - inflow * mean.cross;

@@ -74,7 +74,8 @@ PerRotor Autopilot::command(double t, const Reading& reading) {
   const Vec3 error_W = goal_W - position_W_m_, error_velocity_W = goal_velocity_W - velocity_W_mps_;
   position_sum_ = (position_sum_ + kPeriod_s * error_W).cwiseMax(-0.8).cwiseMin(0.8);
   const double w = slow_gain_, wz = climb_gain_;
-  const Vec3 kp(w * w, w * w, wz * wz), kv(1.8 * w, 1.8 * w, 1.8 * wz), ki = 0.3 * kp.cwiseProduct(Vec3(w, w, 0.5 * wz));
+  const Vec3 kp(w * w, w * w, wz * wz), kv(1.8 * w, 1.8 * w, 1.8 * wz),
+      ki = 0.3 * kp.cwiseProduct(Vec3(w, w, 0.5 * wz));
   Vec3 push_W = goal_push_W + kp.cwiseProduct(error_W) + kv.cwiseProduct(error_velocity_W) +
                 ki.cwiseProduct(position_sum_);
   const double most = nominal_.large ? 9 : 8;
@@ -95,7 +96,8 @@ PerRotor Autopilot::command(double t, const Reading& reading) {
   const Vec3 spin = -stiffness.cwiseProduct(error) - rate_gain.cwiseProduct(rate_error) -
                     0.22 * rate_gain.cwiseProduct(stiffness).cwiseProduct(attitude_sum_) + path_.shake_radps2(t);
   const Vec3& inertia = nominal_.inertia_kgm2;
-  const Vec3 torque = inertia.cwiseProduct(spin) + reading.gyro_B_radps.cross(inertia.cwiseProduct(reading.gyro_B_radps));
+  const Vec3 torque =
+      inertia.cwiseProduct(spin) + reading.gyro_B_radps.cross(inertia.cwiseProduct(reading.gyro_B_radps));
   const double thrust = nominal_.mass_kg * (push_W.dot(actual.col(2)) + path_.surge_mps2(t));
   pushed_W_mps2_ = thrust / nominal_.mass_kg * actual.col(2) - Vec3(0, 0, kGravity_mps2);
   return mix(thrust, torque);

@@ -64,7 +64,8 @@ State derivative(const Truth& truth, const State& x, const Drive& drive) {
   if (truth.outside.payload_kg > 0) {
     const Wrench stem = payload_wrench(truth, x);
     const Vec3 arm_B(0, 0, -truth.outside.payload_arm_m);
-    const Vec3 shake_B = total.force_B_N / truth.mass_kg + total.torque_B_Nm.cwiseQuotient(truth.inertia_kgm2).cross(arm_B);
+    const Vec3 shake_B =
+        total.force_B_N / truth.mass_kg + total.torque_B_Nm.cwiseQuotient(truth.inertia_kgm2).cross(arm_B);
     dx.segment<2>(19) = x.segment<2>(21);
     dx.segment<2>(21) = -stem.force_B_N.head<2>() / truth.outside.payload_kg - shake_B.head<2>();
     total.force_B_N += stem.force_B_N;

@@ -56,9 +56,11 @@ std::vector<Effect> build() {
                  12, true, Need::accel});
   all.push_back({"gyro_scale", {{"delta", {0.02, 0.02}, {0, 0}}}, 10, true});
   all.push_back({"slung_load", {{"mass", {0.003, 0.2}, {0, 0}}}, 4, false});
-  all.push_back({"gust",
-                 {{"sigma_xy", {0.03, 1}, {0, 0}}, {"sigma_z", {0.03, 1}, {0, 0}}, {"line_amplitude", {0.03, 1}, {0, 0}}},
-                 6, false});
+  all.push_back(
+      {"gust",
+       {{"sigma_xy", {0.03, 1}, {0, 0}}, {"sigma_z", {0.03, 1}, {0, 0}}, {"line_amplitude", {0.03, 1}, {0, 0}}},
+       6,
+       false});
   return all;
 }
 

@@ -45,8 +45,9 @@ struct Case {
     plant(with, name, values);
     const Wrench a = wrench(with, m, drive), b = wrench(plain, m, drive);
     const double arm = hub(0).norm();
-    const bool good = (a.force_B_N - b.force_B_N - force_B).norm() < 1e-12 * scale_N + 1e-9 * force_B.norm() &&
-                      (a.torque_B_Nm - b.torque_B_Nm - torque_B).norm() < 1e-12 * scale_N * arm + 1e-9 * torque_B.norm();
+    const bool good =
+        (a.force_B_N - b.force_B_N - force_B).norm() < 1e-12 * scale_N + 1e-9 * force_B.norm() &&
+        (a.torque_B_Nm - b.torque_B_Nm - torque_B).norm() < 1e-12 * scale_N * arm + 1e-9 * torque_B.norm();
     EXPECT((force_B.norm() > 0 || torque_B.norm() > 0) && "the effect must act here");
     if (!good) std::cerr << name << ":\n";
     EXPECT(good);
@@ -189,7 +190,8 @@ void check_sensors(const Case& c) {
   const Vec3 lever(0.01, 0.02, -0.03), &w = c.m.rate_B_radps;
   EXPECT((c.m.attitude.conjugate() * r.attitude).angularDistance(rotation(Vec3(0.02, -0.01, 0.03))) < 1e-7);
   EXPECT((r.gyro_B_radps - 1.05 * plain.gyro_B_radps).norm() < 1e-12);
-  EXPECT((r.specific_B_mps2 - a.specific_B_mps2 - a.angular_B_radps2.cross(lever) - w.cross(w.cross(lever))).norm() < 1e-12);
+  EXPECT((r.specific_B_mps2 - a.specific_B_mps2 - a.angular_B_radps2.cross(lever) - w.cross(w.cross(lever))).norm() <
+         1e-12);
   Truth moved = c.plain;
   plant(moved, "center_of_mass", {{"x", 2e-3}});
   const Reading m = sense(moved, c.m, a);

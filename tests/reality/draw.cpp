@@ -47,7 +47,8 @@ class Draft {
       concealed_.push_back({draw_plan(name, trial_.vehicle, trial_.columns.voltage, kFlights, rng), 0, 0, {}});
     for (Concealed& c : concealed_) c.factor = request.factor.value_or(rng.log_uniform(0.3, 10));
     if (!setting_.stranger.empty())
-      stranger_ = draw_stranger(setting_.stranger, trial_.vehicle, request.factor.value_or(rng.log_uniform(0.6, 2.5)), rng);
+      stranger_ =
+          draw_stranger(setting_.stranger, trial_.vehicle, request.factor.value_or(rng.log_uniform(0.6, 2.5)), rng);
 
     base_ = as_nominal(trial_.vehicle);
     base_.surroundings = trial_.surroundings;
@@ -79,7 +80,8 @@ class Draft {
     const Figure figure[] = {Figure::circle, Figure::staircase, Figure::waypoints, Figure::holdout};
     paths_.clear();
     // a pilot swings a load gently
-    const bool load = std::any_of(concealed_.begin(), concealed_.end(), [](const auto& c) { return c.plan.effect == "slung_load"; });
+    const bool load =
+        std::any_of(concealed_.begin(), concealed_.end(), [](const auto& c) { return c.plan.effect == "slung_load"; });
     const double calm = load ? 0.6 : 1;
     for (std::uint64_t n = 0; n < kFlights; ++n) {
       Rng rng(request_.seed, index_, kPaths + 10 * (n + 1) + 1000 * static_cast<std::uint64_t>(attempt));
@@ -93,7 +95,8 @@ class Draft {
     }
     truth_.assign(kFlights, base_);
     for (std::size_t n = 0; n < kFlights; ++n) {
-      for (const Concealed& c : concealed_) plant(truth_[n], c.plan.effect, values_at(c.plan, trial_.vehicle, c.strength, n));
+      for (const Concealed& c : concealed_)
+        plant(truth_[n], c.plan.effect, values_at(c.plan, trial_.vehicle, c.strength, n));
       if (stranger_) truth_[n].outside = stranger_->physics;
     }
     trial_.flight.clear();
@@ -148,7 +151,8 @@ class Draft {
   }
 
   static Pushes::value_type history(const Flight& flight, double scale) {
-    Pushes::value_type pushes(static_cast<std::size_t>(std::lround(kFlight_s / kSample_s)), Eigen::Matrix<double, 6, 1>::Zero());
+    Pushes::value_type pushes(static_cast<std::size_t>(std::lround(kFlight_s / kSample_s)),
+                              Eigen::Matrix<double, 6, 1>::Zero());
     for (std::size_t k = 0; k < flight.sample.size(); ++k)
       pushes[k] << scale * flight.sample[k].extra_force_W_N, scale * flight.sample[k].extra_torque_B_Nm;
     return pushes;
@@ -185,7 +189,8 @@ class Draft {
     entry["effect"] = c.plan.effect;
     Values mean;
     for (std::size_t n = 0; n < kFitFlights; ++n)
-      for (const auto& [name, value] : values_at(c.plan, trial_.vehicle, c.strength, n)) mean[name] += value / kFitFlights;
+      for (const auto& [name, value] : values_at(c.plan, trial_.vehicle, c.strength, n))
+        mean[name] += value / kFitFlights;
     Json parameters = Json::object();
     for (const auto& [name, value] : mean) parameters[name] = value;
     if (c.plan.fixed.count("rotor")) parameters["rotor"] = static_cast<int>(c.plan.fixed.at("rotor"));

@@ -153,7 +153,8 @@ Flight fly(const Truth& truth, const Path& path, const Noise& noise, std::uint64
   Air air(truth, noise, seed, trial, stream);
   const Nominal& nominal = truth.nominal;
   const Battery battery(nominal, sensor);
-  const Vec3 gyro_bias = noise.gyro_bias_radps * sensor.normal3(), accel_bias = noise.accel_bias_mps2 * sensor.normal3();
+  const Vec3 gyro_bias = noise.gyro_bias_radps * sensor.normal3(),
+             accel_bias = noise.accel_bias_mps2 * sensor.normal3();
   const double step_s = nominal.large ? 1e-3 : 5e-4;
   const int steps = static_cast<int>(std::lround(kSample_s / step_s));
   const int first = -static_cast<int>(std::lround(kPreroll_s / kSample_s));

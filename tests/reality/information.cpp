@@ -125,7 +125,8 @@ Information information(const std::vector<const Flight*>& flights, const std::ve
     const auto speed = node_speeds(truth, flight);
     std::vector<std::vector<std::array<PerRotor, kNodes>>> other_speed;
     for (const Probe& p : probes)
-      other_speed.push_back(p.push.empty() ? node_speeds(p.changed[n], flight) : std::vector<std::array<PerRotor, kNodes>>{});
+      other_speed.push_back(p.push.empty() ? node_speeds(p.changed[n], flight)
+                                           : std::vector<std::array<PerRotor, kNodes>>{});
     Filter f;
     Eigen::Matrix<double, kState, 1> start;
     start << Vec3::Constant(1), Vec3::Constant(1), Vec3::Constant(0.3), Vec3::Constant(3),
@@ -144,7 +145,8 @@ Information information(const std::vector<const Flight*>& flights, const std::ve
         if (!probe.push.empty()) {
           const auto& push = probe.push[n][k];
           const Vec3 a = push.head<3>() / truth.mass_kg, w = push.tail<3>().cwiseQuotient(truth.inertia_kgm2);
-          drift.col(p) << 0.5 * kSample_s * kSample_s * a, kSample_s * a, 0.5 * kSample_s * kSample_s * w, kSample_s * w;
+          drift.col(p) << 0.5 * kSample_s * kSample_s * a, kSample_s * a, 0.5 * kSample_s * kSample_s * w,
+              kSample_s * w;
           direct.col(p).tail<3>() = s.clean.attitude.conjugate() * a;
           continue;
         }

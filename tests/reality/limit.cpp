@@ -99,7 +99,8 @@ Limit detection_limit(const Plan& plan, const Scene& scene, const Pushes& load_p
     Probe load;
     load.push = load_push;
     const Eigen::MatrixXd both = inform(scene, {load, probe({"mass", {{{"delta", 1.0}}}, {}}, scene, 1e-3)}).matrix;
-    weight = (both(0, 0) - both(0, 1) * both(1, 0) / both(1, 1)) * std::pow(effect(plan.effect).parameter[0].natural[large], 2);
+    weight = (both(0, 0) - both(0, 1) * both(1, 0) / both(1, 1)) *
+             std::pow(effect(plan.effect).parameter[0].natural[large], 2);
   }
   return largest({0, tolerance(plan, large), std::sqrt(material / weight), std::sqrt(kFiveSigma / weight)});
 }

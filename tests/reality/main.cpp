@@ -14,7 +14,8 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: reality draw --seed S --count N [--first I] [--kind clean|scatter|single|pair|outside|mixed]\n"
-    "                    [--effect NAME] [--strength-factor X] [--vehicle cf|ir] [--noise 1|2] --out DIR --answers FILE\n"
+    "                    [--effect NAME] [--strength-factor X] [--vehicle cf|ir] [--noise 1|2]\n"
+    "                    --out DIR --answers FILE\n"
     "       reality --write-vehicle DIR\n";
 
 struct Options {
@@ -77,7 +78,8 @@ int main(int argc, char** argv) {
     const Options options = read(argc, argv);
     if (!options.vehicles.empty())
       for (const bool large : {false, true})
-        for (const bool drag : {false, true}) reality::write_vehicle(reality::nominal_vehicle(large, drag), options.vehicles);
+        for (const bool drag : {false, true})
+          reality::write_vehicle(reality::nominal_vehicle(large, drag), options.vehicles);
     if (options.count == 0) return 0;
     const std::string answers = draw(options);
     std::ofstream file(options.answers, std::ios::binary);

@@ -101,7 +101,8 @@ std::function<double(double)> draw_surge(double gentleness, Rng& rng) {
   const double growth_hzps = rng.uniform(0.15, 0.3);
   return [=](double t) {
     const double x = t - start_s;
-    return size * window(t, start_s, start_s + length_s, 0.4) * std::sin(kTurn * (first_hz + 0.5 * growth_hzps * x) * x);
+    return size * window(t, start_s, start_s + length_s, 0.4) *
+           std::sin(kTurn * (first_hz + 0.5 * growth_hzps * x) * x);
   };
 }
 
@@ -181,7 +182,7 @@ Path staircase(const Scale& s, const Surroundings& around, double gentleness, bo
   Stairs yaw(rng.uniform(-2, 2));
   double heading = yaw(0);
   for (double t = 1.5; t < 23; t += rng.uniform(2.2, 3.2))
-    yaw.add(t, large ? 1.7 : 0.8, heading += rng.sign() * rng.uniform(0.6, 1.4));
+    yaw.add(t, large ? 1.7 : 0.8, heading += rng.either(0.6, 1.4));
   const double wave_m = 0.06 * s.height_m, wave_hz = rng.uniform(0.5, 0.8);
   Path path;
   path.position_W_m = [=](double t) {
@@ -198,7 +199,8 @@ Path staircase(const Scale& s, const Surroundings& around, double gentleness, bo
 // to and fro along the wall, at a few distances
 Path along_wall(const Scale& s, const Wall& wall, double gentleness, bool large, Rng& rng) {
   std::vector<double> far_m;
-  for (const double r : {1.0, 1.3, 1.8, 2.6, 1.0, 1.3, 1.8, 4.0}) far_m.push_back((large ? 3.6 : 6.5) * r * s.clearance * s.radius_m);
+  for (const double r : {1.0, 1.3, 1.8, 2.6, 1.0, 1.3, 1.8, 4.0})
+    far_m.push_back((large ? 3.6 : 6.5) * r * s.clearance * s.radius_m);
   shuffle(far_m, rng);
   Stairs distance(0.5 * s.span_m);
   double t = 0.5;
@@ -208,7 +210,7 @@ Path along_wall(const Scale& s, const Wall& wall, double gentleness, bool large,
   }
   const double swing_m = 0.35 * s.span_m, hz = rng.uniform(0.1, 0.16), start = rng.uniform(0, kTurn);
   const Eigen::Vector2d foot = wall.point_W_m, inward = wall.normal_W, along(-inward.y(), inward.x());
-  const double turn = rng.sign() * rng.uniform(0.25, 0.5), heading = rng.uniform(-3, 3), rise_m = 0.15 * s.height_m;
+  const double turn = rng.either(0.25, 0.5), heading = rng.uniform(-3, 3), rise_m = 0.15 * s.height_m;
   Path path;
   path.position_W_m = [=](double a) {
     const Eigen::Vector2d spot = foot + distance(a) * inward + swing_m * std::sin(kTurn * hz * a + start) * along;
@@ -231,7 +233,8 @@ Path waypoints(const Scale& s, const Surroundings& around, double gentleness, bo
     if (around.wall && rng.chance(0.6)) {
       // along the wall at a few radii
       const Eigen::Vector2d& n = around.wall->normal_W;
-      const Eigen::Vector2d spot = around.wall->point_W_m + (large ? 1 : 1.5) * rng.uniform(3.5, 7.0) * s.clearance * s.radius_m * n +
+      const double away_m = (large ? 1 : 1.5) * rng.uniform(3.5, 7.0) * s.clearance * s.radius_m;
+      const Eigen::Vector2d spot = around.wall->point_W_m + away_m * n +
                                    rng.uniform(-0.6, 0.6) * s.span_m * Eigen::Vector2d(-n.y(), n.x());
       to_x = spot.x();
       to_y = spot.y();
@@ -246,7 +249,8 @@ Path waypoints(const Scale& s, const Surroundings& around, double gentleness, bo
       to_y += lack_m * n.y();
     }
     const double far_m = Vec3(to_x - last_x, to_y - last_y, 1.5 * (to_z - last_z)).norm();
-    const double takes_s = std::max({1.2, 1.9 * far_m / (slow * s.speed_mps), std::sqrt(5.8 * far_m / kMostPush_mps2) / gentleness});
+    const double takes_s =
+        std::max({1.2, 1.9 * far_m / (slow * s.speed_mps), std::sqrt(5.8 * far_m / kMostPush_mps2) / gentleness});
     x.add(t, takes_s, to_x);
     y.add(t, takes_s, to_y);
     z.add(t, takes_s, to_z);
@@ -256,7 +260,7 @@ Path waypoints(const Scale& s, const Surroundings& around, double gentleness, bo
   Stairs yaw(rng.uniform(-2, 2));
   double heading = yaw(0);
   for (double a = 0.5; a < 23; a += rng.uniform(2.0, 2.8))
-    yaw.add(a, large ? 1.7 : 0.8, heading += rng.sign() * rng.uniform(0.5, 1.5));
+    yaw.add(a, large ? 1.7 : 0.8, heading += rng.either(0.5, 1.5));
   Path path;
   path.position_W_m = [=](double a) { return Vec3(x(a), y(a), z(a)); };
   path.yaw_rad = [yaw](double a) { return yaw(a); };
@@ -310,7 +314,8 @@ Path draw_path(Figure figure, const Nominal& nominal, const Surroundings& around
   switch (figure) {
     case Figure::circle: return circle(s, around, gentleness, large, rng);
     case Figure::staircase:
-      if (around.wall && !around.ground_z_m && !around.ceiling_z_m) return along_wall(s, *around.wall, gentleness, large, rng);
+      if (around.wall && !around.ground_z_m && !around.ceiling_z_m)
+        return along_wall(s, *around.wall, gentleness, large, rng);
       return staircase(s, around, gentleness, large, rng);
     case Figure::waypoints: return waypoints(s, around, gentleness, large, rng);
     case Figure::holdout: break;

@@ -38,6 +38,11 @@ class Rng {
   double log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
   bool chance(double probability) { return uniform() < probability; }
   double sign() { return chance(0.5) ? 1.0 : -1.0; }
+  /// a size between the two, with either sign
+  double either(double low, double high) {
+    const double size = uniform(low, high);
+    return chance(0.5) ? size : -size;
+  }
   int below(int count) { return static_cast<int>(uniform() * count); }
 
   /// standard normal, Box-Muller, one value per call

@@ -40,7 +40,8 @@ void check_hover(bool large) {
   const double hover = t.nominal.hover_speed_radps();
   Drive d;
   d.speed_radps = {hover, hover, hover, hover};
-  const State x = fly_free(t, state_of(t, {{0, 0, 1}, Vec3::Zero(), Vec3::Zero(), Quat::Identity()}, d.speed_radps), d, 2, 1e-3);
+  const State x =
+      fly_free(t, state_of(t, {{0, 0, 1}, Vec3::Zero(), Vec3::Zero(), Quat::Identity()}, d.speed_radps), d, 2, 1e-3);
   const Motion m = motion(t, x, d.speed_radps);
   EXPECT((m.com_W_m - Vec3(0, 0, 1)).norm() < 1e-9);
   EXPECT(m.rate_B_radps.norm() < 1e-9);
@@ -180,7 +181,8 @@ void check_trials() {
   const auto& horizon = trial.answer["oracle"]["attitude_rad"];
   EXPECT(horizon["after"][1].get<double>() < horizon["before"][1].get<double>());
 
-  const auto folder = std::filesystem::temp_directory_path() / ("reality_selftest_" + sha256(trial.answer.dump()).substr(0, 12));
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("reality_selftest_" + sha256(trial.answer.dump()).substr(0, 12));
   std::filesystem::create_directories(folder);
   write_log(trial.flight[0], trial.surroundings, trial.columns, "../vehicles/x/vehicle.toml", folder / "fit_1.csv");
   write_log(again.flight[0], again.surroundings, again.columns, "../vehicles/x/vehicle.toml", folder / "again.csv");

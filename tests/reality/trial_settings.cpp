@@ -62,7 +62,7 @@ void scatter(Truth& t, double size, Rng& rng) {
   t.mass_kg *= 1 + 0.5 * share(0.012);
   t.thrust_scale *= 1 + 0.5 * share(0.012);
   for (double& gain : t.rotor_gain) gain *= 1 + 0.15 * share(0.01);
-  t.com_B_m += 0.45 * Vec3(share(com), share(com), share(com));
+  for (int i = 0; i < 3; ++i) t.com_B_m[i] += 0.45 * share(com);
   for (int i = 0; i < 3; ++i) t.inertia_kgm2[i] *= 1 + 0.6 * share(0.05);
   t.torque_ratio_m *= 1 + 0.35 * share(0.05);
   const double lag = 0.6 * share(0.004);
