@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -7,6 +9,7 @@
 #include "commands.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "gustlab/errors.hpp"
+#include "report/diagnosis_page.hpp"
 #include "util/files.hpp"
 #include "util/parallel.hpp"
 
@@ -32,6 +35,50 @@ void check_out(const std::filesystem::path& out) {
                                     entry.path().filename().string()));
 }
 
+// means of a residual and their 95 % intervals in ten bins of equal count
+void bin(const std::vector<double>& x, const std::vector<double>& y, std::vector<double>* middle, std::vector<double>& mean,
+         std::vector<double>& low, std::vector<double>& high) {
+  std::vector<std::size_t> order(x.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return x[a] < x[b]; });
+  const std::size_t bins = std::min<std::size_t>(10, order.size() / 5);
+  for (std::size_t b = 0; b < bins; ++b) {
+    const std::size_t first = b * order.size() / bins, last = (b + 1) * order.size() / bins;
+    double sx = 0.0, sy = 0.0, syy = 0.0;
+    const double n = static_cast<double>(last - first);
+    for (std::size_t i = first; i < last; ++i) {
+      sx += x[order[i]] / n;
+      sy += y[order[i]] / n;
+      syy += y[order[i]] * y[order[i]] / n;
+    }
+    const double half = 1.96 * std::sqrt(std::max(0.0, syy - sy * sy) / n);
+    if (middle) middle->push_back(sx);
+    mean.push_back(sy);
+    low.push_back(sy - half);
+    high.push_back(sy + half);
+  }
+}
+
+DiagnosisFigures figures_of(const diagnosis::Diagnosis& result) {
+  DiagnosisFigures figures;
+  figures.window.file = result.window_file;
+  figures.window.restart_s = 0.5;
+  for (const diagnosis::WindowTrace& t : result.window)
+    figures.window.traces.push_back({t.name, t.unit, t.time_s, t.measured, t.before, t.after});
+  for (const diagnosis::ResidualPlot& plot : result.residuals) {
+    DiagnosisFigures::Residual r;
+    r.channel = plot.channel;
+    r.unit = plot.unit;
+    r.variable = plot.variable;
+    r.x = plot.x;
+    r.y = plot.before;
+    bin(plot.x, plot.before, &r.bin_x, r.before_mean, r.before_low, r.before_high);
+    bin(plot.x, plot.after, nullptr, r.after_mean, r.after_low, r.after_high);
+    figures.residuals.push_back(std::move(r));
+  }
+  return figures;
+}
+
 void run(const Options& options) {
   check_out(options.out);
   diagnosis::DiagnoseOptions wanted;
@@ -51,6 +98,7 @@ void run(const Options& options) {
   make_folder(fresh.string());
   write_file((fresh / "diagnosis.json").string(), document.dump(1) + "\n");
   write_file((fresh / "augmented.toml").string(), result.augmented_toml);
+  write_file((fresh / "report.html").string(), diagnosis_page(document, figures_of(result)));
   std::error_code error;
   std::filesystem::remove_all(bare, error);
   std::filesystem::rename(fresh, bare, error);

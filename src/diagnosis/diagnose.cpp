@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "config/toml.hpp"
 #include "diagnosis/explain.hpp"
 #include "diagnosis/log_checks.hpp"
 #include "diagnosis/vehicle_check.hpp"
@@ -15,6 +16,10 @@
 namespace gustlab::diagnosis {
 
 namespace {
+
+// beyond these a finding is only suspected (DIAGNOSIS.md §3.7)
+constexpr double most_unexplained = 0.12;
+constexpr double least_recovered = 0.5;
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
@@ -149,6 +154,23 @@ void describe_disturbance(const Selection& selection, const Remainder&, Diagnosi
                                selection.noise_selected.time_s[g]});
 }
 
+void plot_residuals(const Session& session, const Selection& selection, Diagnosis& out) {
+  const Blocks before = blocks(session, selection.smoothed_nominal), after = blocks(session, selection.smoothed_selected);
+  for (const Mismatch& m : out.mismatch) {
+    if (!m.significant || m.where.empty()) continue;
+    const std::string_view names[] = {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
+    const auto channel = std::find(std::begin(names), std::end(names), m.channel) - std::begin(names);
+    const auto variable = std::find(before.variable.begin(), before.variable.end(), m.where.front().variable) - before.variable.begin();
+    ResidualPlot plot{m.channel, m.unit, m.where.front().variable, {}, {}, {}};
+    for (std::size_t b = 0; b < before.wrench.size(); ++b) {
+      plot.x.push_back(before.value[b][variable]);
+      plot.before.push_back(before.wrench[b][channel]);
+      plot.after.push_back(after.wrench[b][channel]);
+    }
+    out.residuals.push_back(std::move(plot));
+  }
+}
+
 }  // namespace
 
 Diagnosis diagnose(const DiagnoseOptions& options) {
@@ -217,12 +239,27 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   out.alarms = rest.alarms;
   out.unexplained_share = rest.omnibus_share;
   out.mismatch = locate(session, selection);
+  plot_residuals(session, selection, out);
 
-  // a remainder as large as a third of all structure: what was named may be its shadow
-  if (rest.omnibus_share > 0.3)
-    for (EffectFinding& effect : out.effects)
-      out.rejected.push_back({effect.effect, effect.gain, "only suspected: most of the mismatch is not explained"});
-  if (rest.omnibus_share > 0.3) out.effects.clear();
+  // proof in the simulator, on flights that were not used
+  std::vector<FlightLog> proof;
+  for (std::size_t i = 0; i < logs.holdout.size(); ++i)
+    proof.push_back(with_later_inputs(logs.holdout[i], offset[logs.fit.size() + i]));
+  config::Table found = config::Table::parse(augmented_toml(out), "augmented.toml");
+  Verification verified = verify(proof, vehicle, config::read_effects(found), tested.per_flight, options.jobs);
+  out.fit = std::move(verified.fit);
+  out.window_file = verified.window_file;
+  out.window = std::move(verified.window);
+
+  // an alarm remains: what was named may be the shadow of something unknown, unless it recovers most of what can be
+  const bool shadow = !rest.alarms.empty() && (rest.omnibus_share > most_unexplained || verified.recovered < least_recovered);
+  if (shadow && !out.effects.empty()) {
+    for (const EffectFinding& effect : out.effects)
+      out.rejected.push_back({effect.effect, effect.gain,
+                              fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
+                                          100.0 * rest.omnibus_share, 100.0 * verified.recovered)});
+    out.effects.clear();
+  }
 
   if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;
   else if (rest.alarms.empty() || rest.omnibus_share < 0.1) out.verdict = Verdict::explained;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "diagnosis/findings.hpp"
+#include "diagnosis/verify.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -21,6 +22,12 @@ struct DiagnoseOptions {
 struct FlightUse {
   std::string file, role;             // fit | holdout | set_aside
   double duration_s = 0.0, time_offset_s = 0.0;
+};
+
+// A channel of the unexplained wrench against the variable that it depends on most, per half second, before and after.
+struct ResidualPlot {
+  std::string channel, unit, variable;
+  std::vector<double> x, before, after;
 };
 
 struct Diagnosis {
@@ -39,6 +46,10 @@ struct Diagnosis {
   std::vector<std::string> notes;
   std::string next_trajectory, next_why;
   std::string augmented_toml;
+  // for the page: one held-out window, and unexplained forces against what they depend on
+  std::string window_file;
+  std::vector<WindowTrace> window;
+  std::vector<ResidualPlot> residuals;
   nlohmann::ordered_json fit;                // FORMATS.md §4
 };
 

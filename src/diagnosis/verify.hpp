@@ -1,0 +1,32 @@
+// Proof on flights that were not used: open-loop rollouts in MuJoCo, before and after.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "diagnosis/locate.hpp"
+#include "gustlab/flight_log.hpp"
+
+namespace gustlab::diagnosis {
+
+// One quantity of one held-out window, predicted anew from the recorded state every half second. NaN breaks a line.
+struct WindowTrace {
+  std::string name, unit;
+  std::vector<double> time_s, measured, before, after;
+};
+
+struct Verification {
+  nlohmann::ordered_json fit;              // FORMATS.md §4; null when no window could be flown
+  double recovered = 1.0;                  // of what could be recovered at half a second, mean over quantities
+  std::string window_file;
+  std::vector<WindowTrace> window;
+};
+
+// `found`: all that acts after the diagnosis, besides values per flight. Logs: with their command offsets taken out.
+Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& vehicle, const std::vector<EffectSpec>& found,
+                    const std::vector<std::vector<EffectSpec>>& per_flight, int jobs);
+
+// The log with its actuator inputs read some time later.
+FlightLog with_later_inputs(const FlightLog& log, double by_s);
+
+}  // namespace gustlab::diagnosis
