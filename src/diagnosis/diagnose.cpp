@@ -102,9 +102,16 @@ std::string nothing_usable(const Diagnosis& out) {
   return text;
 }
 
-std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const VehicleModel& vehicle, const ReadingOptions& options) {
+// flights ready for the filter; flight i's commands are read offset[first + i] later
+std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const VehicleModel& vehicle, const ReadingOptions& options,
+                                const std::vector<double>& offset = {}, std::size_t first = 0) {
   std::vector<FlightData> flights;
-  for (const FlightLog& log : logs) flights.push_back(prepare_flight(log, vehicle, options));
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    flights.push_back(prepare_flight(logs[i], vehicle, options));
+    if (first + i >= offset.size()) continue;
+    flights.back().commands.delay(offset[first + i]);
+    flights.back().measured_speed.delay(offset[first + i]);
+  }
   return flights;
 }
 
@@ -220,19 +227,24 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
     out.notes.push_back(fmt::format("the logs do not say how commands are held between samples: {} is the likelier",
                                     *reading.linear_hold ? "linear" : "zoh"));
   }
-  std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading), held = prepare(logs.holdout, vehicle, reading);
+  std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading, offset, 0),
+                          held = prepare(logs.holdout, vehicle, reading, offset, logs.fit.size());
   for (std::size_t i = 0; i < offset.size(); ++i) {
-    const bool fit = i < flights.size();
-    FlightData& flight = fit ? flights[i] : held[i - flights.size()];
-    flight.commands.delay(offset[i]);
-    flight.measured_speed.delay(offset[i]);
-    out.flights.push_back({flight.label, fit ? "fit" : "holdout", flight.duration_s(), offset[i]});
+    const FlightData& flight = i < flights.size() ? flights[i] : held[i - flights.size()];
+    out.flights.push_back({flight.label, i < flights.size() ? "fit" : "holdout", flight.duration_s(), offset[i]});
   }
 
   Session session(std::move(flights), vehicle, options.jobs);
+  // one-sample innovations of smoothed logs tell of the smoothing: half a second tells of the vehicle
+  std::vector<FlightData> held_own_rate;
+  if (reading.common_filter_s > 0.0) {
+    const ReadingOptions own{.linear_hold = reading.linear_hold};
+    session.shoot_with(prepare(logs.fit, vehicle, own, offset, 0));
+    held_own_rate = prepare(logs.holdout, vehicle, own, offset, logs.fit.size());
+  }
   const Selection selection = select_effects(session, {});
   const Remainder rest = remainder(session, selection);
-  const HoldoutTest tested = test_holdout(session, selection, std::move(held), options.jobs);
+  const HoldoutTest tested = test_holdout(session, selection, std::move(held), std::move(held_own_rate), options.jobs);
   explain(session, selection, tested, out);
   explain_gust(session, selection, rest, out);
   describe_disturbance(selection, rest, out);

@@ -29,9 +29,11 @@ Eigen::VectorXd carry_over(const Catalogue& from, const Eigen::VectorXd& value, 
   return result;
 }
 
-HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout, int jobs) {
+HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout,
+                         std::vector<FlightData> own_rate, int jobs) {
   HoldoutTest test;
   Session session(std::move(holdout), fitted.vehicle(), jobs);
+  if (fitted.shoots()) session.shoot_with(std::move(own_rate));
   const Catalogue& catalogue = session.catalogue();
   session.noise = selection.noise_selected;
   const Eigen::VectorXd value = carry_over(fitted.catalogue(), selection.value, catalogue);
@@ -62,6 +64,7 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
   if (limit >= 0 && selection.find(limit))
     session.suspect_limit(fitted.catalogue().groups()[static_cast<std::size_t>(limit)].limit_radps);
   session.linearise(value, wanted);
+  session.take_weights(fitted);
   Grams grams = session.grams();
   Eigen::VectorXd natural(catalogue.size());
   for (int c = 0; c < catalogue.size(); ++c) natural[c] = catalogue.columns()[static_cast<std::size_t>(c)].natural;

@@ -15,7 +15,9 @@ struct HoldoutTest {
 };
 
 // Shared values stay as they were fitted; only values per flight and sensor biases are fitted to the held-out flights.
-HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout, int jobs);
+// `own_rate`: the same flights as they were logged, when the fit was by shooting.
+HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout,
+                         std::vector<FlightData> own_rate, int jobs);
 
 // Values for another set of flights: shared ones as they are, those per flight at their mean.
 Eigen::VectorXd carry_over(const Catalogue& from, const Eigen::VectorXd& value, const Catalogue& to);

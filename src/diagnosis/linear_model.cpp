@@ -1,111 +1,14 @@
 #include "diagnosis/linear_model.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "diagnosis/propagation.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-Quaternion exp_rotation(const Vector3& turn) {
-  const double angle = turn.norm();
-  return angle > 0.0 ? Quaternion(Eigen::AngleAxisd(angle, turn / angle)) : Quaternion::Identity();
-}
-
-// small rotation from a to b, in the axes of a
-Vector3 log_rotation(const Quaternion& a, const Quaternion& b) {
-  const Quaternion d = a.conjugate() * b;
-  return (d.w() < 0.0 ? -2.0 : 2.0) * d.vec();
-}
-
-// motion of the centre of mass
-struct Point {
-  Vector3 position, velocity;
-  Quaternion attitude;
-  Vector3 rate;
-
-  Point plus(int i, double step) const {
-    Point moved = *this;
-    if (i < 3) moved.position[i] += step;
-    else if (i < 6) moved.velocity[i - 3] += step;
-    else if (i < 9) moved.attitude = attitude * exp_rotation(step * Vector3::Unit(i - 6));
-    else moved.rate[i - 9] += step;
-    return moved;
-  }
-  Vector12 minus(const Point& other) const {
-    Vector12 e;
-    e << position - other.position, velocity - other.velocity, log_rotation(other.attitude, attitude), rate - other.rate;
-    return e;
-  }
-};
-
-Point center_of_mass(const Motion& motion, const Vector3& arm) {
-  const Matrix3 R = motion.attitude_WB.toRotationMatrix();
-  return {motion.position_W_m + R * arm, motion.velocity_W_mps + R * motion.body_rate_B_radps.cross(arm),
-          motion.attitude_WB, motion.body_rate_B_radps};
-}
-
-// the force model at a point of the flight
-struct Evaluator {
-  const ForceModel& forces;
-  Flow flow;
-  RotorSet rotors;
-
-  Acceleration operator()(const Point& x, double time_s, double voltage_V, const RotorArray& speed,
-                          const RotorArray& acceleration) {
-    prepare(x, time_s, voltage_V, speed, acceleration);
-    return forces.acceleration(flow, forces.wrench(flow, rotors, {}));
-  }
-  Vector3 specific_force(const Point& x, double time_s, double voltage_V, const RotorArray& speed,
-                         const RotorArray& acceleration, Vector3& angular_acceleration) {
-    prepare(x, time_s, voltage_V, speed, acceleration);
-    const Wrench wrench = forces.wrench(flow, rotors, {});
-    angular_acceleration = forces.acceleration(flow, wrench).angular_B_radps2;
-    return forces.specific_force_at_origin(flow, wrench, angular_acceleration);
-  }
-
- private:
-  void prepare(const Point& x, double time_s, double voltage_V, const RotorArray& speed, const RotorArray& acceleration) {
-    VehicleState state;
-    state.time_s = time_s;
-    state.attitude_WB = x.attitude;
-    state.body_rate_B_radps = x.rate;
-    const Matrix3 R = x.attitude.toRotationMatrix();
-    const Vector3& arm = forces.vehicle().center_of_mass_B_m;
-    state.position_W_m = x.position - R * arm;
-    state.velocity_W_mps = x.velocity - R * x.rate.cross(arm);
-    flow = forces.flow(state, voltage_V);
-    forces.rotors(speed, acceleration, flow, rotors);
-  }
-};
-
-// the plant's motion over one sample interval: midpoint rule in substeps, rotor speeds held at their means
-Point propagate(Evaluator& evaluate, Point x, double time_s, double interval_s, double voltage_V, int substeps,
-                const RotorArray* speed, const RotorArray* acceleration) {
-  const double h = interval_s / substeps;
-  for (int s = 0; s < substeps; ++s, time_s += h) {
-    const Acceleration a = evaluate(x, time_s, voltage_V, speed[s], acceleration[s]);
-    Point middle;
-    middle.position = x.position + 0.5 * h * x.velocity;
-    middle.velocity = x.velocity + 0.5 * h * a.linear_W_mps2;
-    middle.attitude = x.attitude * exp_rotation(0.5 * h * x.rate);
-    middle.rate = x.rate + 0.5 * h * a.angular_B_radps2;
-    const Acceleration m = evaluate(middle, time_s + 0.5 * h, voltage_V, speed[s], acceleration[s]);
-    x.position += h * middle.velocity;
-    x.velocity += h * m.linear_W_mps2;
-    x.attitude = (x.attitude * exp_rotation(h * middle.rate)).normalized();
-    x.rate += h * m.angular_B_radps2;
-  }
-  return x;
-}
-
-// the recorded past of commands, for delays
-struct RecordedPast final : Actuation::Past {
-  const CommandRecord* record = nullptr;
-  double from_s = 0.0, step_s = 0.0;
-  void command(double age_s, RotorArray& speed) const override {
-    speed = record->mean(from_s - age_s, from_s - age_s + step_s);
-  }
-};
 
 // the smoothed past of a sample, for late sensors
 struct SmoothedPast final : MeasurementContext::Past {
@@ -166,14 +69,6 @@ RotorArray mean_of(const RotorArray* values, int count) {
   return mean;
 }
 
-ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, const Eigen::VectorXd& value, int index,
-                       int also) {
-  ForceModel forces(flight.vehicle, catalogue.effects(value, index, also));
-  forces.set_speed_is_measured(!flight.measured_speed.empty());
-  forces.prepare(flight.sample_s / std::max(1.0, std::ceil(flight.sample_s / 0.0025 - 1e-9)), 0, 0);
-  return forces;
-}
-
 // accelerations at mid-interval along a flight
 std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceModel& forces, const RotorHistory& history) {
   std::vector<Acceleration> result(flight.samples.size());
@@ -202,57 +97,6 @@ std::vector<Eigen::Matrix<double, 6, 1>> limit_change(const FlightData& flight, 
   for (std::size_t k = 0; k < change.size(); ++k)
     change[k] << after[k].linear_W_mps2 - before[k].linear_W_mps2, after[k].angular_B_radps2 - before[k].angular_B_radps2;
   return change;
-}
-
-RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
-  RotorHistory history;
-  const std::size_t n = flight.samples.size();
-  history.substeps = static_cast<int>(std::max(1.0, std::ceil(flight.sample_s / 0.0025 - 1e-9)));
-  const auto count = static_cast<std::size_t>(history.substeps);
-  history.mean.resize(n * count);
-  history.acceleration.resize(n * count);
-  history.at_sample.resize(n);
-  const bool measured = !flight.measured_speed.empty();
-  const CommandRecord& record = measured ? flight.measured_speed : flight.commands;
-
-  RecordedPast past;
-  past.record = &record;
-  Actuation actuation;
-  actuation.past = &past;
-  RotorArray speed{};
-  for (std::size_t k = 0; k < n; ++k) {
-    const double interval_s =
-        k + 1 < n && !flight.samples[k + 1].starts_segment ? flight.samples[k + 1].time_s - flight.samples[k].time_s
-                                                           : flight.sample_s;
-    const double h = interval_s / history.substeps;
-    if (flight.samples[k].starts_segment) speed = record.mean(flight.samples[k].time_s, flight.samples[k].time_s + h);
-    history.at_sample[k] = speed;
-    for (std::size_t s = 0; s < count; ++s) {
-      const double t = flight.samples[k].time_s + static_cast<double>(s) * h;
-      const RotorArray command = record.mean(t, t + h);
-      RotorArray& mean = history.mean[k * count + s];
-      RotorArray& rise = history.acceleration[k * count + s];
-      if (measured) {
-        const RotorArray ahead = record.mean(t + 0.5 * h, t + 1.5 * h), behind = record.mean(t - 0.5 * h, t + 0.5 * h);
-        mean = command;
-        for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (ahead[i] - behind[i]) / h;
-        speed = ahead;
-        continue;
-      }
-      past.from_s = t;
-      past.step_s = h;
-      actuation.time_s = t - flight.start_s;
-      actuation.step_s = h;
-      actuation.voltage_V = flight.samples[k].voltage_V;
-      actuation.command_radps = command;
-      actuation.start_speed_radps = speed;
-      forces.actuate(actuation);
-      mean = actuation.mean_speed_radps;
-      for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (actuation.end_speed_radps[i] - speed[i]) / h;
-      speed = actuation.end_speed_radps;
-    }
-  }
-  return history;
 }
 
 void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,

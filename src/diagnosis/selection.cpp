@@ -88,7 +88,7 @@ class Selector {
   }
 
   double material(double rows, double total_gain) const {
-    return std::max(options_.materiality * rows, options_.relative_materiality * total_gain);
+    return std::max((s_.shoots() ? 4.0 : 1.0) * options_.materiality * rows, options_.relative_materiality * total_gain);
   }
 
   std::vector<int> search(const Grams& grams) const {

@@ -111,6 +111,7 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
         const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
         if (column.flight == static_cast<int>(f)) linear_[f].y[k][6 + column.parameter] -= value[c];
       }
+    if (shoots()) shot_[f] = shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted);
   });
 }
 
@@ -155,11 +156,23 @@ std::vector<int> Session::present(const std::vector<int>& columns) const {
   return result;
 }
 
+void Session::shoot_with(std::vector<FlightData> flights) {
+  shooting_flights_ = std::move(flights);
+  shot_.resize(shooting_flights_.size());
+}
+
 void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   const std::vector<int> fitted = present(columns);
   Eigen::VectorXd coefficient;
+  if (shoots()) {
+    weights_ = shooting_weights(shot_, {}, {});
+    for (int iteration = 0; iteration < 4; ++iteration) {
+      coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
+      weights_ = shooting_weights(shot_, fitted, coefficient);
+    }
+  }
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    if (iteration % 2 == 0) coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
+    if (iteration % 2 == 0 && !shoots()) coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
     smoothed.assign(flights_.size(), Smoothed{});
     for_each_flight([&](std::size_t f) {
       smoothed[f] = smooth(linear_[f], noise, flight_shift(linear_[f], fitted, coefficient));
@@ -169,6 +182,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
 }
 
 Grams Session::grams() const {
+  if (shoots()) return shooting_grams(shot_, weights_, catalogue_.size());
   std::vector<Whitened> whitened(flights_.size());
   for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], linear_[f], noise); });
   Grams grams;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnosis/gram.hpp"
+#include "diagnosis/shooting.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -35,6 +36,11 @@ class Session {
   // Innovations with the given columns taken out at these values (natural units, counted from the linearisation).
   std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
 
+  // Grams from predictions half a second ahead of other (less filtered) versions of the same flights.
+  void shoot_with(std::vector<FlightData> flights);
+  void take_weights(const Session& other) { weights_ = other.weights_; }
+  bool shoots() const { return !shooting_flights_.empty(); }
+
   NoiseModel noise;
   std::vector<Smoothed> smoothed;   // of the last EM iteration
 
@@ -49,6 +55,9 @@ class Session {
   Eigen::VectorXd value_;
   std::vector<int> all_, biases_;
   std::vector<SensorCorrection> corrected_;
+  std::vector<FlightData> shooting_flights_;
+  std::vector<ShotFlight> shot_;
+  ShootingWeights weights_;
 };
 
 // Values per flight of a list of columns, in the order of a flight's own columns.
