@@ -18,8 +18,9 @@ namespace gustlab::diagnosis {
 namespace {
 
 // beyond these a finding is only suspected (DIAGNOSIS.md §3.7)
-constexpr double most_unexplained = 0.12;
 constexpr double least_recovered = 0.5;
+constexpr double most_unexplained = 0.12;    // unless clearly most of the held-out error is recovered
+constexpr double clearly_recovered = 0.75;
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
@@ -264,7 +265,8 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   out.window = std::move(verified.window);
 
   // an alarm remains: what was named may be the shadow of something unknown, unless it recovers most of what can be
-  const bool shadow = !rest.alarms.empty() && (rest.omnibus_share > most_unexplained || verified.recovered < least_recovered);
+  const bool shadow = !rest.alarms.empty() && (verified.recovered < least_recovered ||
+                                                (rest.omnibus_share > most_unexplained && verified.recovered < clearly_recovered));
   if (shadow && !out.effects.empty()) {
     for (const EffectFinding& effect : out.effects)
       out.rejected.push_back({effect.effect, effect.gain,

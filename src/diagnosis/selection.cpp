@@ -35,7 +35,8 @@ class Selector {
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
-    for (int round = 0; round < 4; ++round) {
+    const int rounds = s_.shoots() ? 8 : 4;
+    for (int round = 0; round < rounds; ++round) {
       if (round > 0) s_.linearise(value, s_.all_columns());
       if (round == 1 && !chosen.empty()) {
         s_.learn_noise(2, with_biases(chosen));
@@ -50,7 +51,7 @@ class Selector {
       chosen = next;
       if (settled) break;
       if (round == 0) s_.forget_transitions();
-      if (round == 3) value = best_visited(visited, chosen);
+      if (round == rounds - 1) value = best_visited(visited, chosen);
     }
     finish(result, chosen, value);
     return result;
@@ -122,7 +123,7 @@ class Selector {
   // Gauss–Newton in the nonlinear model, at most three steps
   Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
     const std::vector<int> columns = with_biases(groups);
-    for (int step = 0; step < 3; ++step) {
+    for (int step = 0; step < (s_.shoots() ? 6 : 3); ++step) {
       s_.linearise(value, columns);
       const Fit fit = solve(s_.grams().total(), columns);
       double largest = 0.0;
