@@ -1,3 +1,5 @@
+#include "identification/identify.hpp"
+
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -6,7 +8,6 @@
 #include "commands.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/flight_log.hpp"
-#include "identification/identify.hpp"
 #include "simulation/recorded_forces.hpp"
 #include "util/files.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -39,7 +40,8 @@ std::vector<ResidualSamples> samples_of(const std::string& path, const Options& 
     const RecordedForces::Force force = forces.at(row, state);
     return KnownForce{force.force_B_N, force.thrust_N};
   };
-  const auto source = options.acceleration == "velocity" ? AccelerationSource::velocity : AccelerationSource::accelerometer;
+  const auto source =
+      options.acceleration == "velocity" ? AccelerationSource::velocity : AccelerationSource::accelerometer;
   return force_residual(log, forces.vehicle(), known, options.differentiation, source);
 }
 
@@ -50,9 +52,7 @@ std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::stri
 }
 
 // --yes, --no or neither
-std::optional<bool> choice(bool yes, bool no) {
-  return yes || no ? std::optional<bool>(yes) : std::nullopt;
-}
+std::optional<bool> choice(bool yes, bool no) { return yes || no ? std::optional<bool>(yes) : std::nullopt; }
 
 void run(Options options) {
   options.differentiation.kind = derivative_kind(options.derivative);
@@ -77,15 +77,16 @@ void run(Options options) {
 void add_identify(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   IdentifyOptions& identify = options->identify;
-  CLI::App* command = app.add_subcommand(
-      "identify", "finds a sparse model of the force that the known model leaves over (SINDy)");
+  CLI::App* command =
+      app.add_subcommand("identify", "finds a sparse model of the force that the known model leaves over (SINDy)");
   command->add_option("LOG", options->logs, "flights to fit (FORMATS.md §1)")->required();
   command->add_option("--holdout", options->holdout,
                       "flights for error_holdout alone; without any it is cross-validated");
   command->add_option("--vehicle", options->vehicle, "instead of the one that each log names");
-  command->add_option("--library", identify.library,
-                      "paper | polynomial:DEGREE:VARIABLES | trigonometric:MULTIPLES:VARIABLES | term,term,...; "
-                      "joined with + (gustlab list terms)")
+  command
+      ->add_option("--library", identify.library,
+                   "paper | polynomial:DEGREE:VARIABLES | trigonometric:MULTIPLES:VARIABLES | term,term,...; "
+                   "joined with + (gustlab list terms)")
       ->capture_default_str();
   command->add_option("--optimizer", identify.optimizer, "stlsq | sr3 | best_subset")->capture_default_str();
   command->add_option("--lambda", identify.lambda,
@@ -93,13 +94,13 @@ void add_identify(CLI::App& app) {
                       "cross-validation");
   command->add_option("--nu", identify.nu, "relaxation of sr3")->capture_default_str();
   command->add_option("--penalty", options->penalty, "l0 | l1 | l2, for sr3")->capture_default_str();
-  command->add_option("--constraint", identify.constraints,
-                      "for sr3, repeatable: \"fx[T sin theta] + fy[T sin phi] = 0\"")
+  command
+      ->add_option("--constraint", identify.constraints, "for sr3, repeatable: \"fx[T sin theta] + fy[T sin phi] = 0\"")
       ->allow_extra_args(false);
   command->add_option("--ridge", identify.ridge, "for stlsq; default 0.05 with --lambda, otherwise 0");
   command->add_option("--max-terms", identify.max_terms, "for best_subset, per axis; 0: any")->capture_default_str();
   command->add_option("--tolerance", identify.tolerance, "of sr3");
-  command->add_option("--max-iterations", identify.max_iterations, "of stlsq and sr3")->capture_default_str();
+  command->add_option("--max-iterations", identify.max_iterations, "of stlsq and sr3");
   command->add_flag("--normalize", options->normalize, "columns of equal length (default without --lambda)");
   command->add_flag("--no-normalize", options->no_normalize, "columns as they are (default with --lambda)")
       ->excludes("--normalize");
@@ -108,13 +109,15 @@ void add_identify(CLI::App& app) {
   command->add_option("--acceleration", options->acceleration, "velocity (its derivative) | accelerometer")
       ->check(CLI::IsMember({"velocity", "accelerometer"}))
       ->capture_default_str();
-  command->add_option("--known", options->known, "what is not to be found: vehicle (with its own effects) | thrust alone")
+  command
+      ->add_option("--known", options->known, "what is not to be found: vehicle (with its own effects) | thrust alone")
       ->check(CLI::IsMember({"vehicle", "thrust"}))
       ->capture_default_str();
   command->add_option("--derivative", options->derivative, "finite_difference | savitzky_golay")->capture_default_str();
   command->add_option("--smooth", options->differentiation.smoothing_window, "samples of a running mean, odd")
       ->capture_default_str();
-  command->add_option("--window", options->differentiation.window, "samples, for savitzky_golay")->capture_default_str();
+  command->add_option("--window", options->differentiation.window, "samples, for savitzky_golay")
+      ->capture_default_str();
   command->add_option("--degree", options->differentiation.degree, "for savitzky_golay")->capture_default_str();
   command->add_option("--trim", options->differentiation.edge_s, "seconds cut off at both ends")->capture_default_str();
   command->add_option("--format", options->format)->check(CLI::IsMember({"md", "csv", "json"}))->capture_default_str();

@@ -75,9 +75,9 @@ class FeatureTerm::Reader {
       if (term.factor_count_ == max_factors) fail("too many factors (at most 4)", "split it into several terms");
       term.factors_[static_cast<std::size_t>(term.factor_count_++)] = factor();
       skip_space();
-      if (take('*') && at_ == text_.size()) fail("nothing follows `*`", "write a variable after it");
+      if (take('*') && at_ == text_.size()) fail("nothing follows *", "write a variable after it");
     }
-    if (term.factor_count_ == 0) fail("empty term", "write for example `T sin theta`");
+    if (term.factor_count_ == 0) fail("empty term", "write for example T sin theta");
     for (int i = 0; i < term.factor_count_; ++i) term.name_ += (i ? " " : "") + text(term.factors_[std::size_t(i)]);
     return term;
   }
@@ -112,11 +112,11 @@ class FeatureTerm::Reader {
     const auto found = std::find_if(std::begin(variables), std::end(variables),
                                     [&](const FeatureVariable& variable) { return variable.name == name; });
     if (found == std::end(variables)) {
-      fail(name.empty() ? "a variable is missing" : "unknown variable `" + std::string(name) + "`",
+      fail(name.empty() ? "a variable is missing" : "unknown variable \"" + std::string(name) + "\"",
            "use one of " + variable_names() + ", and sin, cos, abs");
     }
     out.variable = found;
-    if (open && !take(')')) fail("`(` is never closed", "write for example sin(theta)");
+    if (open && !take(')')) fail("( is never closed", "write for example sin(theta)");
     if (take('^')) out.power = number();
     return out;
   }
@@ -157,7 +157,7 @@ class FeatureTerm::Reader {
     return out;
   }
   [[noreturn]] void fail(const std::string& problem, const std::string& suggestion) const {
-    throw ConfigError("term `" + std::string(text_) + "`: " + problem + "; " + suggestion);
+    throw ConfigError("term \"" + std::string(text_) + "\": " + problem + " " + suggestion);
   }
 
   std::string_view text_;

@@ -26,7 +26,7 @@ void ResidualModel::visit(ParameterVisitor& visitor) {
 void ResidualModel::prepare() {
   for (const std::vector<double>* axis : {&fx_, &fy_, &fz_}) {
     if (axis->size() == names_.size()) continue;
-    throw ConfigError("residual model: fx, fy and fz must each have one number per term (there are " +
+    throw ConfigError("fx, fy and fz must each have one number per term (there are " +
                       std::to_string(names_.size()) + " terms and " + std::to_string(axis->size()) + " numbers)");
   }
   terms_.clear();

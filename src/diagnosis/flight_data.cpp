@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "gustlab/errors.hpp"
+#include "vehicle/rotor_speed.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -36,28 +37,6 @@ class Columns {
  private:
   std::vector<const std::vector<double>*> columns_;
 };
-
-// actuator input → rotor speed, per rotor (FORMATS.md §2)
-double rotor_speed(const VehicleModel& vehicle, const Rotor& rotor, ActuatorKind kind, double input) {
-  const auto from_thrust = [&](double thrust_N) {
-    return std::sqrt(std::max(0.0, thrust_N) / rotor.thrust_coefficient_Ns2);
-  };
-  switch (kind) {
-    case ActuatorKind::rotor_speed: return input;
-    case ActuatorKind::thrust: return from_thrust(input);
-    case ActuatorKind::throttle: return input * vehicle.max_speed_radps;
-    case ActuatorKind::collective_thrust: return from_thrust(input / vehicle.rotor_count);
-    case ActuatorKind::pwm: break;
-  }
-  if (vehicle.actuator.pwm_line)
-    return input <= 0.0 ? 0.0 : vehicle.actuator.pwm_line->first * input + vehicle.actuator.pwm_line->second;
-  if (vehicle.actuator.pwm_thrust) {
-    const auto& c = *vehicle.actuator.pwm_thrust;
-    return from_thrust(c[0] + input * (c[1] + input * c[2]));
-  }
-  throw DataError(fmt::format("{}: no [actuator] pwm map (the log's inputs are pwm) add pwm or pwm_thrust",
-                              vehicle.source_path));
-}
 
 // local polynomial of given degree through (t − t0, value) of a window, least squares; returns its coefficients
 template <int Degree, class Value>
@@ -227,7 +206,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
       for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i) {
         const double input = (*columns[std::min(i, columns.size() - 1)])[k];
         finite = finite && std::isfinite(input);
-        if (finite) row[i] = rotor_speed(vehicle, vehicle.rotors[i], kind, input);
+        if (finite) row[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], kind, input);
       }
       if (!finite) continue;
       at.push_back(time[k]);

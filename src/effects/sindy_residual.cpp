@@ -4,6 +4,7 @@
 // 2603.08863, section II-A). It acts on the centre of mass.
 #include "control/residual_model.hpp"
 #include "effects/effects.hpp"
+#include "gustlab/errors.hpp"
 
 namespace gustlab {
 
@@ -13,7 +14,13 @@ class SindyResidual final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override { model_.visit(visitor); }
 
-  void prepare(const VehicleModel&, double, const RandomStream&) override { model_.prepare(); }
+  void prepare(const VehicleModel&, double, const RandomStream&) override {
+    try {
+      model_.prepare();
+    } catch (const ConfigError& error) {
+      throw ConfigError(std::string("effect sindy_residual: ") + error.what());
+    }
+  }
 
   void wrench(const Flow& flow, const RotorSet& rotors, std::span<const double>, Wrench& total) const override {
     if (model_.coefficients().isZero(0.0)) return;

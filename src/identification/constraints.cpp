@@ -22,15 +22,15 @@ class Reader {
     bool first = true;
     while (!take('=')) {
       const bool minus = take('-');
-      if (!minus && !take('+') && !first) fail("`+`, `-` or `=` is missing");
+      if (!minus && !take('+') && !first) fail("\"+\", \"-\" or \"=\" is missing");
       const double factor = next_is_number() ? number() : 1.0;
       take('*');
       row[coefficient()] += minus ? -factor : factor;
       first = false;
     }
-    if (first) fail("there is nothing before `=`");
+    if (first) fail("there is nothing before \"=\"");
     const bool minus = take('-');
-    if (!next_is_number()) fail("a number is missing after `=`");
+    if (!next_is_number()) fail("a number is missing after \"=\"");
     d = (minus ? -1.0 : 1.0) * number();
     skip_space();
     if (at_ != text_.size()) fail("something follows the number");
@@ -40,16 +40,16 @@ class Reader {
   Eigen::Index coefficient() {
     skip_space();
     const std::size_t open = text_.find('[', at_), close = text_.find(']', at_);
-    if (open == std::string::npos || close == std::string::npos || close < open) fail("`target[term]` is missing");
+    if (open == std::string::npos || close == std::string::npos || close < open) fail("\"target[term]\" is missing");
     std::string_view name = std::string_view(text_).substr(at_, open - at_);
     while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back()))) name.remove_suffix(1);
     const auto target = std::find(targets_.begin(), targets_.end(), name);
     if (target == targets_.end())
-      fail(fmt::format("unknown target `{}` (there are {})", name, fmt::join(targets_, ", ")));
+      fail(fmt::format("unknown target \"{}\" (there are {})", name, fmt::join(targets_, ", ")));
     const std::string wanted = FeatureTerm::parse(std::string_view(text_).substr(open + 1, close - open - 1)).name();
     const auto term =
         std::find_if(terms_.begin(), terms_.end(), [&](const FeatureTerm& t) { return t.name() == wanted; });
-    if (term == terms_.end()) fail(fmt::format("the library has no term `{}`", wanted));
+    if (term == terms_.end()) fail(fmt::format("the library has no term \"{}\"", wanted));
     at_ = close + 1;
     return (target - targets_.begin()) * static_cast<Eigen::Index>(terms_.size()) + (term - terms_.begin());
   }
@@ -76,7 +76,7 @@ class Reader {
   }
   [[noreturn]] void fail(const std::string& problem) const {
     throw ConfigError(
-        fmt::format("constraint `{}`: {} write for example fx[T sin theta] + fy[T sin phi] = 0", text_, problem));
+        fmt::format("constraint \"{}\": {} write for example fx[T sin theta] + fy[T sin phi] = 0", text_, problem));
   }
 
   const std::string& text_;

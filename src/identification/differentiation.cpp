@@ -79,7 +79,7 @@ DerivativeKind derivative_kind(std::string_view name) {
   for (DerivativeKind kind : {DerivativeKind::finite_difference, DerivativeKind::savitzky_golay}) {
     if (name == to_string(kind)) return kind;
   }
-  throw ConfigError("unknown differentiation `" + std::string(name) + "` use finite_difference or savitzky_golay");
+  throw ConfigError("unknown differentiation \"" + std::string(name) + "\" use finite_difference or savitzky_golay");
 }
 
 std::string_view to_string(DerivativeKind kind) {

@@ -32,13 +32,14 @@ struct Arguments {
 };
 Arguments arguments(std::string_view text, Arguments out) {
   const std::vector<std::string_view> parts = split(text, ':');
-  if (parts.size() > 3) throw ConfigError("library `" + std::string(text) + "`: too many `:` (NAME:NUMBER:VARIABLES)");
+  if (parts.size() > 3)
+    throw ConfigError("library \"" + std::string(text) + "\": too many \":\" (NAME:NUMBER:VARIABLES)");
   if (parts.size() > 1) {
     const auto [end, error] = std::from_chars(parts[1].data(), parts[1].data() + parts[1].size(), out.number);
     if (error != std::errc() || end != parts[1].data() + parts[1].size() || out.number < 1 ||
         out.number > FeatureTerm::max_factors) {
-      throw ConfigError("library `" + std::string(text) + "`: `" + std::string(parts[1]) +
-                        "` is not a whole number from 1 to 4");
+      throw ConfigError("library \"" + std::string(text) + "\": \"" + std::string(parts[1]) +
+                        "\" is not a whole number from 1 to 4");
     }
   }
   if (parts.size() > 2) {
@@ -111,7 +112,7 @@ std::vector<FeatureTerm> make_library(std::string_view text) {
     if (!known) terms.push_back(std::move(term));
   }
   if (terms.size() > max_terms) {
-    throw ConfigError("library `" + std::string(text) + "`: " + std::to_string(terms.size()) +
+    throw ConfigError("library \"" + std::string(text) + "\": " + std::to_string(terms.size()) +
                       " terms (at most 200) use a lower degree or fewer variables");
   }
   return terms;

@@ -12,7 +12,8 @@
 
 namespace gustlab {
 
-// What the known model says of one row: force without weight, and the total thrust along body z; NaN when it cannot say.
+// What the known model says of one row: force without weight, and the total thrust along body z; NaN when it cannot
+// say.
 struct KnownForce {
   Vector3 force_B_N = Vector3::Zero();
   double thrust_N = 0.0;

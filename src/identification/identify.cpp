@@ -126,7 +126,7 @@ void add_notes(const RegressionData& data, double yaw_range_rad, Identification&
                     "of tilt can stand for a world force at one heading only.",
                     yaw_range_rad));
   }
-  if (!found.fit.converged) {
+  if (!found.fit.converged && !found.regression.refit) {
     found.notes.push_back(fmt::format("{} did not converge in {} iterations: raise nu or the number of iterations.",
                                       found.optimizer, found.fit.iterations));
   }
@@ -148,13 +148,14 @@ OptimizerOptions resolve(const IdentifyOptions& options, const OptimizerRow& opt
   out.nu = options.nu;
   out.penalty = options.penalty;
   out.max_terms = options.max_terms;
-  out.max_iterations = options.max_iterations;
   out.normalize_columns = options.normalize_columns.value_or(!given);
   const bool shrinks_only = optimizer.takes_penalty && options.penalty == Regularizer::l2;
   out.refit = options.refit.value_or(given ? optimizer.refits_by_default : !shrinks_only);
   out.ridge = options.ridge.value_or(given ? 0.05 : 0.0);
-  // a refit needs the support alone
-  out.tolerance = options.tolerance.value_or(out.refit ? 1e-6 : 1e-10);
+  // a choice that is refitted needs the support alone
+  const bool support_only = !given && out.refit;
+  out.tolerance = options.tolerance.value_or(support_only ? 1e-6 : 1e-10);
+  out.max_iterations = options.max_iterations.value_or(support_only ? 1000 : 100000);
   out.constraints = parse_constraints(options.constraints, terms, residual_targets);
   return out;
 }

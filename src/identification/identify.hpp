@@ -31,7 +31,7 @@ struct IdentifyOptions {
   // L2 penalty)
   std::optional<bool> normalize_columns, refit;
   std::optional<double> ridge, tolerance;
-  int max_iterations = 100000;
+  std::optional<int> max_iterations;
 };
 
 struct Identification {

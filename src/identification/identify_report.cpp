@@ -14,6 +14,9 @@ std::string markdown_row(const std::vector<std::string>& cells) {
   return fmt::format("| {} |\n", fmt::join(cells, " | "));
 }
 
+// libraries longer than this show their active terms only
+constexpr std::size_t most_rows = 12;
+
 // how the model was found, in one line
 std::string settings(const Identification& found) {
   std::string out = fmt::format("{}, lambda {:.6g}", found.optimizer, found.regression.lambda);
@@ -65,7 +68,13 @@ std::string to_markdown(const Identification& found) {
     rule.emplace_back("---:");
   }
   out += markdown_row(head) + markdown_row(rule);
+  int left_out = 0;
   for (std::size_t j = 0; j < found.terms.size(); ++j) {
+    const bool active = !found.fit.coefficients.col(static_cast<Eigen::Index>(j)).isZero(0.0);
+    if (!active && found.terms.size() > most_rows) {
+      ++left_out;
+      continue;
+    }
     std::vector<std::string> cells = {found.terms[j].name()};
     for (Eigen::Index t = 0; t < found.fit.coefficients.rows(); ++t) {
       const double value = found.fit.coefficients(t, static_cast<Eigen::Index>(j));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 namespace gustlab {
 namespace {
@@ -72,8 +73,10 @@ LambdaChoice choose_lambda(const OptimizerRow& optimizer, std::span<const Regres
     LambdaScore& score = out.path[i];
     score.excess = excess.mean();
     score.excess_std = std::sqrt((excess - score.excess).square().sum() / (n - 1.0) / n);
-    if (score.excess <= std::max(score.excess_std, negligible) && score.active < out.path[out.chosen].active)
-      out.chosen = i;
+    // fewest coefficients; of equally many, the least error
+    const LambdaScore& chosen = out.path[out.chosen];
+    const bool simpler = std::tie(score.active, score.excess) < std::tie(chosen.active, chosen.excess);
+    if (score.excess <= std::max(score.excess_std, negligible) && simpler) out.chosen = i;
   }
   return out;
 }

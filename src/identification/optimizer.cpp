@@ -38,16 +38,25 @@ std::vector<double> best_subset_path(const RegressionData& data, const Optimizer
 constexpr OptimizerRow optimizers[] = {
     {.name = "stlsq",
      .says = "sequentially thresholded least squares: drop small coefficients, fit again, until none is small",
-     .takes_constraints = false, .takes_penalty = false, .refits_by_default = true,
-     .run = stlsq, .lambda_path = threshold_path},
+     .takes_constraints = false,
+     .takes_penalty = false,
+     .refits_by_default = true,
+     .run = stlsq,
+     .lambda_path = threshold_path},
     {.name = "sr3",
      .says = "sparse relaxed regularized regression with an L0, L1 or L2 penalty and linear constraints",
-     .takes_constraints = true, .takes_penalty = true, .refits_by_default = false,
-     .run = sr3, .lambda_path = sr3_path},
+     .takes_constraints = true,
+     .takes_penalty = true,
+     .refits_by_default = false,
+     .run = sr3,
+     .lambda_path = sr3_path},
     {.name = "best_subset",
      .says = "every support is tried: the exact minimum for a price per term, up to 16 terms",
-     .takes_constraints = false, .takes_penalty = false, .refits_by_default = false,
-     .run = best_subset, .lambda_path = best_subset_path},
+     .takes_constraints = false,
+     .takes_penalty = false,
+     .refits_by_default = false,
+     .run = best_subset,
+     .lambda_path = best_subset_path},
 };
 
 VectorXd column_scale(const RegressionData& data, const OptimizerOptions& options) {
@@ -104,7 +113,7 @@ Regularizer regularizer(std::string_view name) {
   if (name == "l0") return Regularizer::l0;
   if (name == "l1") return Regularizer::l1;
   if (name == "l2") return Regularizer::l2;
-  throw ConfigError("unknown penalty `" + std::string(name) + "` use l0, l1 or l2");
+  throw ConfigError("unknown penalty \"" + std::string(name) + "\" use l0, l1 or l2");
 }
 
 std::span<const OptimizerRow> optimizer_registry() { return optimizers; }
@@ -113,7 +122,7 @@ const OptimizerRow& find_optimizer(std::string_view name) {
   for (const OptimizerRow& row : optimizers) {
     if (row.name == name) return row;
   }
-  throw ConfigError("unknown optimizer `" + std::string(name) + "` use stlsq, sr3 or best_subset");
+  throw ConfigError("unknown optimizer \"" + std::string(name) + "\" use stlsq, sr3 or best_subset");
 }
 
 std::vector<double> geometric_path(double largest, double factor, int n) {

@@ -19,7 +19,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // the vehicle's own effects; of thrust alone only those between command and rotor
 std::vector<NamedEffect> known_effects(const VehicleModel& vehicle, Known known) {
   std::vector<NamedEffect> effects = make_effects(vehicle.effects);
-  if (known == Known::thrust) std::erase_if(effects, [](const NamedEffect& e) { return e.row->place != Place::actuation; });
+  if (known == Known::thrust)
+    std::erase_if(effects, [](const NamedEffect& e) { return e.row->place != Place::actuation; });
   return effects;
 }
 
@@ -77,8 +78,8 @@ std::vector<RotorArray> speeds(const FlightLog& log, const VehicleModel& vehicle
   const int wanted = measured > 0 || log.meta.actuator != ActuatorKind::collective_thrust ? vehicle.rotor_count : 1;
   const int found = measured > 0 ? measured : inputs;
   if (found != wanted) {
-    throw DataError(fmt::format("{}:1:1: {} {} columns (vehicle {} needs {}) check vehicle and columns", log.path, found,
-                                measured > 0 ? "rotor" : "u", vehicle.name, wanted));
+    throw DataError(fmt::format("{}:1:1: {} {} columns (vehicle {} needs {}) check vehicle and columns", log.path,
+                                found, measured > 0 ? "rotor" : "u", vehicle.name, wanted));
   }
   if (measured == 0) return driven_speeds(log, vehicle, known);
   const auto columns = rotor_columns(log, "rotor");
@@ -92,7 +93,8 @@ std::vector<RotorArray> speeds(const FlightLog& log, const VehicleModel& vehicle
 }  // namespace
 
 RecordedForces::RecordedForces(const FlightLog& log, const VehicleModel& vehicle, Known known)
-    : forces_(vehicle, known_effects(vehicle, known)), speed_radps_(speeds(log, vehicle, known)),
+    : forces_(vehicle, known_effects(vehicle, known)),
+      speed_radps_(speeds(log, vehicle, known)),
       voltage_V_(log.rows(), 0.0) {
   forces_.prepare(actuation_step_s, 1, 1);
   memory_.resize(static_cast<std::size_t>(forces_.state_size()));

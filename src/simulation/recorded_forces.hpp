@@ -28,9 +28,9 @@ class RecordedForces {
 
  private:
   ForceModel forces_;
-  std::vector<double> memory_;             // of the effects, at rest
-  std::vector<RotorArray> speed_radps_;    // per row
-  std::vector<double> voltage_V_;          // per row; 0: not measured
+  std::vector<double> memory_;           // of the effects, at rest
+  std::vector<RotorArray> speed_radps_;  // per row
+  std::vector<double> voltage_V_;        // per row; 0: not measured
 };
 
 }  // namespace gustlab

@@ -50,7 +50,8 @@ double not_negative(Table& table, std::string_view key) {
 std::string mjcf_file(Table& document) {
   const std::string file = document.need_text("mjcf");
   const fs::path folder = fs::path(document.path()).parent_path(), path = folder / file;
-  const fs::path relative = fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(fs::absolute(folder)));
+  const fs::path here = fs::current_path() / folder;
+  const fs::path relative = fs::weakly_canonical(here / file).lexically_relative(fs::weakly_canonical(here));
   if (fs::path(file).is_absolute() || relative.empty() || *relative.begin() == "..")
     document.fail("mjcf", fmt::format("\"{}\" is outside the vehicle's folder", file), "a vehicle is one folder",
                   "move the file there");

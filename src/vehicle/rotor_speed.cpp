@@ -14,11 +14,16 @@ double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, Actuat
     return std::sqrt(std::max(0.0, thrust_N) / rotor.thrust_coefficient_Ns2);
   };
   switch (kind) {
-    case ActuatorKind::rotor_speed: return input;
-    case ActuatorKind::thrust: return from_thrust(input);
-    case ActuatorKind::throttle: return input * vehicle.max_speed_radps;
-    case ActuatorKind::collective_thrust: return from_thrust(input / vehicle.rotor_count);
-    case ActuatorKind::pwm: break;
+    case ActuatorKind::rotor_speed:
+      return input;
+    case ActuatorKind::thrust:
+      return from_thrust(input);
+    case ActuatorKind::throttle:
+      return input * vehicle.max_speed_radps;
+    case ActuatorKind::collective_thrust:
+      return from_thrust(input / vehicle.rotor_count);
+    case ActuatorKind::pwm:
+      break;
   }
   if (vehicle.actuator.pwm_line)
     return input <= 0.0 ? 0.0 : vehicle.actuator.pwm_line->first * input + vehicle.actuator.pwm_line->second;
@@ -26,8 +31,8 @@ double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, Actuat
     const auto& c = *vehicle.actuator.pwm_thrust;
     return from_thrust(c[0] + input * (c[1] + input * c[2]));
   }
-  throw DataError(fmt::format("{}: no [actuator] pwm map (the log's inputs are pwm) add pwm or pwm_thrust",
-                              vehicle.source_path));
+  throw DataError(
+      fmt::format("{}: no [actuator] pwm map (the log's inputs are pwm) add pwm or pwm_thrust", vehicle.source_path));
 }
 
 }  // namespace gustlab
