@@ -98,6 +98,14 @@ double yaw_range_rad(std::span<const std::vector<ResidualSamples>> flights) {
 }
 
 void add_notes(const RegressionData& data, double yaw_range_rad, Identification& found) {
+  std::vector<std::string> absent;
+  for (Index j = 0; j < data.terms(); ++j) {
+    if (data.theta_factor().col(j).isZero(0.0)) absent.push_back(found.terms[static_cast<std::size_t>(j)].name());
+  }
+  if (!absent.empty()) {
+    found.notes.push_back(
+        fmt::format("Zero throughout these flights, so nothing can be said of: {}.", fmt::join(absent, ", ")));
+  }
   if (found.condition_number_normalized > ill_conditioned) {
     const std::vector<std::string> pairs = alike(data, found.terms);
     std::string note = fmt::format(

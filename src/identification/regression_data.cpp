@@ -81,9 +81,15 @@ VectorXd RegressionData::column_norms() const {
 }
 
 double RegressionData::condition_number() const {
-  const VectorXd values = Eigen::JacobiSVD<MatrixXd>(theta_factor()).singularValues();
-  const double smallest = values[terms_ - 1];
-  return smallest > 0.0 ? values[0] / smallest : std::numeric_limits<double>::infinity();
+  MatrixXd columns(terms_, 0);
+  for (Index j = 0; j < terms_; ++j) {
+    if (theta_factor().col(j).isZero(0.0)) continue;
+    columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+    columns.rightCols<1>() = theta_factor().col(j);
+  }
+  if (columns.cols() == 0) return 1.0;
+  const VectorXd values = Eigen::JacobiSVD<MatrixXd>(columns).singularValues();
+  return values[0] / values[columns.cols() - 1];
 }
 
 VectorXd RegressionData::squared_error(const MatrixXd& coefficients) const {

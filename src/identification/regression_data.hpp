@@ -36,7 +36,7 @@ class RegressionData {
 
   // Euclidean length of each column of Θ; 1 where the column is zero, so that it can divide.
   Eigen::VectorXd column_norms() const;
-  // Largest over smallest singular value of Θ; infinite when a column depends on others.
+  // Largest over smallest singular value of Θ without its columns of zeros.
   double condition_number() const;
   // Σ over samples of (y − Θ ξ)², per target; coefficients: targets × terms.
   Eigen::VectorXd squared_error(const Eigen::MatrixXd& coefficients) const;

@@ -40,35 +40,52 @@ std::vector<const std::vector<double>*> rotor_columns(const FlightLog& log, std:
   return columns;
 }
 
+// the speeds that a row of inputs asks for; false when it says nothing
+bool read_command(const FlightLog& log, const VehicleModel& vehicle,
+                  const std::vector<const std::vector<double>*>& columns, std::size_t row, RotorArray& speed_radps) {
+  RotorArray input{};
+  if (!read_row(columns, row, input)) return false;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i) {
+    const bool collective = log.meta.actuator == ActuatorKind::collective_thrust;
+    speed_radps[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], log.meta.actuator, input[collective ? 0 : i]);
+  }
+  return true;
+}
+
 // rotor speeds that the inputs lead to, through the vehicle's delay, lag and limits
 std::vector<RotorArray> driven_speeds(const FlightLog& log, const VehicleModel& vehicle, Known known) {
   const auto columns = rotor_columns(log, "u");
-  const bool collective = log.meta.actuator == ActuatorKind::collective_thrust;
   Plant plant(vehicle, known_effects(vehicle, known), {.step_s = actuation_step_s});
-  std::vector<RotorArray> speeds;
+  std::vector<RotorArray> speeds(log.rows());
+  RotorArray last{}, next{};
   bool started = false;
   std::int64_t done = 0;
-  RotorArray input{};
-  RotorCommand command;
   for (std::size_t row = 0; row < log.rows(); ++row) {
-    // what was asked for until now, then what is asked for from now on
-    const auto steps = static_cast<std::int64_t>(std::llround((log.time_s[row] - log.time_s[0]) / actuation_step_s));
-    for (; started && done < steps; ++done) plant.advance_actuation(command);
-    done = steps;
-    if (read_row(columns, row, input)) {
-      for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i) {
-        const double value = collective ? input[0] : input[i];
-        command.speed_radps[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], log.meta.actuator, value);
-      }
-      if (!started) {
-        VehicleState start;
-        start.rotor_speed_radps = command.speed_radps;
-        plant.reset(start);
-        started = true;
-      }
+    speeds[row].fill(nan);
+    if (!read_command(log, vehicle, columns, row, next)) {
+      if (!started) continue;
+      next = last;
     }
-    speeds.push_back(plant.state().rotor_speed_radps);
-    if (!started) speeds.back().fill(nan);
+    const auto until = static_cast<std::int64_t>(std::llround((log.time_s[row] - log.time_s[0]) / actuation_step_s));
+    if (!started) {
+      VehicleState start;
+      start.rotor_speed_radps = next;
+      plant.reset(start);
+      started = true;
+      done = until;
+    }
+    // a held command acts from its row on; any other is taken to move straight from row to row
+    for (std::int64_t step = done + 1; step <= until; ++step) {
+      const double share = static_cast<double>(step - done) / static_cast<double>(until - done);
+      RotorCommand command{last};
+      if (log.meta.hold != Hold::zoh) {
+        for (std::size_t i = 0; i < next.size(); ++i) command.speed_radps[i] += share * (next[i] - last[i]);
+      }
+      plant.advance_actuation(command);
+    }
+    done = until;
+    last = next;
+    speeds[row] = plant.state().rotor_speed_radps;
   }
   return speeds;
 }

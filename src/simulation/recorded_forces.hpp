@@ -14,7 +14,7 @@ enum class Known { vehicle, thrust };
 class RecordedForces {
  public:
   // Measured rotor speeds where the log has them, otherwise its inputs through the vehicle's maps and actuation, held
-  // from each row to the next. Throws DataError when the log has neither, or for the wrong number of rotors.
+  // from row to row where the log says zoh, and straight between rows where it does not. Throws DataError when the log has neither, or for the wrong number of rotors.
   RecordedForces(const FlightLog& log, const VehicleModel& vehicle, Known known);
 
   struct Force {

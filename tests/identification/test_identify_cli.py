@@ -91,7 +91,9 @@ class IdentifyCli(unittest.TestCase):
         self.assertLess(found["error_holdout"], 1e-6)
 
     def test_tables_for_people_and_programs(self):
-        self.assertIn("| T sin theta | -0.3 |", self.identify())
+        table = self.identify()
+        self.assertIn("| T sin theta | -0.3 |", table)
+        self.assertIn("nothing can be said of: phi, T sin phi.", table)
         lines = self.identify("--format", "csv").splitlines()
         self.assertEqual(lines[0], "target,term,coefficient")
         self.assertEqual([line.rsplit(",", 1)[0] for line in lines[1:]], ["fx,1", "fx,T sin theta"])
