@@ -125,6 +125,11 @@ RecordedMotion::Slope RecordedMotion::slope(std::size_t row, Value value) const 
   return result;
 }
 
+bool RecordedMotion::can_start(std::size_t row) const {
+  const bool estimates = (has_position() && !has_velocity()) || !has_body_rate();
+  return complete_[row] && (!estimates || time_s_[row] - time_s_[stretch_[row]] >= slope_window_s - 1e-9);
+}
+
 Vector3 RecordedMotion::velocity_W_mps(std::size_t row) const {
   if (has_velocity()) return velocity_[row];
   if (!has_position()) return Vector3::Zero();

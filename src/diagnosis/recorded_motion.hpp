@@ -24,6 +24,8 @@ class RecordedMotion {
   // Whether row and row + 1 belong together, and whether all that the log has is there in a row.
   bool follows(std::size_t row) const { return time_s_[row + 1] - time_s_[row] <= 1.6 * sample_s_; }
   bool complete(std::size_t row) const { return complete_[row]; }
+  // Whether the state at a row is recorded, or can be told from the samples before it.
+  bool can_start(std::size_t row) const;
   // first row of the unbroken stretch that a row belongs to
   std::size_t stretch(std::size_t row) const { return stretch_[row]; }
   // row nearest to a time

@@ -42,7 +42,7 @@ std::vector<Window> find_windows(const RecordedMotion& motion, const ReplayOptio
   for (std::size_t row = 0; row < motion.rows();) {
     Window window{row, {}};
     const double t = motion.time_s(row);
-    bool good = motion.complete(row) && motion.time_s(motion.stretch(row)) <= t - pose_delay_s + 1e-9;
+    bool good = motion.can_start(row) && motion.time_s(motion.stretch(row)) <= t - pose_delay_s + 1e-9;
     for (const double horizon : options.horizon_s) {
       const std::size_t target = motion.nearest(t + horizon);
       good = good && target > row && motion.stretch(target) == motion.stretch(row) && motion.complete(target) &&

@@ -110,21 +110,34 @@ VehicleState Rollout::start(std::size_t row) const {
 }
 
 void Rollout::begin(const VehicleState& start, const std::vector<RotorArray>& rotor_speeds) {
-  // delay lines fill from a row that lies a lookback before
   const RecordedMotion& motion = recording_.motion;
   const double step_s = recording_.step_s;
-  std::size_t row = motion.nearest(start.time_s - plant_.forces().lookback_s());
-  if (row > 0 && motion.time_s(row) > start.time_s - plant_.forces().lookback_s() + 0.5 * step_s) --row;
-  const auto steps = static_cast<std::int64_t>(std::lround((start.time_s - motion.time_s(row)) / step_s));
+  const auto last_row = [&](double time_s) {
+    const std::size_t row = motion.nearest(time_s);
+    return row > 0 && motion.time_s(row) > time_s + 0.5 * step_s ? row - 1 : row;
+  };
+  // delay lines fill from a lookback before; the rotors' own speed is known from running the whole recording
+  const std::size_t first = last_row(start.time_s - plant_.forces().lookback_s()), last = last_row(start.time_s);
+  const auto steps_from = [&](std::size_t row) { return std::lround((start.time_s - motion.time_s(row)) / step_s); };
   VehicleState state = start;
-  state.rotor_speed_radps = recording_.speed_is_measured ? command(start.time_s).speed_radps : rotor_speeds[row];
-  if (!recording_.voltage_V.empty()) plant_.set_voltage(recording_.voltage_V[row]);
+  if (!recording_.voltage_V.empty()) plant_.set_voltage(recording_.voltage_V[last]);
+  state.rotor_speed_radps = rotor_speeds[first];
   plant_.reset(state);
-  for (std::int64_t step = steps; step > 0; --step)
+  for (long step = steps_from(first); step > 0; --step) {
+    if (step == steps_from(last)) restart_rotors(rotor_speeds[last]);
     plant_.advance_actuation(command(start.time_s - static_cast<double>(step) * step_s));
+  }
+  if (steps_from(last) == 0) restart_rotors(rotor_speeds[last]);
+  if (recording_.speed_is_measured) restart_rotors(command(start.time_s).speed_radps);
   begin_s_ = start.time_s;
   steps_ = 0;
   before_ = now_ = measured(plant_.observe(false));
+}
+
+void Rollout::restart_rotors(const RotorArray& speed_radps) {
+  VehicleState state = plant_.state();
+  state.rotor_speed_radps = speed_radps;
+  plant_.set_state(state);
 }
 
 bool Rollout::advance() {

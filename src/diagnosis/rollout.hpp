@@ -42,6 +42,7 @@ class Rollout {
 
  private:
   RotorCommand command(double from_s) const;
+  void restart_rotors(const RotorArray& speed_radps);
   bool advance();
 
   const Recording& recording_;

@@ -73,6 +73,7 @@ void Plant::reset(const VehicleState& state) {
   forces_.reset_state(effect_state_);
   rotor_acceleration_radps2_.fill(0.0);
   finite_ = true;
+  memory_->body.forget();
   set_state(state);
   memory_->commands.fill(state.rotor_speed_radps);
   memory_->poses.fill(pack(state_));
@@ -175,6 +176,7 @@ std::vector<double> Plant::snapshot() const {
   out.insert(out.end(), state.begin(), state.end());
   out.insert(out.end(), rotor_acceleration_radps2_.begin(), rotor_acceleration_radps2_.end());
   out.insert(out.end(), effect_state_.begin(), effect_state_.end());
+  memory_->body.save(out);
   memory_->commands.save(out);
   memory_->poses.save(out);
   return out;
@@ -196,6 +198,7 @@ void Plant::restore(const std::vector<double>& snapshot) {
   in += max_rotors;
   std::copy_n(in, effect_state_.size(), effect_state_.begin());
   in += effect_state_.size();
+  in = memory_->body.load(in);
   in = memory_->commands.load(in);
   memory_->poses.load(in);
   memory_->now_s = state_.time_s;

@@ -112,6 +112,27 @@ void RigidBody::get(VehicleState& state) const {
   state.body_rate_B_radps = Eigen::Map<const Vector3>(data->qvel + 3);
 }
 
+void RigidBody::forget() {
+  for (World* world : {&impl_->air, impl_->ground.get()}) {
+    if (world == nullptr) continue;
+    mju_zero(world->data->qacc_warmstart, 6);
+    for (mjWarningStat& warning : world->data->warning) warning = {};
+  }
+}
+
+void RigidBody::save(std::vector<double>& out) const {
+  const mjData* data = impl_->flying->data.get();
+  out.push_back(impl_->flying == impl_->ground.get() ? 1.0 : 0.0);
+  out.insert(out.end(), data->qacc_warmstart, data->qacc_warmstart + 6);
+}
+
+const double* RigidBody::load(const double* in) {
+  forget();
+  impl_->flying = *in++ != 0.0 ? impl_->ground.get() : &impl_->air;
+  mju_copy(impl_->flying->data->qacc_warmstart, in, 6);
+  return in + 6;
+}
+
 bool RigidBody::step(const Wrench& wrench, const Matrix3& R_WB) {
   // the twin with the floor flies near the ground, and hands the state over on the way
   if (impl_->ground) {

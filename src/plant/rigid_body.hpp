@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "gustlab/vehicle.hpp"
 
@@ -14,6 +15,11 @@ class RigidBody {
 
   void set(const VehicleState& state);
   void get(VehicleState& state) const;
+  // Forgets contacts and warnings: what follows does not depend on what was.
+  void forget();
+  // What contacts remember, as numbers; load() returns where the next part of a snapshot begins.
+  void save(std::vector<double>& out) const;
+  const double* load(const double* in);
   // Wrench about the centre of mass; returns false when MuJoCo warned (state, velocity or acceleration not finite).
   bool step(const Wrench& wrench, const Matrix3& R_WB);
   int contacts() const;

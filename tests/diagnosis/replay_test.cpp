@@ -18,14 +18,21 @@ std::vector<EffectSpec> specs(const std::string& text) {
   return config::read_effects(document);
 }
 
+RotorCommand command_at(const VehicleModel& vehicle, double t) {
+  RotorCommand command;
+  for (std::size_t i = 0; i < 4; ++i)
+    command.speed_radps[i] = vehicle.hover_speed_radps() *
+                             (1.0 + 0.01 * std::sin(25.0 * t + 1.7 * static_cast<double>(i)) + 0.03 * std::sin(9.0 * t));
+  return command;
+}
+
 // three seconds of a vehicle that is shaken, a sample every 10 ms, commands held between samples
 FlightLog fly(const VehicleModel& vehicle, const std::vector<EffectSpec>& effects) {
   Plant plant(vehicle, make_effects(effects), {.step_s = 0.001, .seed = 1, .replicate = 1});
   VehicleState state;
   state.position_W_m.z() = 1.0;
   state.velocity_W_mps = Vector3(0.8, -0.4, 0.1);
-  const double hover = vehicle.hover_speed_radps();
-  for (std::size_t i = 0; i < 4; ++i) state.rotor_speed_radps[i] = hover;
+  state.rotor_speed_radps = command_at(vehicle, 0.0).speed_radps;
   plant.reset(state);
 
   FlightLog log;
@@ -35,9 +42,7 @@ FlightLog fly(const VehicleModel& vehicle, const std::vector<EffectSpec>& effect
     log.columns.push_back({name, {}});
   for (int k = 0; k < 300; ++k) {
     const double t = 0.01 * k;
-    RotorCommand command;
-    for (std::size_t i = 0; i < 4; ++i)
-      command.speed_radps[i] = hover * (1.0 + 0.01 * std::sin(25.0 * t + 1.7 * static_cast<double>(i)) + 0.03 * std::sin(9.0 * t));
+    const RotorCommand command = command_at(vehicle, t);
     const Observation seen = plant.observe(false);
     const double row[] = {seen.position_W_m.x(), seen.position_W_m.y(), seen.position_W_m.z(),
                           seen.velocity_W_mps.x(), seen.velocity_W_mps.y(), seen.velocity_W_mps.z(),
@@ -127,7 +132,6 @@ TEST_F(Replay, MeasuredRotorSpeedDrivesTheBodyPastTheCommandsWay) {
     for (LogColumn& column : measured.columns)
       if (column.name == "u" + std::to_string(i))
         for (double& value : column.values) value = 0.0;
-  const FlightLog quick = fly(vehicle, specs("[[effect]]\ntype = 'rotor_drag'\nat_hover = 0.0072\n"));
   const FitErrors errors = replay(measured, vehicle, vehicle.effects, {});
   // commands of zero would fall 4.9 m in the second; a held command read as interpolated and a lag leave little
   EXPECT_LT(model_error(errors, FitQuantity::position_m, 2), 0.2);
