@@ -116,6 +116,19 @@ std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const Vehicl
   return flights;
 }
 
+// −2 log likelihood of one flight, its commands read some time later, each with the noise that fits it best
+double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
+  flight.commands.delay(later_s);
+  flight.measured_speed.delay(later_s);
+  std::vector<FlightData> one;
+  one.push_back(std::move(flight));
+  Session session(std::move(one), vehicle, 1);
+  session.linearise(session.value(), session.biases());
+  session.learn_noise(5, session.biases());
+  const Fit fit = solve(session.grams().total(), session.biases());
+  return session.innovations(session.biases(), fit.coefficient).front().minus_two_log_likelihood;
+}
+
 // Commands of some flights are stamped earlier than those of others: how much later each must be read so that all agree
 // with the promptest. A delay that all share is physics, and stays.
 std::vector<double> command_offsets(const std::vector<FlightData>& fit, const std::vector<FlightData>& held,
@@ -131,7 +144,10 @@ std::vector<double> command_offsets(const std::vector<FlightData>& fit, const st
   std::vector<double> offset(all.size(), 0.0);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!delay[i] || *delay[i] - least <= 0.6 * all[i]->sample_s) continue;
-    offset[i] = *delay[i] - least;
+    // a controller that answers sensor noise moves the correlation's peak, not the likelihood's
+    const double later_s = *delay[i] - least;
+    if (misfit(*all[i], vehicle, later_s) > misfit(*all[i], vehicle, 0.0) - 100.0) continue;
+    offset[i] = later_s;
     findings.push_back({all[i]->label, "u1…uN", "delay", all[i]->start_s, all[i]->start_s + all[i]->duration_s(),
                         fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: commands are read that much later", 1e3 * offset[i]),
                         false, false});

@@ -316,7 +316,7 @@ NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights,
           lagged += f.lagged[j], pairs += f.pairs[j];
         }
     if (count == 0.0) continue;
-    next.variance[g] = std::max(second / count, 1e-6);
+    next.variance[g] = std::max(second / count, noise.least_variance[g]);
     const double correlation = std::clamp(lagged / pairs / (second / count), 0.02, 0.9995);
     next.time_s[g] = std::clamp(-sample_s / std::log(correlation), 0.004, 3.0);
   }

@@ -20,6 +20,8 @@ struct NoiseModel {
   std::array<double, disturbance_groups> variance{};    // of the wrench, (m/s²)² or (rad/s²)²
   std::array<double, disturbance_groups> time_s{};      // its correlation time
   std::array<double, noise_groups> measurement{};       // variances, SI²
+  // A simulator is not believed more than this: integrators and build differ, even where the air is still.
+  std::array<double, disturbance_groups> least_variance{};
 };
 
 // Innovations of y (last column) and of every column of the flight, whitened: rows in the order of arrival.

@@ -312,7 +312,7 @@ Remainder remainder(const Session& session, const Selection& selection) {
   constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
   const NoiseModel& noise = selection.noise_selected;
   const bool structured = worst > 0.0;
-  result.gust_like = noise.time_s[0] > 0.25 && std::sqrt(noise.variance[0]) > 2.2 * floor[0] && !structured;
+  result.gust_like = noise.time_s[0] > 0.25 && noise.time_s[0] < 2.9 && std::sqrt(noise.variance[0]) > 2.2 * floor[0] && !structured;
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     const double ratio = std::sqrt(noise.variance[g]) / floor[g];
     if (ratio > 2.5 && !(g == 0 && result.gust_like))
