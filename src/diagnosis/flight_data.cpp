@@ -225,9 +225,12 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   const auto* voltage = log.find("vbat");
   flight.has_voltage = voltage != nullptr;
 
-  // faster logs are averaged down: the mean of a few samples at their mean time
-  const std::size_t stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (log_step_s * options.max_rate_hz))));
-  const std::size_t group = options.common_filter_s > 0.0 ? 1 : stride;
+  // faster logs are read more slowly: every so many samples, or the mean of a group at its mean time
+  // an odd number of rows, so that the middle of a group is a row and substeps begin where commands change
+  auto stride = static_cast<std::size_t>(std::max(1L, std::lround(1.0 / (log_step_s * options.max_rate_hz))));
+  if (stride > 1 && stride % 2 == 0) ++stride;
+  // means over a millisecond or so take vibration out; over longer ones they would blur what the vehicle did
+  const std::size_t group = options.common_filter_s > 0.0 || log_step_s > 0.0016 ? 1 : stride;
   Quaternion previous = Quaternion::Identity();
   double last_voltage = vehicle.nominal_voltage_V;
   for (std::size_t first = 0; first + group <= rows; first += stride) {
@@ -268,6 +271,8 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   for (std::size_t k = 1; k < flight.samples.size(); ++k)
     steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);
   flight.sample_s = median(steps);
+  flight.read_slower = stride > 1;
+  flight.substeps = static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / 0.0025 - 1e-6)));
   for (std::size_t k = 0; k < flight.samples.size(); ++k)
     flight.samples[k].starts_segment = k == 0 || steps[k - 1] > 1.6 * flight.sample_s;
   flight.start_s = flight.samples.empty() ? 0.0 : flight.samples.front().time_s;

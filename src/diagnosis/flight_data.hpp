@@ -73,6 +73,8 @@ struct FlightData {
   // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected
   std::vector<Eigen::Matrix<double, 6, 1>> limit_change;
   double sample_s = 0.01;               // median interval
+  int substeps = 4;                     // per sample interval, on the instants at which commands were logged
+  bool read_slower = false;             // than it was logged: neighbouring innovations are then never quite white
   double start_s = 0.0;
   // seconds by which the pose lags the inertial data in the model of the moment; motion is corrected for it
   double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s - samples.front().time_s; }

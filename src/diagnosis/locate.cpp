@@ -303,7 +303,8 @@ Remainder remainder(const Session& session, const Selection& selection) {
     for (std::size_t lag = 2; lag <= 25; ++lag)
       if (std::abs(sums[c][lag]) > std::abs(sums[c][at])) at = lag;
     const double r = std::abs(sums[c][at]) / sums[c][0];
-    if (r > 0.15)
+    const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(), [](const FlightData& f) { return f.read_slower; });
+    if (r > 0.15 && own_rate)
       result.alarms.push_back({"whiteness", fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], at), 0.01 * r});
   }
 

@@ -40,14 +40,14 @@ ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, con
                        int also) {
   ForceModel forces(flight.vehicle, catalogue.effects(value, index, also));
   forces.set_speed_is_measured(!flight.measured_speed.empty());
-  forces.prepare(flight.sample_s / std::max(1.0, std::ceil(flight.sample_s / 0.0025 - 1e-9)), 0, 0);
+  forces.prepare(flight.sample_s / flight.substeps, 0, 0);
   return forces;
 }
 
 RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
   RotorHistory history;
   const std::size_t n = flight.samples.size();
-  history.substeps = static_cast<int>(std::max(1.0, std::ceil(flight.sample_s / 0.0025 - 1e-9)));
+  history.substeps = flight.substeps;
   const auto count = static_cast<std::size_t>(history.substeps);
   history.mean.resize(n * count);
   history.acceleration.resize(n * count);

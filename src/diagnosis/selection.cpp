@@ -15,6 +15,9 @@ namespace gustlab::diagnosis {
 
 namespace {
 
+// worth a column: share of the disturbance, squared standard deviations
+constexpr double least_load_share = 0.01, least_limit_gain = 30.0;
+
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
  public:
@@ -62,14 +65,14 @@ class Selector {
   void suspect(const Eigen::VectorXd& value, const std::vector<int>& chosen) {
     const PendulumScan load = chosen_has(chosen, "slung_load") ? PendulumScan{} : scan_pendulum(s_);
     const LimitScan limit = chosen_has(chosen, "saturation") ? LimitScan{} : scan_limit(s_);
-    if (load.share > 0.03) {
+    if (load.share > least_load_share) {
       std::vector<std::vector<Vector3>> force;
       for (std::size_t f = 0; f < s_.flights().size(); ++f)
         force.push_back(pendulum_force(s_.flights()[f], s_.smoothed[f], s_.vehicle().mass_kg, load));
       s_.suspect_load(load.length_m, std::move(force));
     }
-    if (limit.gain > 30.0) s_.suspect_limit(limit.limit_radps);
-    if (load.share > 0.03 || limit.gain > 30.0) s_.linearise(value, s_.all_columns());
+    if (limit.gain > least_limit_gain) s_.suspect_limit(limit.limit_radps);
+    if (load.share > least_load_share || limit.gain > least_limit_gain) s_.linearise(value, s_.all_columns());
   }
   bool chosen_has(const std::vector<int>& chosen, std::string_view name) const {
     return std::find(chosen.begin(), chosen.end(), catalogue_.find(name)) != chosen.end();
