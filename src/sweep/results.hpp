@@ -18,7 +18,7 @@ struct ResultRow {
   double duration_s = 0.0;
   double rmse_xy_m = std::numeric_limits<double>::quiet_NaN();
   double mae_xy_m = rmse_xy_m, p95_xy_m = rmse_xy_m, max_xy_m = rmse_xy_m, rmse_z_m = rmse_xy_m;
-  std::string key;
+  std::string key{};
 };
 
 // Every planned run in plan order, and what a table has to say beside them.
