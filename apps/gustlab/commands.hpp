@@ -5,11 +5,22 @@
 
 namespace gustlab {
 
+// Thrown by a command that ends well but says something by its exit code.
+struct ExitCode {
+  int code;
+};
+
 void add_defaults(CLI::App& app);
 void add_diagnose(CLI::App& app);
+void add_gate(CLI::App& app);
 void add_identify(CLI::App& app);
 void add_list(CLI::App& app);
+void add_merge(CLI::App& app);
+void add_metrics(CLI::App& app);
 void add_replay(CLI::App& app);
+void add_run(CLI::App& app);
 void add_score(CLI::App& app);
+void add_sweep(CLI::App& app);
+void add_table(CLI::App& app);
 
 }  // namespace gustlab

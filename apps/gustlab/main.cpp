@@ -29,6 +29,12 @@ void start_messages() {
 }
 
 void add_commands(CLI::App& app) {
+  add_run(app);
+  add_sweep(app);
+  add_merge(app);
+  add_table(app);
+  add_metrics(app);
+  add_gate(app);
   add_list(app);
   add_defaults(app);
   add_replay(app);
@@ -52,6 +58,8 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  } catch (const ExitCode& exit) {
+    return exit.code;
   } catch (const UserError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return error.exit_code();

@@ -24,9 +24,9 @@ class Cells {
   Cells(std::string_view line, std::string where) : line_(line), where_(std::move(where)) {}
 
   std::string_view next() {
+    start_ = done_ ? line_.size() : end_;
     if (done_) fail("a cell is missing", std::string(header));
-    const std::size_t comma = line_.find(',', end_);
-    start_ = end_;
+    const std::size_t comma = line_.find(',', start_);
     const std::string_view text = line_.substr(start_, comma == std::string_view::npos ? comma : comma - start_);
     done_ = comma == std::string_view::npos;
     end_ = comma + 1;

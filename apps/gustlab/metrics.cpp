@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "report/tracking_json.hpp"
+
+namespace gustlab {
+
+namespace {
+
+struct Options {
+  std::vector<std::string> logs;
+  double settle_s = 0.0;
+  std::string format = "md";
+};
+
+void metrics(const Options& options) {
+  std::vector<TrackingFigures> figures;
+  for (const std::string& path : options.logs) figures.push_back(tracking_of(read_flight_log(path), options.settle_s));
+  if (options.format == "json") {
+    nlohmann::ordered_json result{{"format", "gustlab-metrics/1"}, {"settle_s", options.settle_s}};
+    result["logs"] = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < figures.size(); ++i) {
+      nlohmann::ordered_json entry{{"file", options.logs[i]}};
+      entry.update(to_json(figures[i]));
+      result["logs"].push_back(std::move(entry));
+    }
+    fmt::print("{}\n", result.dump(2));
+    return;
+  }
+  fmt::print("| log | error | samples | RMSE [m] | MAE [m] | P95 [m] | Max [m] | RMSE z [m] |\n|---|---|--:|--:|--:|--:|--:|--:|\n");
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const auto line = [&](const char* kind, const ErrorFigures& e, const std::string& z) {
+      fmt::print("| {} | {} | {} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {} |\n", options.logs[i], kind, figures[i].samples, e.rmse_m, e.mae_m,
+                 e.p95_m, e.max_m, z);
+    };
+    line("planar", figures[i].planar, fmt::format("{:.4f}", figures[i].rmse_z_m));
+    line("3-D", figures[i].spatial, "");
+  }
+  fmt::print("\nSamples from {} s after each log's start.\n", options.settle_s);
+}
+
+}  // namespace
+
+void add_metrics(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("metrics", "tracking error of recordings that have a reference, planar and 3-D");
+  command->add_option("LOG", options->logs, "flight logs with px, py, pz and rpx, rpy, rpz")->required();
+  command->add_option("--settle", options->settle_s, "seconds after each log's start that do not count")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--format", options->format)->check(CLI::IsMember({"md", "json"}))->capture_default_str();
+  command->callback([options] { metrics(*options); });
+}
+
+}  // namespace gustlab

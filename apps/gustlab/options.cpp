@@ -1,0 +1,25 @@
+#include "options.hpp"
+
+namespace gustlab {
+
+void ExperimentOptions::add_to(CLI::App& command) {
+  command.add_option("EXPERIMENT", experiment, "a TOML file, or its name under experiments/")->required();
+  command.add_option("--set", set, "changes a key of the experiment: key=value with a dotted key, any number of them")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  command.add_option("--seed", seed, "of every random stream, instead of the experiment's");
+}
+
+Experiment ExperimentOptions::read() const {
+  std::vector<std::string> overrides = set;
+  if (seed) overrides.push_back("seed=" + std::to_string(*seed));
+  return read_experiment(find_experiment(experiment), overrides);
+}
+
+void RunOptions::add_to(CLI::App& command) {
+  command.add_option("-j,--jobs", jobs, "threads; the results are the same for any number")->check(CLI::Range(1, 1024))->capture_default_str();
+  command.add_flag("-q,--quiet", quiet, "no progress and no notices");
+  command.add_flag("-v,--verbose", verbose, "says every run as it ends");
+}
+
+}  // namespace gustlab

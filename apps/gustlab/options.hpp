@@ -1,0 +1,32 @@
+// Options that several commands share, spelled alike everywhere.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simulation/experiment.hpp"
+#include "util/parallel.hpp"
+
+namespace gustlab {
+
+// EXPERIMENT, --set and --seed.
+struct ExperimentOptions {
+  std::string experiment;
+  std::vector<std::string> set;
+  std::optional<std::uint64_t> seed;
+
+  void add_to(CLI::App& command);
+  Experiment read() const;
+};
+
+// --jobs, -q and -v.
+struct RunOptions {
+  int jobs = default_jobs();
+  bool quiet = false, verbose = false;
+
+  void add_to(CLI::App& command);
+};
+
+}  // namespace gustlab

@@ -1,0 +1,24 @@
+// A line on stderr that says how far a sweep is, on a terminal only.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+namespace gustlab {
+
+class Progress {
+ public:
+  explicit Progress(bool quiet);
+  ~Progress();
+  // Runs that are done, of all.
+  void show(std::size_t done, std::size_t all);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool visible_;
+  bool shown_ = false;
+  std::size_t first_ = 0;  // done before this program began
+  Clock::time_point start_, last_;
+};
+
+}  // namespace gustlab

@@ -1,0 +1,89 @@
+#include "sweep/sweep.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "gustlab/errors.hpp"
+#include "interrupt.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+
+namespace gustlab {
+
+namespace {
+
+struct Options {
+  ExperimentOptions experiment;
+  RunOptions run;
+  std::string out, shard = "1/1";
+  bool resume = false, dry_run = false;
+};
+
+Shard read_shard(const std::string& text) {
+  Shard shard;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%zu/%zu%n", &shard.part, &shard.parts, &end) != 2 || end != static_cast<int>(text.size()) ||
+      shard.part < 1 || shard.part > shard.parts)
+    throw ConfigError(fmt::format("--shard {}: not a shard (i/N with 1 ≤ i ≤ N) for example --shard 1/3", text));
+  return shard;
+}
+
+void print_plan(const Experiment& experiment, const Shard& shard) {
+  fmt::print("trajectory,controller,replicate,key\n");
+  for (const RunSpec& spec : plan(experiment))
+    if (shard.has(spec.index))
+      fmt::print("{},{},{},{}\n", experiment.trajectories[spec.trajectory].name, experiment.controllers[spec.controller].name,
+                 spec.replicate, to_hex(spec.key));
+}
+
+void sweep_command(const Options& options) {
+  const Shard shard = read_shard(options.shard);
+  const Experiment experiment = options.experiment.read();
+  if (options.dry_run) return print_plan(experiment, shard);
+  if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results) or use --dry-run");
+
+  const std::atomic<bool>& stop = interrupted();
+  Progress progress(options.run.quiet);
+  const SweepReport report = sweep(experiment, {options.out, shard, options.run.jobs, options.resume}, stop,
+                                   [&](std::size_t done, std::size_t all) { progress.show(done, all); });
+  if (!options.run.quiet && !report.redone_because.empty())
+    fmt::print(stderr, "{}: runs of another program were flown again ({})\n", options.out, report.redone_because);
+  if (report.done < report.planned) {
+    fmt::print(stderr, "interrupted: {} of {} runs are done, go on with --resume\n", report.done, report.planned);
+    throw ExitCode{130};
+  }
+  if (!options.run.quiet) fmt::print(stderr, "{}: {} runs\n", options.out, report.done);
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("sweep", "flies every run of an experiment into OUT/runs.sqlite and OUT/runs.csv");
+  options->experiment.add_to(*command);
+  command->add_option("--out", options->out, "folder of the results");
+  command->add_option("--shard", options->shard, "flies every N-th run, from the i-th on; join with `gustlab merge`")
+      ->type_name("i/N")
+      ->capture_default_str();
+  command->add_flag("--resume", options->resume, "goes on where OUT stands");
+  command->add_flag("--dry-run", options->dry_run, "prints the plan and flies nothing");
+  options->run.add_to(*command);
+  command->callback([options] { sweep_command(*options); });
+}
+
+void add_merge(CLI::App& app) {
+  struct MergeOptions {
+    std::vector<std::string> folders;
+    std::string out;
+  };
+  const auto options = std::make_shared<MergeOptions>();
+  CLI::App* command = app.add_subcommand("merge", "joins the shards of a sweep; missing, double or unequal runs are errors");
+  command->add_option("DIR", options->folders, "folders of the shards")->required();
+  command->add_option("--out", options->out, "folder of the whole")->required();
+  command->callback([options] { merge(options->folders, options->out); });
+}
+
+}  // namespace gustlab

@@ -1,0 +1,18 @@
+// Tracking errors of one flight, from a log and as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "gustlab/flight_log.hpp"
+#include "metrics/tracking_error.hpp"
+
+namespace gustlab {
+
+// Samples earlier than settle_s after the log's first, or without position or reference, do not count. Throws DataError
+// when the log has no position or no reference, or no sample is left.
+TrackingFigures tracking_of(const FlightLog& log, double settle_s);
+
+// samples, planar and spatial {rmse_m, mae_m, p95_m, max_m}, rmse_z_m; null where there was no sample.
+nlohmann::ordered_json to_json(const TrackingFigures& figures);
+
+}  // namespace gustlab
