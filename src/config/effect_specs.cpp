@@ -41,19 +41,21 @@ void read_parameters(const EffectSpec& spec, Parameterized& target) {
   read_parameters(table, target);
 }
 
+EffectSpec read_spec(Table& table, const std::string& type) {
+  EffectSpec spec;
+  spec.type = type;
+  spec.where = table.where();
+  for (const std::string& key : table.keys()) {
+    if (key == "type") continue;
+    spec.values.emplace_back(key, *table.literal(key));
+    spec.value_where.push_back(table.where(key));
+  }
+  return spec;
+}
+
 std::vector<EffectSpec> read_effects(Table& document) {
   std::vector<EffectSpec> specs;
-  for (Table& table : document.tables("effect")) {
-    EffectSpec spec;
-    spec.type = table.need_text("type");
-    spec.where = table.where();
-    for (const std::string& key : table.keys()) {
-      if (key == "type") continue;
-      spec.values.emplace_back(key, *table.literal(key));
-      spec.value_where.push_back(table.where(key));
-    }
-    specs.push_back(std::move(spec));
-  }
+  for (Table& table : document.tables("effect")) specs.push_back(read_spec(table, table.need_text("type")));
   check_unique(specs);
   return specs;
 }

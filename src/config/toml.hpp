@@ -66,6 +66,10 @@ void read_parameters(const EffectSpec& spec, Parameterized& target);
 std::string canonical_text(Parameterized& target);
 // The same with units, ranges and help as comments: `gustlab defaults NAME`.
 std::string commented_text(Parameterized& target);
+// `[environment]` of a document; what is missing is not assumed.
+Environment read_environment(Table& document);
+// What a table says besides its type, to be read by read_parameters() later.
+EffectSpec read_spec(Table& table, const std::string& type);
 // `[[effect]]` tables of a document.
 std::vector<EffectSpec> read_effects(Table& document);
 // Later specs replace earlier ones of the same type; the same type twice in one list is an error (rotor_loss: same rotor).

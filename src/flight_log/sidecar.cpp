@@ -32,22 +32,6 @@ std::vector<std::pair<std::string, std::string>> free_keys(Table& document, std:
   return result;
 }
 
-Environment read_environment(Table& document) {
-  Environment environment;
-  auto table = document.table("environment");
-  if (!table) return environment;
-  environment.ground_z_m = table->number("ground_z_m");
-  environment.ceiling_z_m = table->number("ceiling_z_m");
-  const auto walls = table->number_rows("walls");
-  if (!walls) return environment;
-  for (const std::vector<double>& row : *walls) {
-    if (row.size() != 4 || (row[2] == 0.0 && row[3] == 0.0))
-      table->fail("walls", "a wall is a point and a normal that is not zero", "", "write [px, py, nx, ny]");
-    environment.walls.push_back({Vector3(row[0], row[1], 0.0), Vector3(row[2], row[3], 0.0).normalized()});
-  }
-  return environment;
-}
-
 LogMeta read(const std::string& path) {
   Table document = Table::read_file(path);
   const std::string format = document.need_text("format");
@@ -64,7 +48,7 @@ LogMeta read(const std::string& path) {
     document.fail("source", fmt::format("\"{}\" is not one of recording, simulation", meta.source), "", "");
   meta.hold = one_of(document, "hold", document.text("hold").value_or("unknown"), {Hold::unknown, Hold::zoh, Hold::linear});
   meta.notes = document.text("notes").value_or("");
-  meta.environment = read_environment(document);
+  meta.environment = config::read_environment(document);
   meta.condition = free_keys(document, "condition");
   meta.origin = free_keys(document, "origin");
   document.finish();

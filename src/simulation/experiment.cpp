@@ -53,17 +53,10 @@ void check_name(const config::Table& table, std::string_view key, const std::str
 
 // parameters of one name in [trajectory.NAME] or [controller.NAME]; `type` is the name unless given
 Choice read_choice(const std::string& name, std::optional<config::Table> table, const std::string& where) {
+  if (table) return {name, config::read_spec(*table, table->text("type").value_or(name))};
   Choice choice{name, {}};
   choice.spec.type = name;
   choice.spec.where = where;
-  if (!table) return choice;
-  choice.spec.type = table->text("type").value_or(name);
-  choice.spec.where = table->where();
-  for (const std::string& key : table->keys()) {
-    if (key == "type") continue;
-    choice.spec.values.emplace_back(key, *table->literal(key));
-    choice.spec.value_where.push_back(table->where(key));
-  }
   return choice;
 }
 
@@ -95,14 +88,6 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
     for (const std::string& name : tables->keys())
       if (seen.count(name) == 0) check_type(read_choice(name, tables->table(name), {}));
   return choices;
-}
-
-Environment read_environment(config::Table& table) {
-  Environment environment;
-  environment.ground_z_m = table.number("ground_z_m");
-  environment.ceiling_z_m = table.number("ceiling_z_m");
-  table.finish();
-  return environment;
 }
 
 std::vector<EffectSpec> read_included(const std::string& path) {
@@ -160,7 +145,8 @@ Experiment read_experiment(const std::string& path, const std::vector<std::strin
   experiment.trajectories = read_choices(document, "trajectory", "trajectories", trajectory_names, trajectory_registry());
   experiment.controllers = read_choices(document, "controller", "controllers", controller_names, controller_registry());
   const std::vector<EffectSpec> own_effects = config::read_effects(document);
-  std::optional<config::Table> environment = document.table("environment");
+  const bool has_environment = document.has("environment");
+  const Environment environment = config::read_environment(document);
   ExperimentKeys keys;
   config::read_parameters(document, keys);
 
@@ -175,7 +161,7 @@ Experiment read_experiment(const std::string& path, const std::vector<std::strin
     document.fail("log_source", fmt::format("\"{}\" is no source", keys.log.log_source), "", "write \"sensors\" or \"truth\"");
 
   experiment.vehicle = read_vehicle(keys.vehicle, path);
-  if (environment) experiment.vehicle.environment = read_environment(*environment);
+  if (has_environment) experiment.vehicle.environment = environment;
   experiment.effects = experiment.vehicle.effects;
   for (const std::string& file : keys.include) {
     const std::filesystem::path place = std::filesystem::path(path).parent_path() / file;
