@@ -86,7 +86,7 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
   // tables of choices that this list leaves out are checked too
   if (tables)
     for (const std::string& name : tables->keys())
-      if (seen.count(name) == 0) check_type(read_choice(name, tables->table(name), {}));
+      if (seen.count(name) == 0) check_type(read_choice(name, tables->table(name), tables->where(name)));
   return choices;
 }
 
@@ -159,6 +159,8 @@ Experiment read_experiment(const std::string& path, const std::vector<std::strin
   experiment.log = keys.log;
   if (keys.log.log_source != "sensors" && keys.log.log_source != "truth")
     document.fail("log_source", fmt::format("\"{}\" is no source", keys.log.log_source), "", "write \"sensors\" or \"truth\"");
+  if (keys.flight.duration_s > 0.0 && keys.flight.settle_s >= keys.flight.duration_s)
+    document.fail("settle_s", "\"settle_s\" leaves nothing to measure", "it is not shorter than \"duration_s\"", "");
 
   experiment.vehicle = read_vehicle(keys.vehicle, path);
   if (has_environment) experiment.vehicle.environment = environment;

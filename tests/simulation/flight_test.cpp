@@ -1,0 +1,178 @@
+#include "simulation/flight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "simulation/recorder.hpp"
+#include "support/experiments.hpp"
+
+namespace gustlab {
+namespace {
+
+using test::read_text_experiment;
+using test::small_experiment;
+
+// asks for the same speed of every rotor, and notes what it saw
+class Recording final : public Controller {
+ public:
+  explicit Recording(double speed_radps) : speed_radps_(speed_radps) {}
+  void visit(ParameterVisitor&) override {}
+  double rate_hz(const VehicleModel&) const override { return 500.0; }
+  void reset(const ControllerSetup&, const Observation&) override {}
+  RotorCommand update(const Observation& observation, const Reference& reference) override {
+    observations.push_back(observation);
+    references.push_back(reference);
+    RotorCommand command;
+    command.speed_radps.fill(speed_radps_);
+    return command;
+  }
+  std::vector<Observation> observations;
+  std::vector<Reference> references;
+
+ private:
+  double speed_radps_;
+};
+
+RunRecord fly_first(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const Experiment experiment = read_text_experiment(text, overrides);
+  return run(experiment, plan(experiment).front());
+}
+
+TEST(Flight, CompletesAndSamplesEveryTick) {
+  const RunRecord record = fly_first(small_experiment);
+  EXPECT_EQ(record.outcome, Outcome::completed);
+  EXPECT_DOUBLE_EQ(record.duration_s, 1.0);
+  EXPECT_EQ(record.error.samples, 500u);
+  EXPECT_GT(record.error.planar.rmse_m, 0.0);
+  EXPECT_LT(record.error.planar.max_m, 0.5);
+}
+
+TEST(Flight, SameSpecSameBits) {
+  const RunRecord once = fly_first(small_experiment), again = fly_first(small_experiment);
+  EXPECT_EQ(once.error.planar.rmse_m, again.error.planar.rmse_m);
+  EXPECT_EQ(once.error.rmse_z_m, again.error.rmse_z_m);
+  const RunRecord other = fly_first(small_experiment, {"seed=2"});
+  EXPECT_NE(once.error.planar.rmse_m, other.error.planar.rmse_m);
+}
+
+TEST(Flight, LosingMostOfItsThrustItCrashesAndKeepsItsErrors) {
+  const RunRecord record = fly_first(small_experiment + "[[effect]]\ntype = \"thrust_scale\"\ndelta = -0.9\n");
+  EXPECT_EQ(record.outcome, Outcome::crashed);
+  // free fall from 1 m at about 0.75 to 1 g
+  EXPECT_GT(record.duration_s, 0.4);
+  EXPECT_LT(record.duration_s, 0.6);
+  EXPECT_EQ(record.error.samples, static_cast<std::size_t>(std::ceil(record.duration_s * 500.0 - 1e-6)));
+  EXPECT_GT(record.error.rmse_z_m, 0.1);
+}
+
+TEST(Flight, BeyondTheEnvelopeItEnds) {
+  const RunRecord far = fly_first(small_experiment, {"max_error_m=0.01"});
+  EXPECT_EQ(far.outcome, Outcome::left_envelope);
+  EXPECT_LT(far.duration_s, 1.0);
+  const RunRecord fast = fly_first(small_experiment, {"max_speed_mps=0.01"});
+  EXPECT_EQ(fast.outcome, Outcome::left_envelope);
+}
+
+TEST(Flight, StateThatIsNoLongerFiniteIsDivergedAtItsStep) {
+  const RunRecord record = fly_first(small_experiment + "[[effect]]\ntype = \"constant_force\"\nx = 1e308\n");
+  EXPECT_EQ(record.outcome, Outcome::diverged);
+  EXPECT_DOUBLE_EQ(record.duration_s, 0.002);
+  EXPECT_EQ(record.error.samples, 1u);
+}
+
+TEST(Flight, CommandThatIsNotFiniteIsTheControllersFault) {
+  const Experiment experiment = read_text_experiment(small_experiment);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Flight flight(experiment, plan(experiment).front());
+    flight.controller = std::make_unique<Recording>(bad);
+    TrackingError error(0.0, 500);
+    const FlightEnd end = fly(flight, error, nullptr);
+    EXPECT_EQ(end.outcome, Outcome::controller_nonfinite);
+    EXPECT_DOUBLE_EQ(end.time_s, 0.0);
+  }
+}
+
+TEST(Flight, OffboardLinkHoldsPositionAndReferenceButNotTheGyro) {
+  const Experiment experiment = read_text_experiment(small_experiment, {"offboard_rate_hz=50"});
+  Flight flight(experiment, plan(experiment).front());
+  auto controller = std::make_unique<Recording>(1500.0);
+  Recording& seen = *controller;
+  flight.controller = std::move(controller);
+  flight.options.max_error_m = 1e9;
+  TrackingError error(0.0, 500);
+  fly(flight, error, nullptr);
+  ASSERT_GT(seen.observations.size(), 40u);
+  for (std::size_t tick = 1; tick < 40; ++tick) {
+    const bool fresh = tick % 10 == 0;
+    EXPECT_EQ(seen.observations[tick].pose_time_s == seen.observations[tick].time_s, fresh) << tick;
+    EXPECT_EQ(seen.observations[tick].position_W_m != seen.observations[tick - 1].position_W_m, fresh) << tick;
+    EXPECT_EQ(seen.references[tick].position_W_m != seen.references[tick - 1].position_W_m, fresh) << tick;
+    EXPECT_NEAR(seen.observations[tick].inertial_time_s, static_cast<double>(tick) * 0.002, 1e-12);
+  }
+}
+
+TEST(Flight, FinerStepsConvergeToTheSameFlight) {
+  const auto rmse = [](const char* step) { return fly_first(small_experiment, {step}).error.planar.rmse_m; };
+  const double coarse = rmse("step_s=0.002"), middle = rmse("step_s=0.001"), fine = rmse("step_s=0.0005");
+  EXPECT_LT(std::abs(fine - middle), 0.7 * std::abs(middle - coarse));
+  EXPECT_LT(std::abs(fine - coarse), 0.05 * coarse);
+}
+
+// paired comparison: the gust of a replicate is the same for every controller and every trajectory
+TEST(Flight, EveryControllerMeetsTheSameGusts) {
+  const Experiment experiment = read_text_experiment(small_experiment, {"controllers=[\"pid\", \"geometric\"]"});
+  std::vector<std::vector<double>> forces;
+  for (const RunSpec& spec : plan(experiment)) {
+    if (spec.replicate != 2) continue;
+    Flight flight(experiment, spec);
+    TrackingError error(0.0, 500);
+    FlightRecorder recorder(experiment, flight);
+    fly(flight, error, &recorder);
+    forces.push_back(*recorder.take().find("fx"));
+  }
+  ASSERT_EQ(forces.size(), 4u);
+  ASSERT_EQ(forces[0].size(), 500u);
+  EXPECT_NE(forces[0].back(), 0.0);
+  for (const auto& force : forces)
+    for (std::size_t row = 0; row < force.size(); ++row) EXPECT_NEAR(force[row], forces[0][row], 1e-15);
+}
+
+TEST(Recorder, LogAgreesWithTheTruthItWasMadeOf) {
+  const Experiment experiment = read_text_experiment(small_experiment, {"log_rate_hz=28"});
+  Flight flight(experiment, plan(experiment).front());
+  TrackingError error(0.0, 500);
+  FlightRecorder recorder(experiment, flight);
+  fly(flight, error, &recorder);
+  const FlightLog log = recorder.take();
+  // 28 Hz on a 500 Hz clock: each row at the first tick that is due
+  ASSERT_EQ(log.rows(), 28u);
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    const double due_s = static_cast<double>(row) / 28.0;
+    EXPECT_GE(log.time_s[row], due_s - 1e-6);
+    EXPECT_LT(log.time_s[row], due_s + 0.002);
+    EXPECT_NEAR(log.find("awx")->at(row) * 0.0282, log.find("fx")->at(row), 1e-9);
+  }
+  for (const LogColumn& column : log.columns) EXPECT_EQ(column.values.size(), log.rows()) << column.name;
+  EXPECT_EQ(log.find("pz")->front(), 1.0);
+  // thrust is about the weight: an accelerometer at hover reads g upwards
+  EXPECT_NEAR(log.find("az")->front(), 9.81, 0.2);
+}
+
+TEST(Recorder, SensorsAreNoisyAndTruthIsNot) {
+  const std::string noisy = small_experiment + "[[effect]]\ntype = \"measurement_noise\"\nposition = 0.01\n";
+  const auto first_position = [&](const char* source) {
+    const Experiment experiment = read_text_experiment(noisy, {std::string("log_source=") + source});
+    Flight flight(experiment, plan(experiment).front());
+    TrackingError error(0.0, 500);
+    FlightRecorder recorder(experiment, flight);
+    fly(flight, error, &recorder);
+    return recorder.take().find("pz")->front();
+  };
+  EXPECT_EQ(first_position("truth"), 1.0);
+  EXPECT_NE(first_position("sensors"), 1.0);
+}
+
+}  // namespace
+}  // namespace gustlab
