@@ -35,6 +35,12 @@ struct ParameterInfo {
   Scale scale = Scale::one;
 };
 
+// A file that a parameter names. Its bytes, not its place, are part of a run's key.
+struct InputFile {
+  std::string path;   // as written; once read, where it was found
+  std::string bytes;  // empty: not named
+};
+
 class ParameterVisitor {
  public:
   virtual ~ParameterVisitor() = default;
@@ -46,6 +52,8 @@ class ParameterVisitor {
   virtual void texts(std::string_view name, std::vector<std::string>& value, const ParameterInfo& info) = 0;
   // three numbers of one meaning, written as an array [x, y, z]
   virtual void vector(std::string_view name, Vector3& value, const ParameterInfo& info) = 0;
+  // a visitor that does not know of files sees the path
+  virtual void file(std::string_view name, InputFile& value, const ParameterInfo& info) { text(name, value.path, info); }
 };
 
 // Anything with declared parameters.

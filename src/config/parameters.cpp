@@ -2,7 +2,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
+#include "config/hash.hpp"
+#include "config/resources.hpp"
 #include "config/text.hpp"
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
@@ -55,6 +60,27 @@ class Reader final : public ParameterVisitor {
     value = Vector3(read->data());
     for (const double item : *read) check(name, item, info);
   }
+  // relative to the file that names it, or one that is shipped
+  void file(std::string_view name, InputFile& value, const ParameterInfo&) override {
+    const auto read = table_.text(name);
+    if (read) value.path = *read;
+    if (value.path.empty()) return;
+    const std::filesystem::path beside = std::filesystem::path(table_.path()).parent_path() / value.path;
+    std::error_code error;
+    if (read && std::filesystem::is_regular_file(beside, error)) {
+      value.path = beside.string();
+    } else {
+      try {
+        value.path = find_resource(value.path);
+      } catch (const ConfigError&) {
+        table_.fail(name, fmt::format("\"{}\" is not there", value.path), "a path is relative to this file, or to the folder of gustlab", "");
+      }
+    }
+    std::ifstream stream(value.path, std::ios::binary);
+    value.bytes.assign(std::istreambuf_iterator<char>(stream), {});
+    if (!stream.good() && !stream.eof())
+      table_.fail(name, fmt::format("\"{}\" cannot be read", value.path), "", "");
+  }
 
  private:
   void check(std::string_view name, double value, const ParameterInfo& info) {
@@ -81,18 +107,24 @@ class Printer final : public ParameterVisitor {
     line(name, value ? "true" : "false", info);
   }
   void text(std::string_view name, std::string& value, const ParameterInfo& info) override {
-    line(name, quoted(value), info);
+    line(name, config::quoted(value), info);
   }
   void numbers(std::string_view name, std::vector<double>& value, const ParameterInfo& info) override {
     list(name, value.data(), value.size(), info);
   }
   void texts(std::string_view name, std::vector<std::string>& value, const ParameterInfo& info) override {
     std::string items;
-    for (const std::string& item : value) items += (items.empty() ? "" : ", ") + quoted(item);
+    for (const std::string& item : value) items += (items.empty() ? "" : ", ") + config::quoted(item);
     line(name, "[" + items + "]", info);
   }
   void vector(std::string_view name, Vector3& value, const ParameterInfo& info) override {
     list(name, value.data(), 3, info);
+  }
+  // in a key the bytes stand for the file, wherever it is
+  void file(std::string_view name, InputFile& value, const ParameterInfo& info) override {
+    const auto words = Hash().add(value.bytes).words();
+    const std::string digest = value.bytes.empty() ? "" : fmt::format("{:016x}{:016x}", words[0], words[1]);
+    line(name, config::quoted(commented_ ? value.path : digest), info);
   }
 
   std::string result;

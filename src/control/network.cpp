@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 
 #include "gustlab/errors.hpp"
@@ -170,14 +168,6 @@ std::string network_text(const NetworkWeights& weights) {
     }
   }
   return text;
-}
-
-NetworkWeights read_network(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw ConfigError(path + ": cannot be read (it should hold the weights of a network) write one with `gustlab train`");
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  return parse_network(text, path);
 }
 
 Network::Network(NetworkWeights weights) : weights_(std::move(weights)) {

@@ -33,8 +33,6 @@ struct NetworkWeights {
 // `path` stands in messages only. Throws DataError `path:line:col: problem (why) suggestion`.
 NetworkWeights parse_network(const std::string& text, const std::string& path);
 std::string network_text(const NetworkWeights& weights);
-// Reads a file; throws ConfigError when there is none.
-NetworkWeights read_network(const std::string& path);
 
 class Network {
  public:

@@ -1,7 +1,11 @@
 // asindy: Adaptive SINDy, Algorithm 1 of arXiv 2603.08863: the residual force as a sparse combination of identified terms
 // whose coefficients adapt in flight.
-#include "control/feature_terms.hpp"
+#include <algorithm>
+#include <cmath>
+
+#include "config/toml.hpp"
 #include "control/residual.hpp"
+#include "control/residual_model.hpp"
 #include "controllers/controllers.hpp"
 #include "gustlab/errors.hpp"
 
@@ -9,21 +13,63 @@ namespace gustlab {
 
 namespace {
 
+struct IdentifiedModel final : Parameterized {
+  ResidualModel model;
+  void visit(ParameterVisitor& visitor) override { model.visit(visitor); }
+};
+
+// the model that `gustlab identify` wrote: the file's [[effect]] of type sindy_residual
+ResidualModel read_model(const InputFile& file) {
+  config::Table document = config::Table::parse(file.bytes, file.path);
+  for (const EffectSpec& spec : config::read_effects(document)) {
+    if (spec.type != "sindy_residual") continue;
+    IdentifiedModel identified;
+    config::read_parameters(spec, identified);
+    identified.model.prepare();
+    return identified.model;
+  }
+  throw ConfigError(file.path + ": no [[effect]] of type \"sindy_residual\" (a model lists the active terms) name a file that "
+                    "`gustlab identify --out` wrote");
+}
+
+// the power of T in a term
+double thrust_power(const FeatureTerm& term) {
+  FeatureInput probe{{1.1, 1.2, 1.3}, {0.7, 0.8, 0.9}, 0.3, 0.4, 0.5, 1.0, {0.2, 0.25, 0.35}};
+  const double one = term.value(probe);
+  probe.thrust_N = 2.0;
+  return std::round(std::log2(term.value(probe) / one));
+}
+
 class AdaptiveSindy {
  public:
   void visit(ParameterVisitor& visitor) {
     visitor.texts("terms", term_names_, {.help = "active terms: the union over the three axes of what SINDy identified"});
+    visitor.file("model", model_, {.help = "file that `gustlab identify --out` wrote: its terms instead, and where they start"});
+    visitor.flag("start_at_model", start_at_model_, {.help = "coefficients start at the model's; otherwise at zero"});
     residual_.visit(visitor);
   }
 
   void reset(const OffboardSetup& setup) {
-    if (term_names_.empty() || term_names_.size() > Adaptation::max_terms)
-      throw ConfigError("controller asindy: terms must name 1 to " + std::to_string(Adaptation::max_terms) + " terms");
-    terms_.clear();
-    for (const std::string& name : term_names_) terms_.push_back(FeatureTerm::parse(name));
-    phi_ = Adaptation::Row::Zero(static_cast<Eigen::Index>(terms_.size()));
     weight_N_ = setup.vehicle.weight_N();
-    residual_.reset(setup, Adaptation::Parameters::Zero(phi_.cols(), 3));
+    ResidualModel model;
+    terms_.clear();
+    if (model_.bytes.empty()) {
+      for (const std::string& name : term_names_) terms_.push_back(FeatureTerm::parse(name));
+    } else {
+      model = read_model(model_);
+      terms_.assign(model.terms().begin(), model.terms().end());
+    }
+    if (terms_.empty() || terms_.size() > Adaptation::max_terms)
+      throw ConfigError("controller asindy: there must be 1 to " + std::to_string(Adaptation::max_terms) + " terms");
+    phi_ = Adaptation::Row::Zero(static_cast<Eigen::Index>(terms_.size()));
+
+    Adaptation::Parameters start = Adaptation::Parameters::Zero(phi_.cols(), 3);
+    if (start_at_model_)
+      // N per unit of the term with T in N → m/s² with T in weights
+      for (Eigen::Index i = 0; i < model.coefficients().cols(); ++i)
+        start.row(i) = model.coefficients().col(i).transpose() *
+                       (std::pow(weight_N_, thrust_power(terms_[static_cast<std::size_t>(i)])) / setup.vehicle.mass_kg);
+    residual_.reset(setup, start);
   }
 
   Vector3 update(const OffboardInput& in) {
@@ -43,6 +89,8 @@ class AdaptiveSindy {
 
  private:
   std::vector<std::string> term_names_{"1", "T sin theta", "T sin phi"};
+  InputFile model_;
+  bool start_at_model_ = true;
   ResidualAdaptation residual_;
   std::vector<FeatureTerm> terms_;
   Adaptation::Row phi_;

@@ -3,6 +3,8 @@
 //
 // Features are the network's outputs and a constant 1. Without a network only the constant is left, which is the paper's
 // comparison Neural-Fly-Constant.
+#include <algorithm>
+
 #include "control/daiml_input.hpp"
 #include "control/network.hpp"
 #include "control/residual.hpp"
@@ -16,19 +18,19 @@ namespace {
 class Daiml {
  public:
   void visit(ParameterVisitor& visitor) {
-    visitor.text("weights", weights_, {.help = "file that `gustlab train` wrote; empty: a constant is the only feature"});
+    visitor.file("weights", weights_, {.help = "file that `gustlab train` wrote; empty: a constant is the only feature"});
     residual_.visit(visitor);
   }
 
   void reset(const OffboardSetup& setup) {
     vehicle_ = setup.vehicle;
     mixer_ = Mixer(vehicle_);
-    network_ = weights_.empty() ? Network() : Network(read_network(weights_));
-    if (!weights_.empty() && !std::equal(daiml_input_names.begin(), daiml_input_names.end(), network_.weights().inputs.begin(),
+    network_ = weights_.bytes.empty() ? Network() : Network(parse_network(weights_.bytes, weights_.path));
+    if (!weights_.bytes.empty() && !std::equal(daiml_input_names.begin(), daiml_input_names.end(), network_.weights().inputs.begin(),
                                          network_.weights().inputs.end()))
-      throw ConfigError("controller daiml: " + weights_ + " looks at other inputs (see its line `inputs`) train it again");
+      throw ConfigError("controller daiml: " + weights_.path + " looks at other inputs (see its line `inputs`) train it again");
     if (network_.outputs() + 1 > Adaptation::max_terms)
-      throw ConfigError("controller daiml: " + weights_ + " has more than " + std::to_string(Adaptation::max_terms - 1) + " outputs");
+      throw ConfigError("controller daiml: " + weights_.path + " has more than " + std::to_string(Adaptation::max_terms - 1) + " outputs");
     phi_ = Adaptation::Row::Ones(network_.outputs() + 1);
     residual_.reset(setup, Adaptation::Parameters::Zero(phi_.cols(), 3));
   }
@@ -45,7 +47,7 @@ class Daiml {
   void telemetry(std::span<double> out) const { residual_.telemetry(out); }
 
  private:
-  std::string weights_;
+  InputFile weights_;
   ResidualAdaptation residual_;
   VehicleModel vehicle_;
   Mixer mixer_;

@@ -12,6 +12,7 @@ constexpr TrajectoryRow rows[] = {
     {.name = "waypoints", .says = "from rest through points to rest with the least snap", .make = make_waypoints},
     {.name = "multisine", .says = "sums of sines on every axis, to excite a vehicle for identification",
      .make = make_multisine},
+    {.name = "recorded", .says = "the reference of a flight log; without a file, hover", .make = make_recorded},
 };
 
 }  // namespace

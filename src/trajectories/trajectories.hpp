@@ -13,5 +13,6 @@ std::unique_ptr<Trajectory> make_lemniscate();
 std::unique_ptr<Trajectory> make_spiral();
 std::unique_ptr<Trajectory> make_waypoints();
 std::unique_ptr<Trajectory> make_multisine();
+std::unique_ptr<Trajectory> make_recorded();
 
 }  // namespace gustlab

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "config/resources.hpp"
 #include "gustlab/vehicle.hpp"
 
 namespace gustlab {
@@ -13,7 +14,5 @@ namespace gustlab {
 VehicleModel read_vehicle(const std::string& name_or_path, const std::string& from_file = {});
 // Names under models/.
 std::vector<std::string> vehicle_names();
-// A file or folder beside the source or install tree or in GUSTLAB_HOME; throws ConfigError when there is none.
-std::string find_resource(const std::string& relative_path);
 
 }  // namespace gustlab

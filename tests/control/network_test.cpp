@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include "gustlab/errors.hpp"
-#include "support/temporary_folder.hpp"
 
 namespace gustlab {
 namespace {
@@ -39,12 +38,6 @@ TEST(Network, GoesToTextAndBackToTheBit) {
   EXPECT_EQ(network_text(back), text);
   EXPECT_EQ(back.provenance, small().provenance);
   EXPECT_EQ(back.layers[1].weight, small().layers[1].weight);
-}
-
-TEST(Network, IsReadFromAFile) {
-  TemporaryFolder folder;
-  EXPECT_EQ(read_network(folder.write("w.txt", network_text(small()))).inputs, small().inputs);
-  EXPECT_THROW(read_network(folder.file("none")), ConfigError);
 }
 
 TEST(Network, SaysWhereAFileIsWrong) {

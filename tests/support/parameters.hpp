@@ -33,6 +33,7 @@ class Setter final : public QuietVisitor {
   void numbers(std::string_view name, std::vector<double>& value, const ParameterInfo&) override { set(name, value); }
   void texts(std::string_view name, std::vector<std::string>& value, const ParameterInfo&) override { set(name, value); }
   void vector(std::string_view name, Vector3& value, const ParameterInfo&) override { set(name, value); }
+  void file(std::string_view name, InputFile& value, const ParameterInfo&) override { set(name, value); }
 
  private:
   template <class Target>

@@ -1,8 +1,10 @@
 // Every trajectory: its derivatives are those of its position, and it starts where it says.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "gustlab/errors.hpp"
 #include "support/parameters.hpp"
+#include "support/temporary_folder.hpp"
 #include "trajectories/jet.hpp"
 #include "trajectories/trajectories.hpp"
 
@@ -154,6 +156,54 @@ TEST(Waypoints, HaveLessSnapThanANearbyCurve) {
     other += (snap + 1e-3 * more) * (snap + 1e-3 * more);
   }
   EXPECT_LT(cost, other);
+}
+
+// GIVEN the samples of a circle WHEN they are flown as a recording THEN the circle comes back, and rests at its ends
+TEST(Recorded, GivesBackWhatWasRecorded) {
+  const std::unique_ptr<Trajectory> circle = make_circle();
+  circle->prepare();
+  TemporaryFolder folder;
+  for (const bool derivatives : {true, false}) {
+    std::string text = "time_s,rpx,rpy,rpz,ryaw";
+    text += derivatives ? ",rvx,rvy,rvz,rax,ray,raz\n" : "\n";
+    for (int i = 0; i <= 200; ++i) {
+      const Reference r = circle->at(0.05 * i);
+      text += fmt::format("{},{},{},{},{}", 7.0 + 0.05 * i, r.position_W_m.x(), r.position_W_m.y(), r.position_W_m.z(), 0.0);
+      if (derivatives)
+        for (const Vector3& v : {r.velocity_W_mps, r.acceleration_W_mps2}) text += fmt::format(",{},{},{}", v.x(), v.y(), v.z());
+      text += '\n';
+    }
+    const std::string path = folder.write("log.csv", text);
+    const std::unique_ptr<Trajectory> recorded = make_recorded();
+    set(*recorded, "file", InputFile{path, text});
+    recorded->prepare();
+    EXPECT_NEAR(recorded->duration_s(), 10.0, 1e-9);
+    for (const double t : {0.5, 1.234, 4.321, 8.765}) {
+      EXPECT_LT((recorded->at(t).position_W_m - circle->at(t).position_W_m).norm(), derivatives ? 1e-9 : 1e-6);
+      EXPECT_LT((recorded->at(t).velocity_W_mps - circle->at(t).velocity_W_mps).norm(), derivatives ? 1e-7 : 1e-4);
+      EXPECT_LT((recorded->at(t).acceleration_W_mps2 - circle->at(t).acceleration_W_mps2).norm(), derivatives ? 1e-5 : 5e-3);
+    }
+    EXPECT_LT((recorded->at(99.0).position_W_m - circle->at(10.0).position_W_m).norm(), 1e-9);
+    EXPECT_EQ(recorded->at(99.0).velocity_W_mps.norm(), 0.0);
+    expect_derivatives(*recorded, {0.43, 2.01, 7.77}, "recorded");
+  }
+}
+
+TEST(Recorded, SaysWhatIsMissing) {
+  TemporaryFolder folder;
+  const auto message = [&](const std::string& text) -> std::string {
+    const std::unique_ptr<Trajectory> recorded = make_recorded();
+    set(*recorded, "file", InputFile{folder.write("log.csv", text), text});
+    try {
+      recorded->prepare();
+    } catch (const DataError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message("time_s,px\n0,1\n"), testing::HasSubstr("column rpx is missing"));
+  EXPECT_THAT(message("time_s,rpx,rpy,rpz\n0,1,1,1\n"), testing::HasSubstr("fewer than two"));
+  EXPECT_THAT(message("time_s,rpx,rpy,rpz\n0,1,1,1\n1,1,1,1\n1,1,1,1\n"), testing::HasSubstr("log.csv:4:1: time does not rise"));
 }
 
 TEST(Trajectories, ContradictionsAreSaid) {

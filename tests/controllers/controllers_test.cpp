@@ -1,0 +1,319 @@
+// What single controllers promise beyond the contract of their registry.
+#include "controllers/controllers.hpp"
+
+#include <gmock/gmock.h>
+
+#include "control/daiml_input.hpp"
+#include "control/network.hpp"
+#include "gustlab/errors.hpp"
+#include "gustlab/random.hpp"
+#include "support/fly.hpp"
+#include "trajectories/trajectories.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::test {
+namespace {
+
+constexpr double circle_speed_mps = 2.0 * pi * 1.1 / 24.0;
+
+struct Telemetry {
+  std::vector<std::string_view> names;
+  std::vector<double> values;
+  double operator[](std::string_view name) const {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (names[i] == name) return values[i];
+    throw std::logic_error("no such telemetry");
+  }
+};
+
+Telemetry telemetry_of(const Controller& controller) {
+  Telemetry out{controller.telemetry_names(), {}};
+  out.values.resize(out.names.size());
+  controller.telemetry(out.values);
+  return out;
+}
+
+ControllerFlightEnd circle(Controller& controller, const VehicleModel& vehicle) {
+  const auto trajectory = make_circle();
+  trajectory->prepare();
+  ControllerFlight flight;
+  flight.controller = &controller;
+  flight.trajectory = trajectory.get();
+  flight.vehicle = vehicle;
+  flight.duration_s = 24.0;
+  flight.settle_s = 12.0;
+  return fly(flight);
+}
+
+ControllerFlightEnd hover(Controller& controller, const VehicleModel& vehicle, const ForceEffect::Force& force, double duration_s = 30.0) {
+  const auto trajectory = make_hover();
+  ControllerFlight flight;
+  flight.controller = &controller;
+  flight.trajectory = trajectory.get();
+  flight.vehicle = vehicle;
+  flight.duration_s = duration_s;
+  flight.settle_s = duration_s / 2.0;
+  flight.force = force;
+  return fly(flight);
+}
+
+std::string reset_message(Controller& controller, const VehicleModel& vehicle) {
+  try {
+    controller.reset({vehicle, 1.0 / controller.rate_hz(vehicle)}, Observation{});
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// no feed-forward: velocity is P times the lag, so that the lag is v/2; drag and tilt add a little
+TEST(Pid, OnTheCrazyflieLagsBehindByHalfASecond) {
+  const auto pid = make_pid();
+  EXPECT_NEAR(circle(*pid, crazyflie()).rmse_xy_m, circle_speed_mps / 2.0, 0.1 * circle_speed_mps / 2.0);
+}
+
+TEST(Pid, FeedForwardTakesTheLagAway) {
+  const auto velocity = make_pid(), full = make_pid();
+  set_text(*velocity, "feedforward", "velocity");
+  set_text(*full, "feedforward", "full");
+  EXPECT_LT(circle(*velocity, crazyflie()).rmse_xy_m, 0.03);
+  EXPECT_LT(circle(*full, crazyflie()).rmse_xy_m, 0.03);
+}
+
+TEST(Pid, OnTheIrisFollowsBecauseItsTargetIsFedForward) {
+  const auto with = make_pid(), without = make_pid();
+  set_text(*without, "feedforward", "none");
+  EXPECT_LT(circle(*with, iris()).rmse_xy_m, 0.03);
+  EXPECT_NEAR(circle(*without, iris()).rmse_xy_m, circle_speed_mps / 1.0, 0.25 * circle_speed_mps);
+}
+
+TEST(Pid, GainsAreTimesTheFirmwares) {
+  const auto quick = make_pid();
+  set_number(*quick, "position_gain", 2.0);
+  EXPECT_NEAR(circle(*quick, crazyflie()).rmse_xy_m, circle_speed_mps / 4.0, 0.15 * circle_speed_mps / 4.0);
+}
+
+TEST(Pid, SaysWhatIsWrong) {
+  const auto pid = make_pid();
+  set_text(*pid, "feedforward", "some");
+  EXPECT_THAT(reset_message(*pid, iris()), testing::HasSubstr("feedforward"));
+  const auto odd = make_pid();
+  set_number(*odd, "rate_hz", 130.0);
+  EXPECT_THAT(reset_message(*odd, crazyflie()), testing::HasSubstr("does not divide"));
+}
+
+// velocity wanted is 1.0 times the lag
+TEST(Indi, OnTheCrazyflieLagsBehindByASecond) {
+  const auto indi = make_indi();
+  EXPECT_NEAR(circle(*indi, crazyflie()).rmse_xy_m, circle_speed_mps, 0.08 * circle_speed_mps);
+}
+
+TEST(Indi, InFlatnessFormFollows) {
+  for (const VehicleModel& vehicle : {crazyflie(), iris()}) {
+    const auto indi = make_indi();
+    set_text(*indi, "law", "flatness");
+    EXPECT_LT(circle(*indi, vehicle).rmse_xy_m, 0.02) << vehicle.name;
+  }
+}
+
+// GIVEN a steady force WHEN acceleration is inverted THEN nothing is left of it, without any integral
+TEST(Indi, LeavesNothingOfAConstantForce) {
+  for (const char* law : {"firmware", "flatness"})
+    for (const VehicleModel& vehicle : {crazyflie(), iris()}) {
+      const auto indi = make_indi();
+      set_text(*indi, "law", law);
+      const Vector3 force = 0.06 * vehicle.weight_N() * Vector3(1.0, -1.0, 0.5);
+      EXPECT_LT(hover(*indi, vehicle, [=](double) { return force; }).rmse_xy_m, 2e-3) << vehicle.name << " " << law;
+    }
+}
+
+TEST(Indi, FliesOverTheUsualLoopsToo) {
+  const auto indi = make_indi();
+  set_text(*indi, "inner", "low_level");
+  EXPECT_LT(hover(*indi, crazyflie(), gust(0.02)).rmse_xy_m, 0.15);
+}
+
+TEST(Indi, SaysWhatIsWrong) {
+  for (const char* name : {"law", "inner", "low_level"}) {
+    const auto indi = make_indi();
+    set_text(*indi, name, "other");
+    std::string message = "accepted";
+    try {
+      indi->reset({iris(), 0.0025}, Observation{});
+    } catch (const ConfigError& error) {
+      message = error.what();
+    }
+    EXPECT_THAT(message, testing::HasSubstr("\"other\" is unknown")) << name;
+  }
+}
+
+// GIVEN a constant force WHEN an adaptive law has settled THEN its estimate is that force, in newton
+TEST(AdaptiveControllers, EstimateTheForce) {
+  for (const auto& make : {make_asindy, make_daiml, make_l1})
+    for (const VehicleModel& vehicle : {crazyflie(), iris()})
+      for (const char* from : {"command", "rotor_speed"}) {
+        const auto controller = make();
+        set_text(*controller, "thrust_estimate", from);
+        const Vector3 force = 0.06 * vehicle.weight_N() * Vector3(1.0, -0.7, 0.5);
+        hover(*controller, vehicle, [=](double) { return force; });
+        const Telemetry told = telemetry_of(*controller);
+        EXPECT_NEAR(told["force_x_N"], force.x(), 0.05 * force.norm()) << vehicle.name;
+        EXPECT_NEAR(told["force_y_N"], force.y(), 0.05 * force.norm()) << vehicle.name;
+        EXPECT_NEAR(told["force_z_N"], force.z(), 0.05 * force.norm()) << vehicle.name;
+      }
+}
+
+TEST(AdaptiveControllers, BeatTheirOwnTrackingLawInAGust) {
+  for (const VehicleModel& vehicle : {crazyflie(), iris()}) {
+    const auto plain = make_geometric();
+    set_number(*plain, "integral", 0.0);
+    const double without = hover(*plain, vehicle, gust(0.06 * vehicle.weight_N())).rmse_xy_m;
+    for (const auto& make : {make_asindy, make_daiml, make_l1}) {
+      const auto controller = make();
+      EXPECT_LT(hover(*controller, vehicle, gust(0.06 * vehicle.weight_N())).rmse_xy_m, 0.6 * without) << vehicle.name;
+    }
+  }
+}
+
+TEST(AdaptiveControllers, LimitWhatTheyCancel) {
+  const VehicleModel vehicle = iris();
+  for (const auto& make : {make_asindy, make_daiml, make_l1}) {
+    const auto controller = make();
+    set_number(*controller, "limit_weights", 0.02);
+    hover(*controller, vehicle, [=](double) { return Vector3(0.05 * vehicle.weight_N(), 0.0, 0.0); });
+    EXPECT_NEAR(telemetry_of(*controller)["force_x_N"], 0.02 * vehicle.weight_N(), 1e-9);
+  }
+}
+
+TEST(Asindy, FliesWithThePapersTermsAndThePrintedLaw) {
+  for (const char* law : {"corrected", "printed"})
+    for (const VehicleModel& vehicle : {crazyflie(), iris()}) {
+      const auto asindy = make_asindy();
+      set(*asindy, "terms", std::vector<std::string>{"1", "theta", "phi", "T sin theta", "T cos theta", "T sin phi", "T cos phi"});
+      set_text(*asindy, "covariance_law", law);
+      EXPECT_LT(hover(*asindy, vehicle, gust(0.05 * vehicle.weight_N())).rmse_xy_m, 0.25) << vehicle.name << " " << law;
+    }
+}
+
+constexpr const char* model_text = R"(
+[[effect]]
+type = "sindy_residual"
+terms = ["1", "T sin theta"]
+fx = [0.3, -0.2]
+fy = [0.1, 0.0]
+fz = [0.0, 0.0]
+)";
+
+// level, at rest on the reference: before anything is learned, the estimate is the model's force
+TEST(Asindy, StartsFromAnIdentifiedModel) {
+  const VehicleModel vehicle = iris();
+  for (const bool start : {true, false}) {
+    const auto asindy = make_asindy();
+    set(*asindy, "model", InputFile{"model.toml", model_text});
+    set(*asindy, "start_at_model", start);
+    set_number(*asindy, "leak_radps", 0.0);
+    set_number(*asindy, "noise", 1e6);
+    Observation observation;
+    observation.attitude_WB = Eigen::AngleAxisd(0.2, Vector3::UnitY());
+    observation.rotor_speed_radps.fill(vehicle.hover_speed_radps());
+    asindy->reset({vehicle, 0.0025}, observation);
+    asindy->update(observation, Reference{});
+    EXPECT_NEAR(telemetry_of(*asindy)["force_x_N"], start ? 0.3 - 0.2 * vehicle.weight_N() * std::sin(0.2) : 0.0, 1e-3);
+    EXPECT_NEAR(telemetry_of(*asindy)["force_y_N"], start ? 0.1 : 0.0, 1e-3);
+  }
+}
+
+TEST(Asindy, RefusesAFileWithoutAModel) {
+  const auto asindy = make_asindy();
+  set(*asindy, "model", InputFile{"m.toml", "[[effect]]\ntype = \"mass\"\n"});
+  EXPECT_THAT(reset_message(*asindy, iris()), testing::HasSubstr("m.toml: no [[effect]] of type \"sindy_residual\""));
+}
+
+TEST(Asindy, SaysWhatIsWrong) {
+  const auto none = make_asindy();
+  set(*none, "terms", std::vector<std::string>{});
+  EXPECT_THAT(reset_message(*none, iris()), testing::HasSubstr("1 to 24 terms"));
+  const auto wrong = make_asindy();
+  set(*wrong, "terms", std::vector<std::string>{"T sin alpha"});
+  EXPECT_THAT(reset_message(*wrong, iris()), testing::HasSubstr("alpha"));
+  const auto law = make_asindy();
+  set_text(*law, "covariance_law", "new");
+  EXPECT_THAT(reset_message(*law, iris()), testing::HasSubstr("corrected or printed"));
+}
+
+// a network that was never trained, with outputs of about one
+NetworkWeights untrained() {
+  NetworkWeights weights;
+  weights.inputs.assign(daiml_input_names.begin(), daiml_input_names.end());
+  weights.mean = Eigen::VectorXd::Zero(daiml_inputs);
+  weights.scale = Eigen::VectorXd::Ones(daiml_inputs);
+  Eigen::Index before = daiml_inputs;
+  std::uint64_t counter = 0;
+  for (const Eigen::Index width : {50, 60, 50, 2}) {
+    NetworkWeights::Layer layer{Eigen::MatrixXd(width, before), Eigen::VectorXd::Zero(width)};
+    for (Eigen::Index i = 0; i < layer.weight.size(); ++i)
+      layer.weight(i) = RandomStream(3, 0, "untrained").normal4(counter++)[0] * std::sqrt(2.0 / static_cast<double>(before));
+    weights.layers.push_back(layer);
+    before = width;
+  }
+  return weights;
+}
+
+TEST(Daiml, FliesOnAnyFeatures) {
+  for (const VehicleModel& vehicle : {crazyflie(), iris(), ring(6, 3.0, 0.3, 0.03)}) {
+    const auto daiml = make_daiml();
+    set(*daiml, "weights", InputFile{"untrained", network_text(untrained())});
+    EXPECT_LT(hover(*daiml, vehicle, gust(0.05 * vehicle.weight_N())).rmse_xy_m, 0.25) << vehicle.name;
+  }
+}
+
+TEST(Daiml, RefusesANetworkWithOtherInputs) {
+  NetworkWeights weights = untrained();
+  weights.inputs[0] = "speed";
+  const auto daiml = make_daiml();
+  set(*daiml, "weights", InputFile{"w.txt", network_text(weights)});
+  EXPECT_THAT(reset_message(*daiml, iris()), testing::HasSubstr("w.txt looks at other inputs"));
+}
+
+TEST(Offboard, DelayAndSlownessCost) {
+  const auto error = [](double rate_hz, double delay_s) {
+    const auto asindy = make_asindy();
+    set_number(*asindy, "rate_hz", rate_hz);
+    set_number(*asindy, "delay_s", delay_s);
+    return hover(*asindy, crazyflie(), gust(0.02)).rmse_xy_m;
+  };
+  const double quick = error(100.0, 0.0);
+  EXPECT_GT(error(100.0, 0.06), 1.02 * quick);
+  EXPECT_GT(error(10.0, 0.0), 1.02 * quick);
+}
+
+TEST(Offboard, SaysWhatIsWrong) {
+  const auto rate = make_geometric();
+  set_number(*rate, "rate_hz", 40.0);
+  EXPECT_THAT(reset_message(*rate, crazyflie()), testing::HasSubstr("does not divide"));
+  EXPECT_EQ(reset_message(*rate, iris()), "accepted");
+  const auto estimate = make_geometric();
+  set_text(*estimate, "thrust_estimate", "guess");
+  EXPECT_THAT(reset_message(*estimate, iris()), testing::HasSubstr("command or rotor_speed"));
+}
+
+// every vehicle that is shipped flies with every controller, as they come
+TEST(EveryController, FliesEveryVehicleUnderModels) {
+  for (const std::string& name : vehicle_names()) {
+    const VehicleModel vehicle = read_vehicle(name);
+    for (const ControllerRow& row : controller_registry()) {
+      const auto controller = row.make();
+      const ControllerFlightEnd still = hover(*controller, vehicle, {});
+      EXPECT_TRUE(still.finite);
+      EXPECT_LT(still.rmse_xy_m, 0.01) << name << " " << row.name;
+      EXPECT_LT(still.rmse_z_m, 0.01) << name << " " << row.name;
+      const ControllerFlightEnd gusty = hover(*controller, vehicle, gust(0.06 * vehicle.weight_N()));
+      EXPECT_TRUE(gusty.finite);
+      EXPECT_LT(gusty.rmse_xy_m, 0.8) << name << " " << row.name;
+      EXPECT_LT(circle(*controller, vehicle).rmse_xy_m, 0.7) << name << " " << row.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gustlab::test
