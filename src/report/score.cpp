@@ -54,8 +54,8 @@ Json headline(const Trials& trials) {
   table["two effects: exact"] = rate_of(trials, single(2, true), exact);
   table["two effects, one below its limit: no wrong name"] = rate_of(trials, single(2, false), no_wrong_name);
   table["outside the catalogue: no name"] = rate_of(trials, kind("outside"), silent);
-  table["outside the catalogue: channel located"] =
-      rate_of(trials, [](const ScoredTrial& t) { return t.outside() && !t.channels.empty(); }, located);
+  table["outside the catalogue, visible: channel located"] = rate_of(
+      trials, [](const ScoredTrial& t) { return t.outside() && !t.channels.empty() && !(t.stranger_strength < 1.0); }, located);
   return table;
 }
 
@@ -142,11 +142,11 @@ Json not_right(const Trials& trials) {
   for (const ScoredTrial& trial : trials) {
     if (is_right(trial)) continue;
     Json truth = Json::array(), named = Json::array();
-    for (const Concealed& hidden : trial.truth) {
-      Json strength = nullptr;
-      if (std::isfinite(hidden.strength)) strength = hidden.strength;
-      truth.push_back({{"effect", hidden.label()}, {"strength_over_limit", strength}});
-    }
+    const auto add = [&truth](const std::string& label, double strength) {
+      truth.push_back({{"effect", label}, {"strength_over_limit", std::isfinite(strength) ? Json(strength) : Json(nullptr)}});
+    };
+    for (const Concealed& hidden : trial.truth) add(hidden.label(), hidden.strength);
+    if (!trial.stranger.empty()) add(trial.stranger, trial.stranger_strength);
     for (const Named& name : trial.named)
       named.push_back({{"effect", name.label()}, {"class", name.alternatives}, {"confidence", name.confidence}});
     list.push_back({{"set", trial.set}, {"trial", trial.trial}, {"kind", trial.kind},

@@ -166,12 +166,14 @@ nlohmann::ordered_json score_closure(const std::vector<ScoredTrial>& trials) {
     for (const std::string& quantity : quantities) {
       if (!trial.fit.contains(quantity)) continue;
       const Json& errors = trial.fit.at(quantity);
-      const Json& floor = trial.oracle.contains(quantity) ? trial.oracle.at(quantity) : errors.at("noise");
+      const Json oracle = trial.oracle.contains(quantity) ? trial.oracle.at(quantity).at("after") : Json::array();
       for (std::size_t h = 0; h < horizons.size(); ++h) {
-        const Json &before = errors.at("before").at(h), &after = errors.at("after").at(h), &least = floor.at(h);
-        if (!before.is_number() || !after.is_number() || !least.is_number()) continue;
+        const Json &before = errors.at("before").at(h), &after = errors.at("after").at(h), &noise = errors.at("noise").at(h);
+        if (!before.is_number() || !after.is_number() || !noise.is_number()) continue;
+        // the oracle's errors are free of measurement noise, which adds in squares
+        const double least = std::hypot(noise.get<double>(), h < oracle.size() ? oracle.at(h).get<double>() : 0.0);
         // where nothing can be recovered, nothing can be closed
-        const double room = before.get<double>() - least.get<double>();
+        const double room = before.get<double>() - least;
         if (room < 0.1 * before.get<double>()) continue;
         shares[quantity][horizons[h]].push_back((before.get<double>() - after.get<double>()) / room);
       }

@@ -19,7 +19,7 @@ nlohmann::ordered_json score_parameters(const std::vector<ScoredTrial>& trials);
 nlohmann::ordered_json score_reliability(const std::vector<ScoredTrial>& trials);
 
 // (before − after) / (before − floor) on held-out flights of trials that conceal an effect above its limit; the floor is
-// the oracle's error where the answers give it, the measurement noise otherwise.
+// the measurement noise and, where the answers give it, the error of the oracle, which knows what is concealed.
 nlohmann::ordered_json score_closure(const std::vector<ScoredTrial>& trials);
 
 }  // namespace gustlab

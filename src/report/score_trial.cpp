@@ -161,7 +161,10 @@ std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& dia
       const char* kinds[] = {"clean", "single", "pair"};
       trial.kind = answer.value("kind", std::string(kinds[std::min<std::size_t>(2, trial.truth.size())]));
       trial.vehicle = answer.value("vehicle", std::string());
-      trial.channels = texts(answer, "channels");
+      const Json stranger = part(answer, "outside");
+      trial.stranger = stranger.value("name", std::string());
+      trial.stranger_strength = stranger.value("strength_over_limit", std::numeric_limits<double>::quiet_NaN());
+      trial.channels = texts(stranger, "channels");
       trial.oracle = part(answer, "oracle");
     } catch (const Json::exception& error) {
       throw DataError(fmt::format("{}:{}:1: not an answer ({}) expected an object with trial, kind and effects",

@@ -38,7 +38,10 @@ struct ScoredTrial {
   std::vector<Named> named;
   std::vector<int> partner;  // of each truth: index into named, or −1
   std::vector<bool> right;   // of each name: it belongs to a truth
-  std::vector<std::string> channels;     // outside the catalogue: where the physics acts, when the answers say so
+  // physics outside the catalogue: what it is, how visible (like strength above), and where it acts
+  std::string stranger;
+  double stranger_strength = 0.0;
+  std::vector<std::string> channels;
   std::vector<std::string> significant;  // channels that the diagnosis reports
   nlohmann::ordered_json fit, oracle;
 

@@ -136,6 +136,10 @@ Experiment read_experiment(const std::string& path, const std::vector<std::strin
   config::Table document = config::Table::read_file(path, overrides);
   if (document.need_text("format") != experiment_format)
     document.fail("format", "not an experiment of this program", fmt::format("\"format\" must be \"{}\"", experiment_format), "");
+  return make_experiment(document, path);
+}
+
+Experiment make_experiment(config::Table& document, const std::string& path) {
   document.need_text("vehicle");
   check_name(document, "name", document.need_text("name"));
   const auto trajectory_names = document.texts("trajectories").value_or(std::vector<std::string>{});

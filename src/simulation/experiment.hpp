@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "config/toml.hpp"
 #include "gustlab/parameters.hpp"
 #include "gustlab/vehicle.hpp"
 
@@ -63,6 +64,8 @@ std::string to_hex(const std::array<std::uint64_t, 2>& key);
 // Throws ConfigError with file:line:col, also for what would only show in flight: a step that does not divide the
 // controller's period, a trajectory that contradicts itself. `overrides` are `key=value` pairs with dotted keys.
 Experiment read_experiment(const std::string& path, const std::vector<std::string>& overrides = {});
+// The same from a table that was read already, but for its format; `path` is what relative paths resolve against.
+Experiment make_experiment(config::Table& document, const std::string& path);
 // A path as given, or a name under experiments/. Throws ConfigError when there is neither.
 std::string find_experiment(const std::string& name_or_path);
 // The keys of an experiment outside its tables, for `gustlab defaults experiment`.

@@ -1,0 +1,208 @@
+#include "simulation/concealed_trials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "config/toml.hpp"
+#include "gustlab/errors.hpp"
+#include "simulation/flight.hpp"
+#include "simulation/make_effects.hpp"
+#include "simulation/recorder.hpp"
+#include "util/files.hpp"
+#include "util/parallel.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab {
+
+namespace {
+
+constexpr std::string_view trials_format = "gustlab-trials/1";
+
+// columns of a log that each sensor fills
+struct Sensor {
+  std::string_view name;
+  std::vector<std::string_view> columns;
+};
+const std::array<Sensor, 5>& sensors() {
+  static const std::array<Sensor, 5> all{{{"pose", {"px", "py", "pz", "qw", "qx", "qy", "qz"}},
+                                          {"velocity", {"vx", "vy", "vz"}},
+                                          {"gyroscope", {"wx", "wy", "wz"}},
+                                          {"accelerometer", {"ax", "ay", "az"}},
+                                          {"rotor_speed", {"rotor1", "rotor2", "rotor3", "rotor4", "rotor5", "rotor6", "rotor7", "rotor8"}}}};
+  return all;
+}
+
+std::vector<std::string> read_sensors(config::Table& document) {
+  const auto names = document.texts("sensors").value_or(std::vector<std::string>{"pose", "velocity", "gyroscope"});
+  std::vector<std::string> known;
+  for (const Sensor& sensor : sensors()) known.emplace_back(sensor.name);
+  for (const std::string& name : names)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      document.fail("sensors", fmt::format("\"{}\" is no sensor", name), "one of " + fmt::format("{}", fmt::join(known, ", ")),
+                    config::suggest(name, known));
+  return names;
+}
+
+// the trajectories of a list, by their place in the experiment
+std::vector<std::size_t> find_trajectories(const config::Table& table, std::string_view key, const std::vector<std::string>& names,
+                                           const Experiment& experiment) {
+  std::vector<std::size_t> found;
+  std::vector<std::string> known;
+  for (const Choice& choice : experiment.trajectories) known.push_back(choice.name);
+  for (const std::string& name : names) {
+    const auto at = std::find(known.begin(), known.end(), name);
+    if (at == known.end())
+      table.fail(key, fmt::format("\"{}\" is not among \"trajectories\"", name), "", config::suggest(name, known));
+    found.push_back(static_cast<std::size_t>(at - known.begin()));
+  }
+  return found;
+}
+
+// `effects = [{type = "mass", delta = 0.1}]` or [[trial.effects]]
+std::vector<EffectSpec> read_concealed(config::Table& trial) {
+  std::vector<EffectSpec> specs;
+  for (config::Table& table : trial.tables("effects")) {
+    EffectSpec spec;
+    spec.type = table.need_text("type");
+    spec.where = table.where();
+    for (const std::string& key : table.keys()) {
+      if (key == "type") continue;
+      spec.values.emplace_back(key, *table.literal(key));
+      spec.value_where.push_back(table.where(key));
+    }
+    specs.push_back(std::move(spec));
+  }
+  make_effects(specs);
+  return specs;
+}
+
+std::string kind_of(std::size_t effects) {
+  constexpr std::array<const char*, 3> kinds{"clean", "single", "pair"};
+  return effects < kinds.size() ? kinds[effects] : "many";
+}
+
+// a log as a recording would have it: what the sensors say and the commands, nothing else
+FlightLog without_secrets(FlightLog log, const std::vector<std::string>& wanted) {
+  std::set<std::string_view> keep;
+  for (const Sensor& sensor : sensors())
+    if (std::find(wanted.begin(), wanted.end(), sensor.name) != wanted.end()) keep.insert(sensor.columns.begin(), sensor.columns.end());
+  std::erase_if(log.columns, [&](const LogColumn& column) {
+    const bool command = column.name.size() == 2 && column.name[0] == 'u';
+    return !command && !keep.contains(column.name);
+  });
+  log.meta.source = "recording";
+  return log;
+}
+
+struct PlannedFlight {
+  const ConcealedTrial* trial;
+  RunSpec spec;
+  std::string file;  // fit_1.csv
+};
+
+FlightLog fly_one(const PlannedFlight& planned) {
+  const Experiment& experiment = planned.trial->experiment;
+  Flight flight(experiment, planned.spec);
+  TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
+  FlightRecorder recorder(experiment, flight);
+  const FlightEnd end = fly(flight, error, &recorder);
+  if (end.outcome != Outcome::completed)
+    throw ConfigError(fmt::format("trial \"{}\": {} {} at {:.1f} s (what it conceals is more than the controller can take) use less",
+                                  planned.trial->name, planned.file, to_string(end.outcome), end.time_s));
+  return recorder.take();
+}
+
+std::string answer(const ConcealedTrial& trial) {
+  nlohmann::ordered_json line{{"trial", trial.name}, {"vehicle", trial.experiment.vehicle.name}, {"kind", trial.kind}};
+  line["effects"] = nlohmann::ordered_json::array();
+  for (const EffectSpec& spec : trial.concealed) {
+    nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
+    for (const auto& [key, literal] : spec.values) {
+      double value = 0.0;
+      const auto [end, problem] = std::from_chars(literal.data(), literal.data() + literal.size(), value);
+      if (problem == std::errc() && end == literal.data() + literal.size()) parameters[key] = value;
+    }
+    line["effects"].push_back({{"effect", spec.type}, {"parameters", parameters}});
+  }
+  return line.dump() + "\n";
+}
+
+}  // namespace
+
+TrialsFile read_trials_file(const std::string& path, const std::vector<std::string>& overrides) {
+  config::Table document = config::Table::read_file(path, overrides);
+  if (document.need_text("format") != trials_format)
+    document.fail("format", "not a list of trials", fmt::format("\"format\" must be \"{}\"", trials_format), "");
+  std::vector<config::Table> tables = document.tables("trial");
+  if (tables.empty()) document.fail("", "there is no [[trial]]", "nothing would be flown", "add one");
+  TrialsFile file;
+  file.sensors = read_sensors(document);
+  const auto fit = document.texts("fit").value_or(std::vector<std::string>{});
+  const auto holdout = document.texts("holdout").value_or(std::vector<std::string>{});
+  const std::vector<EffectSpec> room = config::read_effects(document);
+  const Experiment base = make_experiment(document, path);
+
+  std::set<std::string> seen;
+  for (config::Table& table : tables) {
+    ConcealedTrial trial;
+    trial.name = table.need_text("name");
+    if (!seen.insert(trial.name).second || trial.name.find_first_of("/\\ ") != std::string::npos)
+      table.fail("name", fmt::format("\"{}\" is no name of a folder of its own", trial.name), "", "use another");
+    trial.concealed = read_concealed(table);
+    trial.kind = table.text("kind").value_or(kind_of(trial.concealed.size()));
+    trial.experiment = base;
+    if (const auto vehicle = table.text("vehicle")) {
+      trial.experiment.vehicle_name = *vehicle;
+      trial.experiment.vehicle = read_vehicle(*vehicle, path);
+      trial.experiment.vehicle.environment = base.vehicle.environment;
+      trial.experiment.effects = config::merge_effects(trial.experiment.vehicle.effects, room);
+    }
+    trial.experiment.effects = config::merge_effects(trial.experiment.effects, trial.concealed);
+    trial.fit = find_trajectories(table, "fit", table.texts("fit").value_or(fit), base);
+    trial.holdout = find_trajectories(table, "holdout", table.texts("holdout").value_or(holdout), base);
+    if (trial.fit.empty()) table.fail("fit", "there is no flight to fit", "", "list trajectories under \"fit\"");
+    table.finish();
+    file.trials.push_back(std::move(trial));
+  }
+  return file;
+}
+
+std::string fly_concealed_trials(const TrialsFile& file, const std::string& out, int jobs) {
+  std::vector<PlannedFlight> flights;
+  std::string answers;
+  // every flight has air of its own
+  std::uint32_t replicate = 0;
+  for (const ConcealedTrial& trial : file.trials) {
+    const auto add = [&](const std::vector<std::size_t>& trajectories, const char* role) {
+      for (std::size_t i = 0; i < trajectories.size(); ++i)
+        flights.push_back({&trial, {0, trajectories[i], 0, ++replicate, {}}, fmt::format("{}_{}.csv", role, i + 1)});
+    };
+    add(trial.fit, "fit");
+    add(trial.holdout, "holdout");
+    answers += answer(trial);
+  }
+
+  std::vector<FlightLog> logs(flights.size());
+  parallel_for(static_cast<std::int64_t>(flights.size()), jobs, [&](std::int64_t i) {
+    const auto n = static_cast<std::size_t>(i);
+    logs[n] = without_secrets(fly_one(flights[n]), file.sensors);
+  });
+  for (std::size_t i = 0; i < flights.size(); ++i) {
+    const std::filesystem::path folder = std::filesystem::path(out) / flights[i].trial->name;
+    make_folder(folder.string());
+    // a vehicle that is a file keeps its place relative to the recording
+    const Experiment& experiment = flights[i].trial->experiment;
+    if (experiment.vehicle_name.find_first_of("/.") != std::string::npos)
+      logs[i].meta.vehicle = std::filesystem::proximate(experiment.vehicle.source_path, folder).string();
+    write_flight_log(logs[i], (folder / flights[i].file).string());
+  }
+  return answers;
+}
+
+}  // namespace gustlab
