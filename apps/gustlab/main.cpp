@@ -40,6 +40,7 @@ void add_commands(CLI::App& app) {
   add_replay(app);
   add_diagnose(app);
   add_identify(app);
+  add_conceal(app);
   add_score(app);
 }
 

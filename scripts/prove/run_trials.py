@@ -35,8 +35,10 @@ def run_measured(command, log):
 
 
 def diagnose(folder, name, program, arguments):
-    """Diagnoses one trial; returns its figures, None where a former result was kept."""
-    fit, holdout = sorted(folder.glob("fit_*.csv")), sorted(folder.glob("holdout_*.csv"))
+    """Diagnoses one trial; returns its exit code, time and memory."""
+    recordings = sorted(path for path in folder.glob("*.csv*") if path.name.endswith((".csv", ".csv.gz")))
+    fit = [path for path in recordings if path.name.startswith("fit_")]
+    holdout = [path for path in recordings if path.name.startswith("holdout_")]
     if not fit:
         return {"exit_code": 3, "seconds": 0.0, "cpu_seconds": 0.0, "peak_MiB": 0.0}
     command = [*program, *map(str, fit), *(text for path in holdout for text in ("--holdout", str(path))),

@@ -128,7 +128,10 @@ std::string rivals(const Json& effect) {
   for (const Json& rival : part(effect, "confusable_with")) {
     if (rival.value("equivalent", false)) continue;
     const double z = number(rival, "z");
-    ruled_out.push_back(plain_label(text(rival, "effect")) + (std::isfinite(z) ? fmt::format(" (z = {:.1f})", z) : ""));
+    const std::string name = plain_name(rival);
+    // one line for the rotors of rotor_loss, with the nearest of them
+    const bool said = std::any_of(ruled_out.begin(), ruled_out.end(), [&](const std::string& other) { return other.starts_with(name + " ("); });
+    if (!said) ruled_out.push_back(name + (std::isfinite(z) ? fmt::format(" (z = {:.1f})", z) : ""));
   }
   std::string words;
   if (!alike.empty()) words = "These flights cannot tell " + plain_name(effect) + " from " + list_in_words(alike, "or") + "; the numbers are those of " + plain_name(effect) + ". ";
@@ -192,6 +195,16 @@ std::string disturbance(const Json& diagnosis) {
          "time</th></tr>" + rows + "</table></div>";
 }
 
+// what says that something is left, and other remarks
+std::string remarks(const Json& diagnosis) {
+  std::string items;
+  for (const Json& alarm : part(diagnosis, "alarms"))
+    items += fmt::format("<li><strong>{}</strong>: {}</li>", escape(capital(plain_label(text(alarm, "kind")))), escape(text(alarm, "says")));
+  for (const Json& note : part(diagnosis, "notes"))
+    if (note.is_string()) items += "<li>" + escape(note.get<std::string>()) + "</li>";
+  return items.empty() ? "" : "<ul>" + items + "</ul>";
+}
+
 std::string reasons(const Json& list, bool with_score) {
   std::string rows;
   for (const Json& entry : list) {
@@ -222,6 +235,7 @@ std::string next_flight(const Json& diagnosis) {
 
 std::string flights(const Json& diagnosis) {
   std::string rows;
+  bool any_condition = false;
   for (const Json& flight : part(diagnosis, "flights")) {
     std::vector<std::string> conditions;
     for (const auto& [key, value] : part(flight, "condition").items()) {
@@ -229,13 +243,14 @@ std::string flights(const Json& diagnosis) {
       conditions.push_back(variable.name + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + " " + variable.unit);
     }
     const std::string role = text(flight, "role");
+    any_condition = any_condition || !conditions.empty();
     rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{} s</td><td class=\"n\">{} ms</td><td>{}</td></tr>", escape(text(flight, "file")),
                         escape(role == "holdout" ? "held out" : plain_label(role)), figure(number(flight, "duration_s")),
                         figure(1e3 * number(flight, "time_offset_s")), escape(list_in_words(conditions)));
   }
   if (rows.empty()) return "";
-  return "<div class=\"scroll\"><table><tr><th>file</th><th>role</th><th class=\"n\">duration</th><th class=\"n\">time offset</th><th>condition</th></tr>" +
-         rows + "</table></div>";
+  return "<div class=\"scroll\"><table><tr><th>file</th><th>role</th><th class=\"n\">duration</th><th class=\"n\">time offset</th><th>" +
+         std::string(any_condition ? "condition" : "") + "</th></tr>" + rows + "</table></div>";
 }
 
 std::string footer(const Json& diagnosis) {
@@ -253,7 +268,7 @@ std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const Diagno
                      "content=\"width=device-width, initial-scale=1\">";
   html += fmt::format("<title>Diagnosis of {}</title><style>{}</style></head>\n<body><main>\n", escape(text(diagnosis, "vehicle")), page_style());
   for (const std::string& piece :
-       {header(diagnosis), log_findings(diagnosis), section("Where it differs", where(diagnosis)), section("What was left out", what(diagnosis)),
+       {header(diagnosis), log_findings(diagnosis), section("Where it differs", where(diagnosis)), section("What was left out", what(diagnosis)), section("Still not explained, and remarks", remarks(diagnosis)),
         horizon_section(diagnosis, figures), residual_section(figures), window_section(figures),
         section("What cannot be told", cannot_tell(diagnosis)), section("What to fly next", next_flight(diagnosis)),
         section("Unexplained disturbance", disturbance(diagnosis)), section("Calibration", calibration(diagnosis)),

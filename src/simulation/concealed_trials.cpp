@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -87,6 +86,22 @@ std::string kind_of(std::size_t effects) {
   return effects < kinds.size() ? kinds[effects] : "many";
 }
 
+// a [[trial]] before its experiment is known
+struct Draft {
+  config::Table table;
+  ConcealedTrial trial;
+  std::optional<std::string> vehicle;
+  std::vector<std::string> fit, holdout;
+};
+
+Draft read_draft(config::Table table, const std::vector<std::string>& fit, const std::vector<std::string>& holdout) {
+  Draft draft{table, {}, table.text("vehicle"), table.texts("fit").value_or(fit), table.texts("holdout").value_or(holdout)};
+  draft.trial.name = table.need_text("name");
+  draft.trial.concealed = read_concealed(table);
+  draft.trial.kind = table.text("kind").value_or(kind_of(draft.trial.concealed.size()));
+  return draft;
+}
+
 // a log as a recording would have it: what the sensors say and the commands, nothing else
 FlightLog without_secrets(FlightLog log, const std::vector<std::string>& wanted) {
   std::set<std::string_view> keep;
@@ -115,7 +130,10 @@ FlightLog fly_one(const PlannedFlight& planned) {
   if (end.outcome != Outcome::completed)
     throw ConfigError(fmt::format("trial \"{}\": {} {} at {:.1f} s (what it conceals is more than the controller can take) use less",
                                   planned.trial->name, planned.file, to_string(end.outcome), end.time_s));
-  return recorder.take();
+  FlightLog log = recorder.take();
+  // between the rows of a slower log the command changes, and nobody knows how
+  if (log.rows() < static_cast<std::size_t>(flight.ticks)) log.meta.hold = Hold::unknown;
+  return log;
 }
 
 std::string answer(const ConcealedTrial& trial) {
@@ -124,9 +142,9 @@ std::string answer(const ConcealedTrial& trial) {
   for (const EffectSpec& spec : trial.concealed) {
     nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
     for (const auto& [key, literal] : spec.values) {
-      double value = 0.0;
-      const auto [end, problem] = std::from_chars(literal.data(), literal.data() + literal.size(), value);
-      if (problem == std::errc() && end == literal.data() + literal.size()) parameters[key] = value;
+      // a TOML number is a JSON number, save for its underscores and its infinities
+      const nlohmann::ordered_json value = nlohmann::ordered_json::parse(literal, nullptr, false);
+      if (value.is_number()) parameters[key] = value;
     }
     line["effects"].push_back({{"effect", spec.type}, {"parameters", parameters}});
   }
@@ -146,28 +164,30 @@ TrialsFile read_trials_file(const std::string& path, const std::vector<std::stri
   const auto fit = document.texts("fit").value_or(std::vector<std::string>{});
   const auto holdout = document.texts("holdout").value_or(std::vector<std::string>{});
   const std::vector<EffectSpec> room = config::read_effects(document);
-  const Experiment base = make_experiment(document, path);
 
+  // every key of a trial is asked for before the document as a whole is finished
+  std::vector<Draft> drafts;
   std::set<std::string> seen;
-  for (config::Table& table : tables) {
-    ConcealedTrial trial;
-    trial.name = table.need_text("name");
-    if (!seen.insert(trial.name).second || trial.name.find_first_of("/\\ ") != std::string::npos)
-      table.fail("name", fmt::format("\"{}\" is no name of a folder of its own", trial.name), "", "use another");
-    trial.concealed = read_concealed(table);
-    trial.kind = table.text("kind").value_or(kind_of(trial.concealed.size()));
+  for (const config::Table& table : tables) {
+    drafts.push_back(read_draft(table, fit, holdout));
+    const std::string& name = drafts.back().trial.name;
+    if (!seen.insert(name).second || name.find_first_of("/\\ ") != std::string::npos)
+      table.fail("name", fmt::format("\"{}\" is no name of a folder of its own", name), "", "use another");
+  }
+  const Experiment base = make_experiment(document, path);
+  for (Draft& draft : drafts) {
+    ConcealedTrial& trial = draft.trial;
     trial.experiment = base;
-    if (const auto vehicle = table.text("vehicle")) {
-      trial.experiment.vehicle_name = *vehicle;
-      trial.experiment.vehicle = read_vehicle(*vehicle, path);
+    if (draft.vehicle) {
+      trial.experiment.vehicle_name = *draft.vehicle;
+      trial.experiment.vehicle = read_vehicle(*draft.vehicle, path);
       trial.experiment.vehicle.environment = base.vehicle.environment;
       trial.experiment.effects = config::merge_effects(trial.experiment.vehicle.effects, room);
     }
     trial.experiment.effects = config::merge_effects(trial.experiment.effects, trial.concealed);
-    trial.fit = find_trajectories(table, "fit", table.texts("fit").value_or(fit), base);
-    trial.holdout = find_trajectories(table, "holdout", table.texts("holdout").value_or(holdout), base);
-    if (trial.fit.empty()) table.fail("fit", "there is no flight to fit", "", "list trajectories under \"fit\"");
-    table.finish();
+    trial.fit = find_trajectories(draft.table, "fit", draft.fit, base);
+    trial.holdout = find_trajectories(draft.table, "holdout", draft.holdout, base);
+    if (trial.fit.empty()) draft.table.fail("fit", "there is no flight to fit", "", "list trajectories under \"fit\"");
     file.trials.push_back(std::move(trial));
   }
   return file;

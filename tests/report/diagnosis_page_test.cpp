@@ -57,7 +57,7 @@ TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
   std::size_t at = 0;
   for (const char* wanted :
        {"<h1>The simulation of crazyflie", "First, about the recordings", "Where it differs", "airspeed above 0.6 m/s (82 % of it)",
-        "What was left out", "0.01470 ± 0.00078", "N s/m", "Mass or thrust scale", "Loss of rotor 3", "How much better it predicts",
+        "What was left out", "0.01470 ± 0.00078", "N s/m", "Mass or thrust scale", "Loss of rotor 3", "Still not explained", "repeat after 0.05 s", "How much better it predicts",
         "over 412 windows of lemniscate.csv", "Left out: 3 windows across gaps", "N = 150 blocks, left out: 12 blocks with saturated commands",
         "One held-out window", "400 samples", "What cannot be told", "no sample below 0.3 m", "What to fly next", "Thrust sweep",
         "Unexplained disturbance", "Calibration", "0.041 ± 0.012", "Flights"}) {
@@ -71,7 +71,7 @@ TEST(DiagnosisPage, EscapesEveryText) {
   Json diagnosis = example_diagnosis();
   const std::string attack = "<b>\"'&</b>";
   diagnosis["vehicle"] = attack;
-  for (const char* list : {"effects", "log_findings", "rejected", "not_identifiable", "flights", "mismatch", "disturbance"})
+  for (const char* list : {"effects", "log_findings", "rejected", "not_identifiable", "flights", "alarms", "mismatch", "disturbance"})
     for (Json& entry : diagnosis[list])
       for (auto& [key, value] : entry.items())
         if (value.is_string() && key != "role") value = attack;

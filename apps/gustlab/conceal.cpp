@@ -1,0 +1,40 @@
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "simulation/concealed_trials.hpp"
+#include "util/files.hpp"
+#include "util/parallel.hpp"
+#include "util/sha256.hpp"
+
+namespace gustlab {
+
+namespace {
+
+struct Options {
+  std::string trials, out, answers;
+  std::vector<std::string> overrides;
+  int jobs = default_jobs();
+};
+
+void conceal(const Options& options) {
+  const TrialsFile file = read_trials_file(options.trials, options.overrides);
+  const std::string answers = fly_concealed_trials(file, options.out, options.jobs);
+  write_file(options.answers, answers);
+  std::printf("%s\n", sha256(answers).c_str());
+}
+
+}  // namespace
+
+void add_conceal(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("conceal", "flies trials whose vehicle is not quite its model, to test a diagnosis");
+  command->add_option("TRIALS", options->trials, "TOML with [[trial]] tables")->required();
+  command->add_option("--out", options->out, "folder for the recordings")->required();
+  command->add_option("--answers", options->answers, "file for what was concealed; its sha256 is printed")->required();
+  command->add_option("--set", options->overrides, "key=value, a dotted key of the file");
+  command->add_option("--jobs", options->jobs, "threads")->check(CLI::PositiveNumber)->capture_default_str();
+  command->callback([options] { conceal(*options); });
+}
+
+}  // namespace gustlab

@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Real flights: does the diagnosis name what is known of them, and does the model that it finds fly better?
+
+    real_flights.py FLIGHTS --gustlab BIN --out DIR [--jobs 2] [--only SET]
+
+FLIGHTS is the folder that docs/DATA.md describes (recordings as published) or its flight logs after scripts/import_log.py.
+Prints one JSON object: {"cases": [...], "nanodrone": {...}, "semi_real": {...}}.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import semi_real
+from flight_files import HOME
+from run_trials import run_measured
+
+# mean errors over every window that the benchmark publishes for its test flights, 50 steps (0.5 s) ahead
+PUBLISHED = {"hold": (0.6797, 1.4749, 0.3041, 0.8837), "physics": (0.1269, 0.5781, 0.2544, 0.8837), "MLP": (0.1712, 0.5720, 0.2268, 0.9005),
+             "physics + network": (0.1119, 0.5556, 0.2306, 0.5979), "LSTM": (0.2572, 0.7407, 0.2325, 1.2407)}
+QUANTITIES = ("position_m", "velocity_mps", "attitude_rad", "body_rate_radps")
+GOAL = {"position_m": 0.090, "velocity_mps": 0.33, "attitude_rad": 0.15, "body_rate_radps": 0.43}
+
+
+def import_flights(source, out, jobs_log):
+    """Flight logs of every set under `out`; what is one already is linked."""
+    done = {}
+    for name in ("nanodrone", "nanobench", "arpl", "crazypad"):
+        if list((source / name).glob("*.meta.toml")):
+            done[name] = source / name
+            continue
+        if not (source / name).is_dir():
+            continue
+        inputs = sorted(path for path in (source / name).rglob("*") if path.is_file() and path.suffix in (".gz", ".csv", "")
+                        and path.name not in ("LICENSE", "README"))
+        subprocess.run([sys.executable, HOME / "scripts" / "import_log.py", *inputs, "--map", name, "--out", out / name,
+                        "--keep-unusable"], check=True, stdout=jobs_log, stderr=jobs_log)
+        done[name] = out / name
+    corrupt = source / "nanobench_corrupt"
+    if corrupt.is_dir():
+        done["nanobench_corrupt"] = corrupt
+    return done
+
+
+class Bench:
+    def __init__(self, gustlab, out):
+        self.gustlab, self.out = gustlab, out
+
+    def diagnose(self, name, fit, holdout, arguments=()):
+        command = [self.gustlab, "diagnose", *map(str, fit), *(text for path in holdout for text in ("--holdout", str(path))),
+                   "--out", str(self.out / name), *arguments]
+        figures = run_measured(command, self.out / f"{name}.messages.txt")
+        path = self.out / name / "diagnosis.json"
+        return (json.loads(path.read_text(encoding="utf-8")) if figures["exit_code"] == 0 and path.exists() else None), figures
+
+    def replay(self, flights, model, vehicle):
+        command = [self.gustlab, "replay", *map(str, flights), "--vehicle", vehicle, "--with", str(model), "--horizon", "0.5",
+                   "--stride", "1", "--format", "json"]
+        result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+        return json.loads(result.stdout) if result.returncode == 0 else {"failed": result.stderr.strip()}
+
+
+def label(effect):
+    rotor = effect["parameters"].get("rotor")
+    return effect["effect"] + (f"#{int(rotor['value'])}" if rotor else "")
+
+
+def names(diagnosis):
+    return [label(effect) for effect in diagnosis["effects"]]
+
+
+def among(diagnosis, wanted):
+    """Whether a name, or one of its class, is `wanted` (rotor_loss#3 for a rotor)."""
+    effect, _, rotor = wanted.partition("#")
+    for found in diagnosis["effects"]:
+        own = found["parameters"].get("rotor", {}).get("value")
+        if found["effect"] == effect and (not rotor or int(own) == int(rotor)):
+            return True
+        if any(alike in (effect, wanted) for alike in found["class"] if alike != found["effect"]):
+            return True
+    return False
+
+
+def findings(diagnosis, kind):
+    return [finding for finding in diagnosis["log_findings"] if finding["kind"] == kind]
+
+
+def value(diagnosis, effect, parameter):
+    for found in diagnosis["effects"]:
+        if found["effect"] == effect:
+            return found["parameters"][parameter]["value"]
+    return None
+
+
+def row(case, wanted, diagnosis, good):
+    found = "no diagnosis" if diagnosis is None else ", ".join(names(diagnosis)) or diagnosis["verdict"]
+    return {"case": case, "wanted": wanted, "found": found, "verdict": diagnosis and diagnosis["verdict"], "good": bool(diagnosis and good(diagnosis))}
+
+
+def nanodrone(bench, folder):
+    flights = sorted(folder.glob("train_*.csv.gz"))
+    held = [path for path in flights if "_run2" in path.name]
+    fit = [path for path in flights if path not in held]
+    diagnosis, figures = bench.diagnose("nanodrone", fit, held)
+    rows = [row("nanodrone", wanted, diagnosis, good) for wanted, good in (
+        ("rotor_drag", lambda d: among(d, "rotor_drag")), ("flapping_torque", lambda d: among(d, "flapping_torque")),
+        ("rotor_inertia", lambda d: among(d, "rotor_inertia")), ("yaw torque of the wrong size", lambda d: among(d, "yaw_torque_ratio")),
+        ("yaw torque of the wrong sign", lambda d: findings(d, "sign")))]
+    result = {"seconds": figures["seconds"], "peak_MiB": figures["peak_MiB"], "published": PUBLISHED, "goal": GOAL}
+    if diagnosis is not None:
+        test = bench.replay(sorted(folder.glob("test_*.csv.gz")), bench.out / "nanodrone" / "augmented.toml", diagnosis["vehicle"])
+        result["test"] = test
+        if "failed" not in test:
+            result["after"] = {q: test[q]["after"][0] for q in QUANTITIES}
+            rows += [{"case": "nanodrone test, 0.5 s", "wanted": f"{q} at most {GOAL[q]}", "found": f"{result['after'][q]:.4f}",
+                      "verdict": diagnosis["verdict"], "good": result["after"][q] <= GOAL[q]} for q in QUANTITIES]
+    return rows, result
+
+
+def nanobench(bench, folder, corrupt):
+    flights = sorted(path for path in folder.glob("B[236]*.csv.gz"))
+    bad = sorted(corrupt.glob("B9*.csv.gz"))
+    diagnosis, _ = bench.diagnose("nanobench", [*flights[:2], *bad], flights[2:])
+    rows = [row("nanobench", wanted, diagnosis, lambda d, wanted=wanted: among(d, wanted))
+            for wanted in ("battery_sag", "motor_lag", "rotor_drag")]
+    aside = lambda d: any(f["role"] == "set_aside" and f["file"].startswith("B9") for f in d["flights"])
+    return rows + [row("nanobench", "corrupt file set aside, with the reason", diagnosis,
+                       lambda d: aside(d) and any(f["file"].startswith("B9") for f in d["log_findings"]))]
+
+
+def arpl(bench, folder):
+    diagnosis, _ = bench.diagnose("arpl", [folder / "log10.csv.gz"], [])
+    lag = diagnosis and value(diagnosis, "motor_lag", "time_constant")
+    result = row("arpl log10 (no pose)", "motor_lag of 75 ms within 10 %", diagnosis, lambda d: lag is not None and abs(lag / 0.075 - 1) <= 0.1)
+    if lag is not None:
+        result["found"] += f" ({1e3 * lag:.1f} ms)"
+    return [result]
+
+
+def crazypad(bench, folder):
+    rows = []
+    log = lambda name: folder / f"{name}.csv.gz"
+    silent = lambda d: not d["effects"]
+    # the second flight is another one of the same vehicle, against which the first is judged
+    for case, flight, normal, wanted, good in (
+            ("cut propeller", "cut_propeller_M3_3mm_3mm_41mm-E8_log00", "normal_flight-E8_log00", "rotor_loss of M3", lambda d: among(d, "rotor_loss#3")),
+            ("cut propeller, 2nd", "cut_propeller_M3_3mm_3mm_41mm-E8_log01", "normal_flight-E8_log01", "rotor_loss of M3", lambda d: among(d, "rotor_loss#3")),
+            ("added weight", "add_weight_W3_near_M3-E9_log00", "normal_flight-E9_log00", "center_of_mass toward M3", lambda d: among(d, "center_of_mass")),
+            ("added weight, 2nd", "add_weight_W3_near_M3-E9_log02", "normal_flight-E9_log03", "center_of_mass toward M3", lambda d: among(d, "center_of_mass")),
+            ("normal flight E8", "normal_flight-E8_log01", "normal_flight-E8_log00", "nothing", silent),
+            ("normal flight E9", "normal_flight-E9_log03", "normal_flight-E9_log00", "nothing", silent)):
+        diagnosis, _ = bench.diagnose("crazypad_" + flight, [log(normal), log(flight)], [])
+        acceptable = lambda d, good=good: good(d) or d["verdict"] == "insufficient_data"
+        rows.append(row(f"crazypad {case}", wanted + ", or insufficient_data", diagnosis, acceptable))
+    return rows
+
+
+def semi_real_sets(folders):
+    sets = []
+    if "nanodrone" in folders:
+        log = lambda name: folders["nanodrone"] / f"train_{name}.csv.gz"
+        sets.append(("nanodrone", [log("random1_run1"), log("random2_run2"), log("multisine_run1"), log("square_run3")], [log("random1_run2")],
+                     HOME / "models" / "crazyflie_brushless" / "vehicle.toml"))
+    if "nanobench" in folders:
+        log = lambda name: next(folders["nanobench"].glob(f"{name}*.csv.gz"))
+        sets.append(("nanobench", [log("B2"), log("B3")], [log("B6")], HOME / "models" / "crazyflie_real" / "vehicle.toml"))
+    return sets
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("flights", type=Path)
+    parser.add_argument("--gustlab", default="build/release/gustlab")
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", choices=["nanodrone", "nanobench", "arpl", "crazypad", "semi_real"])
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    with open(options.out / "import.messages.txt", "wb") as log:
+        folders = import_flights(options.flights, options.out / "flights", log)
+    bench, result = Bench(options.gustlab, options.out), {"cases": []}
+    wants = lambda name: options.only in (None, name)
+    if wants("nanodrone") and "nanodrone" in folders:
+        rows, result["nanodrone"] = nanodrone(bench, folders["nanodrone"])
+        result["cases"] += rows
+    if wants("nanobench") and "nanobench" in folders:
+        result["cases"] += nanobench(bench, folders["nanobench"], folders.get("nanobench_corrupt", folders["nanobench"]))
+    if wants("arpl") and "arpl" in folders:
+        result["cases"] += arpl(bench, folders["arpl"])
+    if wants("crazypad") and "crazypad" in folders:
+        result["cases"] += crazypad(bench, folders["crazypad"])
+    if wants("semi_real"):
+        sets = semi_real_sets(folders)
+        if sets:
+            left, scored, _ = semi_real.run(sets, options.out / "semi_real", options.gustlab, options.jobs)
+            result["semi_real"] = {"left": left, "trials": scored["trials"], "not_right": scored["not_right"]}
+    print(json.dumps(result, indent=1))
+
+
+if __name__ == "__main__":
+    main()
