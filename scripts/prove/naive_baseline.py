@@ -148,8 +148,8 @@ def describe(columns, coefficient, spread, labels, vehicle, files):
     return effects
 
 
-def augmented(effects, vehicle):
-    text = f'format = "gustlab-augmented/1"\nvehicle = "{vehicle.name}"\n'
+def augmented(effects):
+    text = ""
     for effect in effects:
         text += f'[[effect]]\ntype = "{effect["effect"]}"\n'
         for name, number in effect["parameters"].items():
@@ -178,7 +178,7 @@ def main():
     result = {"format": "gustlab-diagnosis/1", "verdict": "explained" if effects else "consistent", "vehicle": vehicle.name,
               "effects": effects}
     options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "augmented.toml").write_text(augmented(effects, vehicle), encoding="utf-8")
+    (options.out / "augmented.toml").write_text(augmented(effects), encoding="utf-8")
     if options.gustlab and options.holdout and effects:
         replay = subprocess.run([options.gustlab, "replay", *options.holdout, "--with", options.out / "augmented.toml",
                                  "--format", "json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False)
