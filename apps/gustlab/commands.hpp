@@ -5,6 +5,11 @@
 
 namespace gustlab {
 
+// Thrown by a command that ends well but says something by its exit code.
+struct ExitCode {
+  int code;
+};
+
 void add_conceal(CLI::App& app);
 void add_defaults(CLI::App& app);
 void add_diagnose(CLI::App& app);
