@@ -25,6 +25,8 @@ fit = ["circle"]
 holdout = ["hover"]
 duration_s = 1.0
 step_s = 0.001
+[environment]
+ground_z_m = 0.0
 [[effect]]
 type = "measurement_noise"
 position_sd = 0.0004
@@ -83,10 +85,10 @@ TEST_F(ConcealedTrialsTest, TheSameBytesForAnyNumberOfThreads) {
 
 TEST_F(ConcealedTrialsTest, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_THAT(error(""), HasSubstr("there is no [[trial]]"));
-  EXPECT_THAT(error("[[trial]]\nname = \"a\"\nfit = [\"spiral\"]\n"), HasSubstr("trials.toml:16:"));
+  EXPECT_THAT(error("[[trial]]\nname = \"a\"\nfit = [\"spiral\"]\n"), HasSubstr("trials.toml:18:"));
   EXPECT_THAT(error("[[trial]]\nname = \"a\"\neffects = [{type = \"rotor_dragg\"}]\n"), HasSubstr("rotor_drag"));
   EXPECT_THAT(error("[[trial]]\nname = \"a\"\n[[trial]]\nname = \"a\"\n"), HasSubstr("is no name of a folder of its own"));
-  EXPECT_THAT(error("[[trial]]\nname = \"a\"\nhide = 1\n"), HasSubstr("trials.toml:16:1: unknown key \"hide\""));
+  EXPECT_THAT(error("[[trial]]\nname = \"a\"\nhide = 1\n"), HasSubstr("trials.toml:18:1: unknown key \"hide\""));
 }
 
 TEST_F(ConcealedTrialsTest, AFlightThatDoesNotEndWellIsNoTrial) {
