@@ -49,6 +49,9 @@ void add_commands(CLI::App& app) {
 int main(int argc, char** argv) {
   CLI::App app{"Flies multirotors in simulation and finds the physics that a simulation leaves out", "gustlab"};
   app.require_subcommand(1);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("gustlab: {} (see gustlab --help)\n", error.what());
+  });
   app.fallthrough();
   app.set_version_flag("--version", version_text());
   app.add_flag_callback("-q,--quiet", [] { spdlog::set_level(spdlog::level::err); }, "errors only");

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "diagnosis/per_flight.hpp"
 #include "diagnosis/rollout.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/random.hpp"
@@ -149,14 +151,20 @@ FitErrors replay(const FlightLog& log, const VehicleModel& vehicle, const std::v
     quantity.model.resize(size);
     if (options.with_noise) quantity.noise.resize(size);
   }
+  const PerFlightFit per_flight(recording, effects, rotor_speeds, options.fit_per_flight, options.jobs);
   // every window has its own place in the result, whatever thread it runs on
   Replayer replayer(recording, options, windows, errors);
   const std::size_t tasks = (windows.size() + windows_per_task - 1) / windows_per_task;
   parallel_for(static_cast<std::int64_t>(tasks), options.jobs, [&](std::int64_t task) {
-    Rollout rollout(recording, effects);
     const std::size_t first = static_cast<std::size_t>(task) * windows_per_task;
-    for (std::size_t i = first; i < std::min(first + windows_per_task, windows.size()); ++i)
-      replayer.replay(rollout, rotor_speeds, i);
+    std::optional<Rollout> rollout;
+    std::size_t known = 0;
+    for (std::size_t i = first; i < std::min(first + windows_per_task, windows.size()); ++i) {
+      // another model only where more is known of the flight
+      const std::size_t now_known = per_flight.known_by(windows[i].row);
+      if (!rollout || now_known != known) rollout.emplace(recording, per_flight.effects(known = now_known));
+      replayer.replay(*rollout, rotor_speeds, i);
+    }
   });
   return errors;
 }

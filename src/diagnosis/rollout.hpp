@@ -24,9 +24,12 @@ struct Recording {
   Recording(const FlightLog& log, const VehicleModel& vehicle, const ReplayOptions& options);
 };
 
+// Not pure chance, as gust and measurement_noise are.
+bool is_predictable(const EffectRow& row);
+
 class Rollout {
  public:
-  // `effects`: all that act; those that are pure chance (gust, measurement_noise) are left out.
+  // `effects`: all that act; those that are pure chance are left out.
   Rollout(const Recording& recording, const std::vector<EffectSpec>& effects);
 
   // Rotor speeds at every row, from running the command's way over the whole recording.

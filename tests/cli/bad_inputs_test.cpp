@@ -1,0 +1,213 @@
+// Each bad input gives one message with the place, its exit code, and leaves nothing behind.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "gustlab/flight_log.hpp"
+#include "support/program.hpp"
+
+namespace gustlab {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Edit {
+  std::string file, from, to;  // from empty: the whole file
+};
+
+struct BadInput {
+  const char* name;
+  int exit_code;
+  const char* message;  // how it starts
+  std::vector<std::string> arguments;
+  std::vector<Edit> edits = {};
+};
+
+void PrintTo(const BadInput& bad, std::ostream* out) { *out << bad.name; }
+
+const char* const body_text = R"(<mujoco><worldbody>
+<body><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.02"/>
+<site name="a" pos="1 -1 0"/><site name="b" pos="-1 -1 0"/><site name="c" pos="-1 1 0"/><site name="d" pos="1 1 0"/>
+</body></worldbody></mujoco>
+)";
+
+const char* const vehicle_text = R"(format = "gustlab-vehicle/1"
+name = "quad"
+mjcf = "body.xml"
+[thrust]
+coefficient = 1e-3
+torque_ratio = 0.01
+max_speed_radps = 200
+radius_m = 0.1
+[[effect]]
+type = "motor_lag"
+time_constant = 0.05
+[[rotor]]
+site = "a"
+direction = "ccw"
+[[rotor]]
+site = "b"
+direction = "cw"
+[[rotor]]
+site = "c"
+direction = "ccw"
+[[rotor]]
+site = "d"
+direction = "cw"
+)";
+
+const char* const meta_text = R"(format = "gustlab-flight/1"
+vehicle = "v/vehicle.toml"
+actuator = "rotor_speed"
+hold = "zoh"
+)";
+
+const char* const with_text = "[[effect]]\ntype = \"rotor_drag\"\nat_hover = 0.3\n";
+
+// two seconds of turning about two axes; which of eight columns hold the quaternion and how fast the rate is said to be
+std::string flight_text(bool scalar_last = false, double rate_scale = 1.0) {
+  std::string csv = "time_s,px,py,pz,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz,u1,u2,u3,u4\n";
+  Quaternion q = Quaternion::Identity();
+  for (int k = 0; k < 200; ++k) {
+    const Vector3 rate(1.5 * std::sin(0.05 * k), 1.0, 0.5);
+    const double c[4] = {q.w(), q.x(), q.y(), q.z()};
+    csv += std::to_string(0.01 * k) + ",0,0,1,0,0,0";
+    for (int i = 0; i < 4; ++i) csv += "," + std::to_string(c[scalar_last ? (i + 1) % 4 : i]);
+    for (int i = 0; i < 3; ++i) csv += "," + std::to_string(rate_scale * rate[i]);
+    csv += ",50,50,50,50\n";
+    q = q * Quaternion(1.0, 0.005 * rate.x(), 0.005 * rate.y(), 0.005 * rate.z()).normalized();
+  }
+  return csv;
+}
+
+const std::vector<std::string> replay{"replay", "a.csv"}, replay_with{"replay", "a.csv", "--with", "w.toml"};
+
+const BadInput bad_inputs[] = {
+    // usage
+    {"no command", 2, "gustlab: A subcommand is required", {}},
+    {"unknown command", 2, "gustlab: The following argument was not expected: fly", {"fly"}},
+    {"unknown option", 2, "gustlab: The following argument was not expected: --horizn", {"replay", "a.csv", "--horizn", "1"}},
+    {"no flight", 2, "gustlab: FLIGHT is required", {"replay"}},
+    {"horizons that fall", 2, "--horizon: 0.1 s does not belong there", {"replay", "a.csv", "--horizon", "0.5,0.1"}},
+    {"horizon of zero", 2, "--horizon: 0 s does not belong there", {"replay", "a.csv", "--horizon", "0"}},
+    {"horizon that is a word", 2, "gustlab: Could not convert: --horizon = soon", {"replay", "a.csv", "--horizon", "soon"}},
+    {"stride of zero", 2, "gustlab: --stride", {"replay", "a.csv", "--stride", "0"}},
+    {"no threads", 2, "gustlab: --jobs", {"replay", "a.csv", "--jobs", "0"}},
+    {"unknown format", 2, "gustlab: --format", {"replay", "a.csv", "--format", "xml"}},
+    {"unknown kind", 2, "gustlab: KIND", {"list", "vehicle"}},
+    {"unknown name", 2, "defaults gusts: there is nothing of this name (see `gustlab list`) did you mean \"gust\"?", {"defaults", "gusts"}},
+    // vehicles
+    {"unknown vehicle", 2, "unknown vehicle \"crazyfly\"", {"replay", "a.csv", "--vehicle", "crazyfly"}},
+    {"missing vehicle file", 2, "no/vehicle.toml: cannot read (No such file or directory)", {"replay", "a.csv", "--vehicle", "no/vehicle.toml"}},
+    {"vehicle that is not TOML", 2, "v/vehicle.toml:2:8: not TOML (", replay, {{"v/vehicle.toml", "\"quad\"", "= quad"}}},
+    {"unknown key of a vehicle", 2, "v/vehicle.toml:8:1: unknown key \"radius_mm\" did you mean \"radius_m\"?", replay,
+     {{"v/vehicle.toml", "radius_m = 0.1", "radius_mm = 100\nradius_m = 0.1"}}},
+    {"wrong type in a vehicle", 2, "v/vehicle.toml:5:15: \"coefficient\" must be a number (this is a string)", replay,
+     {{"v/vehicle.toml", "1e-3", "\"1e-3\""}}},
+    {"negative thrust", 2, "v/vehicle.toml:5:15: \"coefficient\" must be positive", replay, {{"v/vehicle.toml", "1e-3", "-1e-3"}}},
+    {"two rotors", 2, "v/vehicle.toml:12:1: 2 rotors", replay,
+     {{"v/vehicle.toml", "[[rotor]]\nsite = \"c\"\ndirection = \"ccw\"\n[[rotor]]\nsite = \"d\"\ndirection = \"cw\"\n", ""}}},
+    {"unknown direction", 2, "v/vehicle.toml:17:13: \"left\" is not a direction", replay, {{"v/vehicle.toml", "\"cw\"", "\"left\""}}},
+    {"missing site", 2, "v/vehicle.toml:16:8: there is no site \"e\" in v/body.xml (sites on the vehicle: a, b, c, d)", replay,
+     {{"v/vehicle.toml", "\"b\"", "\"e\""}}},
+    {"MJCF that is not XML", 2, "v/body.xml:", replay, {{"v/body.xml", "</mujoco>", ""}}},
+    {"MJCF with a word for a number", 2, "v/body.xml:2", replay, {{"v/body.xml", "mass=\"1\"", "mass=\"heavy\""}}},
+    {"MJCF without a free joint", 2, "v/body.xml: a vehicle has exactly one free joint", replay, {{"v/body.xml", "<freejoint/>", ""}}},
+    {"MJCF outside the folder", 2, "v/vehicle.toml:3:8: \"../body.xml\" is outside the vehicle's folder", replay,
+     {{"v/vehicle.toml", "body.xml", "../body.xml"}}},
+    {"unknown effect of a vehicle", 2, "v/vehicle.toml:9:1: unknown effect \"motor_lags\" did you mean \"motor_lag\"?", replay,
+     {{"v/vehicle.toml", "motor_lag", "motor_lags"}}},
+    {"vehicle that cannot hover", 2, "v/vehicle.toml: the vehicle cannot hover", replay, {{"v/vehicle.toml", "200", "20"}}},
+    // models to compare
+    {"missing model", 2, "no.toml: cannot read (No such file or directory)", {"replay", "a.csv", "--with", "no.toml"}},
+    {"effect out of range", 2, "w.toml:3:12: \"at_hover\" is out of range (-1 N s/m is not at least 0)", replay_with, {{"w.toml", "0.3", "-1"}}},
+    {"unknown parameter", 2, "w.toml:3:12: unknown key \"at_hovr\" did you mean \"at_hover\"?", replay_with, {{"w.toml", "at_hover", "at_hovr "}}},
+    {"the same effect twice", 2, "w.toml:4:1: effect \"rotor_drag\" is here twice (first at w.toml:1:1) keep one", replay_with,
+     {{"w.toml", "", std::string(with_text) + with_text}}},
+    {"effect without a type", 2, "w.toml:1:1: \"type\" is missing", replay_with, {{"w.toml", "type = \"rotor_drag\"\n", ""}}},
+    {"unknown key beside effects", 2, "w.toml:1:1: unknown key \"efect\" did you mean \"effect\"?", replay_with, {{"w.toml", "effect", "efect"}}},
+    // recordings
+    {"missing flight", 3, "b.meta.toml: cannot read (No such file or directory)", {"replay", "b.csv"}},
+    {"not a flight's name", 3, "w.toml: not a flight log (its name must end with .csv or .csv.gz)", {"replay", "w.toml"}},
+    {"sidecar of something else", 3, "a.meta.toml:1:10: format \"other/1\" is not a flight log's", replay, {{"a.meta.toml", "gustlab-flight/1", "other/1"}}},
+    {"unknown actuator", 3, "a.meta.toml:3:12: \"rotor_sped\" is not one of", replay, {{"a.meta.toml", "rotor_speed", "rotor_sped"}}},
+    {"unknown key of a sidecar", 3, "a.meta.toml:4:1: unknown key \"hould\" did you mean \"hold\"?", replay, {{"a.meta.toml", "hold", "hould"}}},
+    {"empty flight", 3, "a.csv:1:1: the file is empty", replay, {{"a.csv", "", ""}}},
+    {"flight without samples", 3, "a.csv: the log is empty (0 samples)", replay, {{"a.csv", "", "time_s,px,py,pz,u1\n"}}},
+    {"flight with NaN", 3, "a.csv:2:20: \"nan\" in column vy is not a finite number", replay, {{"a.csv", "1,0,0,0,", "1,0,nan,0,"}}},
+    {"flight with a word", 3, "a.csv:2:20: \"fast\" in column vy is not a number", replay, {{"a.csv", "1,0,0,0,", "1,0,fast,0,"}}},
+    {"row that is too short", 3, "a.csv:2:", replay, {{"a.csv", "1,0,0,0,", "1,0,0,"}}},
+    {"time that falls", 3, "a.csv:4:1: time does not rise", replay, {{"a.csv", "\n0.020000", "\n0.005000"}}},
+    {"flight without time", 3, "a.csv:1:1: column \"time_s\" is missing", replay, {{"a.csv", "time_s", "t"}}},
+    {"flight without inputs", 3, "a.csv:1:1: there is no actuator input", replay, {{"a.csv", "u1,u2,u3,u4", "a,b,c,d"}}},
+    {"missing rotor's input", 3, "a.csv:1:54: column \"u3\" is here and \"u2\" is not", replay, {{"a.csv", "u1,u2,", "u1,v2,"}}},
+    {"column twice", 3, "a.csv:1:11: column \"px\" is here twice", replay, {{"a.csv", "px,py", "px,px"}}},
+    {"quaternion that is no rotation", 3, "a.csv:2:24: the quaternion's norm is 2", replay, {{"a.csv", "1.000000,0.000000", "2.000000,0.000000"}}},
+    {"quaternion with its scalar last", 3, "a.csv:", replay, {{"a.csv", "", flight_text(true)}}},
+    {"rates in degrees", 3, "a.csv:", replay, {{"a.csv", "", flight_text(false, 180.0 / pi)}}},
+    {"flight without attitude", 3, "a.csv: cannot be replayed", replay, {{"a.csv", "qw", "q0"}}},
+    {"flight that is too short", 3, "a.csv: no unbroken stretch of 5 s to replay", {"replay", "a.csv", "--horizon", "5"}},
+    {"inputs of fewer rotors", 3, "a.csv: no actuator input for 4 rotors", replay, {{"a.csv", "u1,u2,u3,u4", "u1,u2,u3,x4"}}},
+};
+
+class BadInputs : public ::testing::TestWithParam<BadInput> {};
+
+std::map<std::string, std::string> everything_in(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> all;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    all[entry.path().string()] = entry.is_regular_file() ? read_text(entry.path()) : "";
+  return all;
+}
+
+TEST_P(BadInputs, AreSaidInOneLineAndLeaveNothing) {
+  const BadInput& bad = GetParam();
+  const TemporaryFolder folder;
+  folder.write("v/body.xml", body_text);
+  folder.write("v/vehicle.toml", vehicle_text);
+  folder.write("a.meta.toml", meta_text);
+  folder.write("a.csv", flight_text());
+  folder.write("w.toml", with_text);
+  for (const Edit& edit : bad.edits) {
+    std::string text = edit.from.empty() ? edit.to : read_text(folder.file(edit.file));
+    if (!edit.from.empty()) {
+      const std::size_t at = text.find(edit.from);
+      ASSERT_NE(at, std::string::npos) << edit.from;
+      text.replace(at, edit.from.size(), edit.to);
+    }
+    folder.write(edit.file, text);
+  }
+  const auto before = everything_in(folder.path());
+  const test::Said said = test::gustlab(bad.arguments, folder.path().string());
+  EXPECT_EQ(said.exit_code, bad.exit_code) << said.err;
+  EXPECT_EQ(said.out, "");
+  // warnings may come first; the last line is the message, and the only one
+  EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1 + (said.err.starts_with("warning: ") ? 1 : 0)) << said.err;
+  const std::size_t message = said.err.starts_with("warning: ") ? said.err.find('\n') + 1 : 0;
+  EXPECT_THAT(said.err.substr(message), StartsWith(bad.message));
+  EXPECT_EQ(everything_in(folder.path()), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BadInputs, ::testing::ValuesIn(bad_inputs), [](const auto& info) {
+  std::string name = info.param.name;
+  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  return name;
+});
+
+TEST(BadInputs, GoodInputOfTheSameKindIsTaken) {
+  const TemporaryFolder folder;
+  folder.write("v/body.xml", body_text);
+  folder.write("v/vehicle.toml", vehicle_text);
+  folder.write("a.meta.toml", meta_text);
+  folder.write("a.csv", flight_text());
+  folder.write("w.toml", with_text);
+  const test::Said said = test::gustlab({"replay", "a.csv", "--with", "w.toml"}, folder.path().string());
+  EXPECT_EQ(said.exit_code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("position_m"));
+  EXPECT_EQ(said.err, "");
+}
+
+}  // namespace
+}  // namespace gustlab
