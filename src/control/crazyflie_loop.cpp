@@ -33,8 +33,11 @@ class CrazyflieLoop final : public LowLevelLoop {
   }
 
   void command(const ThrustAttitude& wanted) override {
-    wanted_z_W_ = wanted.attitude_WB * Vector3::UnitZ();
-    wanted_yaw_deg_ = euler_angles(wanted.attitude_WB).yaw_rad / degree;
+    // roll and pitch of the wanted thrust direction, seen from the heading at this moment
+    const double yaw_rad = last_angle_deg_.z() * degree, c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+    const Vector3 z = wanted.attitude_WB * Vector3::UnitZ();
+    wanted_deg_ = Vector3(std::asin(limited(s * z.x() - c * z.y(), 1.0)), std::atan2(c * z.x() + s * z.y(), z.z()),
+                          euler_angles(wanted.attitude_WB).yaw_rad) / degree;
     thrust_pwm_ = std::clamp(mixer_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full);
   }
 
@@ -42,14 +45,8 @@ class CrazyflieLoop final : public LowLevelLoop {
     const Vector3 angle_deg = degrees(observation.attitude_WB);
     const Vector3 rate_degps = observation.body_rate_B_radps / degree;
 
-    // roll and pitch of the wanted thrust direction, seen from the present heading
-    const double c = std::cos(angle_deg.z() * degree), s = std::sin(angle_deg.z() * degree);
-    const Vector3& z = wanted_z_W_;
-    const Vector3 wanted_deg(std::asin(limited(s * z.x() - c * z.y(), 1.0)) / degree,
-                             std::atan2(c * z.x() + s * z.y(), z.z()) / degree, wanted_yaw_deg_);
-
     // attitude error → rate, in Euler angles; derivative of the measured angle, not of the error
-    Vector3 error_deg = wanted_deg - angle_deg;
+    Vector3 error_deg = wanted_deg_ - angle_deg;
     error_deg.z() = std::remainder(error_deg.z(), 360.0);
     Vector3 angle_change_deg = last_angle_deg_ - angle_deg;
     angle_change_deg.z() = std::remainder(angle_change_deg.z(), 360.0);
@@ -76,8 +73,7 @@ class CrazyflieLoop final : public LowLevelLoop {
   Pid attitude_, rate_;
   LowPass2<Vector3> derivative_;
   Vector3 last_angle_deg_ = Vector3::Zero(), last_rate_degps_ = Vector3::Zero();
-  Vector3 wanted_z_W_ = Vector3::UnitZ();
-  double wanted_yaw_deg_ = 0.0;
+  Vector3 wanted_deg_ = Vector3::Zero();
   double thrust_pwm_ = 0.0;
 };
 

@@ -69,8 +69,9 @@ double settled_error_rad(const Case& c, const Quaternion& start, const Quaternio
   plant.reset(state);
   const auto loop = make_low_level(c.loop, c.vehicle, period_s);
   loop->reset(plant.observe(false));
-  loop->command({c.vehicle.weight_N(), target});
   for (int tick = 0; tick < static_cast<int>(duration_s / period_s); ++tick) {
+    // a position loop asks anew all the time
+    if (tick % 5 == 0) loop->command({c.vehicle.weight_N(), target});
     const RotorCommand command = loop->update(plant.observe(false));
     for (int k = 0; k < 2; ++k)
       if (!plant.step(command)) return 1e9;
