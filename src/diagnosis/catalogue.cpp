@@ -46,6 +46,16 @@ class RotorSetter final : public ParameterVisitor {
 
 // found in the disturbance's spectrum
 bool has_no_column(std::string_view name) { return name == "gust"; }
+bool needs_attitude(std::string_view name) {
+  constexpr std::string_view fixed_in_world[] = {"steady_wind", "constant_force", "wall_effect", "slung_load", "attitude_offset",
+                                                 "yaw_offset", "pose_delay"};
+  return std::find(std::begin(fixed_in_world), std::end(fixed_in_world), name) != std::end(fixed_in_world);
+}
+bool needs_motion(std::string_view name) {
+  constexpr std::string_view of_motion[] = {"rotor_drag", "quadratic_drag", "axial_inflow", "translational_lift",
+                                            "flapping_torque", "ground_effect", "ceiling_effect", "wall_effect", "slung_load"};
+  return std::find(std::begin(of_motion), std::end(of_motion), name) != std::end(of_motion);
+}
 // effects whose column is a history that a scan found; they never fly in the linearised model
 bool is_history(std::string_view name) { return name == "slung_load" || name == "saturation"; }
 
@@ -69,7 +79,7 @@ double scale_of(Scale scale, const VehicleModel& vehicle) {
   return 1.0;
 }
 
-Catalogue::Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage, bool with_force) : vehicle_(vehicle) {
+Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen) : vehicle_(vehicle) {
   const auto add = [&](const EffectRow& row, int rotor) {
     Group group;
     group.label = rotor > 0 ? fmt::format("{}#{}", row.name, rotor) : std::string(row.name);
@@ -77,7 +87,8 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage
     group.rotor = rotor;
     group.nominal = std::any_of(vehicle.effects.begin(), vehicle.effects.end(),
                                 [&](const EffectSpec& spec) { return spec.type == row.name; });
-    group.candidate = row.diagnosable && !has_no_column(row.name);
+    group.candidate = row.diagnosable && !has_no_column(row.name) && (seen.attitude || !needs_attitude(row.name)) &&
+                      (seen.motion || !needs_motion(row.name));
     if (!group.candidate && !group.nominal) return;
     if (row.name == "gust" || row.name == "measurement_noise") return;
     const auto effect = make(group);
@@ -86,7 +97,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage
     for (std::size_t p = 0; group.candidate && p < numbers.size(); ++p) {
       const Number& number = numbers[p];
       // the battery is described by its voltage where there is one, otherwise by time
-      if (row.name == "battery_sag" && (number.name == "rate") == with_voltage) continue;
+      if (row.name == "battery_sag" && (number.name == "rate") == seen.voltage) continue;
       if (row.name == "slung_load" && number.name != "mass") continue;
       Column column;
       column.group = index;
@@ -120,7 +131,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage
       add(row, 0);
   }
   for (int f = 0; f < flights; ++f)
-    for (int p = 0; p < (with_force ? 6 : 3); ++p) {
+    for (int p = 0; p < (seen.force ? 6 : 3); ++p) {
       Column bias;
       bias.parameter = p;
       bias.flight = f;

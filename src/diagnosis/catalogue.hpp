@@ -48,8 +48,12 @@ double scale_of(Scale scale, const VehicleModel& vehicle);
 
 class Catalogue {
  public:
-  // `with_voltage`: battery_sag is fitted by voltage, otherwise by time. `flights`: how many, for values per flight.
-  Catalogue(const VehicleModel& vehicle, int flights, bool with_voltage, bool with_force);
+  // battery_sag is fitted by voltage where that was seen, otherwise by time. `flights`: how many, for values per flight.
+  // Without attitude nothing fixed in the world, without position or velocity nothing that depends on them can be told.
+  struct Seen {
+    bool voltage = false, force = false, attitude = true, motion = true;
+  };
+  Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen);
 
   const std::vector<Group>& groups() const { return groups_; }
   const std::vector<Column>& columns() const { return columns_; }

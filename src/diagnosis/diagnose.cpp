@@ -21,6 +21,7 @@ namespace {
 constexpr double least_recovered = 0.5;
 constexpr double most_unexplained = 0.12;    // unless clearly most of the held-out error is recovered
 constexpr double clearly_recovered = 0.75;
+constexpr double unproved_confidence = 0.95;
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
@@ -170,6 +171,25 @@ bool linear_is_likelier(const std::vector<FlightLog>& logs, const VehicleModel& 
   return score[true] < score[false];
 }
 
+bool turning_is_seen(const std::vector<FlightData>& flights) {
+  std::size_t seen = 0;
+  for (const FlightData& flight : flights)
+    for (const Sample& sample : flight.samples) seen += sample.channels & (has_attitude | has_rate) ? 1 : 0;
+  return seen > 100;
+}
+
+// a value that ran into its bound: the model is bent to something that it is not
+std::string at_its_bound(const Catalogue& catalogue, const Selection& selection) {
+  for (const Finding& finding : selection.findings)
+    for (const int c : catalogue.groups()[static_cast<std::size_t>(finding.group)].columns) {
+      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      const double value = selection.value[c];
+      if (value == column.nominal || value == 0.0) continue;
+      if (value <= column.min || value >= column.max) return catalogue.groups()[static_cast<std::size_t>(finding.group)].label;
+    }
+  return {};
+}
+
 void describe_disturbance(const Selection& selection, const Remainder&, Diagnosis& out) {
   constexpr std::array<const char*, 4> name = {"force_xy", "force_z", "torque_xy", "torque_z"};
   for (std::size_t g = 0; g < disturbance_groups; ++g)
@@ -251,6 +271,15 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
     out.flights.push_back({flight.label, i < flights.size() ? "fit" : "holdout", flight.duration_s(), offset[i]});
   }
 
+  // without attitude and body rate only a balance of mean commands would be left, and that names nothing here
+  if (!turning_is_seen(flights)) {
+    for (const EffectRow& row : effect_registry())
+      if (row.diagnosable) out.not_identifiable.push_back({std::string(row.name), "the log has neither attitude nor body rate"});
+    out.verdict = Verdict::insufficient_data;
+    out.augmented_toml = augmented_toml(out);
+    return out;
+  }
+
   Session session(std::move(flights), vehicle, options.jobs);
   // one-sample innovations of smoothed logs tell of the smoothing: half a second tells of the vehicle
   std::vector<FlightData> held_own_rate;
@@ -281,8 +310,17 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   out.window = std::move(verified.window);
 
   // an alarm remains: what was named may be the shadow of something unknown, unless it recovers most of what can be
-  const bool shadow = !rest.alarms.empty() && (verified.recovered < least_recovered ||
-                                                (rest.omnibus_share > most_unexplained && verified.recovered < clearly_recovered));
+  // what cannot be proved by rollouts is named only when nearly every half of the data names it
+  if (out.fit.is_null())
+    std::erase_if(out.effects, [&](const EffectFinding& effect) {
+      if (effect.confidence >= unproved_confidence) return false;
+      out.rejected.push_back({effect.effect, effect.gain, "only suspected: no pose to verify it on"});
+      return true;
+    });
+  const std::string bound = at_its_bound(session.catalogue(), selection);
+  if (!bound.empty()) out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
+  const bool shadow = !bound.empty() || (!rest.alarms.empty() && (verified.recovered < least_recovered ||
+                                                (rest.omnibus_share > most_unexplained && verified.recovered < clearly_recovered)));
   if (shadow && !out.effects.empty()) {
     for (const EffectFinding& effect : out.effects)
       out.rejected.push_back({effect.effect, effect.gain,
@@ -291,7 +329,8 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
     out.effects.clear();
   }
 
-  if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;
+  if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;
+  else if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;
   else if (rest.alarms.empty() || rest.omnibus_share < 0.1) out.verdict = Verdict::explained;
   else out.verdict = Verdict::partly_explained;
   out.augmented_toml = augmented_toml(out);

@@ -92,7 +92,9 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       jobs_(jobs),
       vehicle_(vehicle),
       flights_(std::move(flights)),
-      catalogue_(vehicle, static_cast<int>(flights_.size()), any_voltage(flights_), any_channel(flights_, has_force)),
+      catalogue_(vehicle, static_cast<int>(flights_.size()),
+                 {any_voltage(flights_), any_channel(flights_, has_force), any_channel(flights_, has_attitude),
+                  any_channel(flights_, has_position | has_velocity)}),
       linear_(flights_.size()),
       value_(catalogue_.nominal()),
       corrected_(flights_.size()) {
