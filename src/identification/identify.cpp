@@ -140,10 +140,10 @@ void add_notes(const RegressionData& data, double yaw_range_rad, Identification&
   }
   if ((found.fit.coefficients.array() == 0.0).all()) {
     found.notes.push_back("No term earns its place: the residual force is not predictable from these terms.");
-  } else if (found.error_holdout > 0.95 * found.force_rms) {
+  } else if (found.error_holdout > 0.95 * found.force_rms_holdout) {
     found.notes.push_back(fmt::format(
         "On data not used the model explains almost nothing of the residual force ({:.3g} of {:.3g} N is left).",
-        found.error_holdout, found.force_rms));
+        found.error_holdout, found.force_rms_holdout));
   }
 }
 
@@ -194,9 +194,12 @@ Identification identify(std::span<const std::vector<ResidualSamples>> fit_flight
   found.holdout_is_cross_validation = holdout_flights.empty();
   if (holdout_flights.empty()) {
     found.error_holdout = cross_validated_rms(optimizer, folds, found.regression);
+    found.force_rms_holdout = found.force_rms;
   } else {
     const Matrices holdout = stack(found.terms, holdout_flights);
-    found.error_holdout = rms_error(holdout.rows(0, holdout.theta.rows()), found.fit.coefficients);
+    const RegressionData unseen = holdout.rows(0, holdout.theta.rows());
+    found.error_holdout = rms_error(unseen, found.fit.coefficients);
+    found.force_rms_holdout = rms_error(unseen, MatrixXd::Zero(unseen.targets(), unseen.terms()));
   }
   add_notes(data, yaw_range_rad(fit_flights), found);
   return found;

@@ -49,6 +49,7 @@ std::string to_json(const Identification& found) {
   out["error_holdout"] = found.error_holdout;
   out["holdout"] = found.holdout_is_cross_validation ? "cross_validation" : "flights";
   out["force_rms"] = found.force_rms;
+  out["force_rms_holdout"] = found.force_rms_holdout;
   out["samples"] = found.samples;
   out["optimizer"] = found.optimizer;
   out["lambda"] = found.regression.lambda;
@@ -83,12 +84,12 @@ std::string to_markdown(const Identification& found) {
     out += markdown_row(cells);
   }
   out += fmt::format(
-      "\nresidual force {:.4g} N; left by the model: {:.4g} N where it was fitted, {:.4g} N {}; condition number "
-      "{:.4g}, "
-      "with columns of equal length {:.4g}\n",
-      found.force_rms, found.error_fit, found.error_holdout,
-      found.holdout_is_cross_validation ? "cross-validated" : "on the held-out flights", found.condition_number,
-      found.condition_number_normalized);
+      "\nresidual force {:.4g} N, of which the model leaves {:.4g} N where it was fitted; {} {:.4g} N, of which it "
+      "leaves "
+      "{:.4g} N; condition number {:.4g}, with columns of equal length {:.4g}\n",
+      found.force_rms, found.error_fit,
+      found.holdout_is_cross_validation ? "cross-validated" : "on the held-out flights", found.force_rms_holdout,
+      found.error_holdout, found.condition_number, found.condition_number_normalized);
   for (const std::string& note : found.notes) out += "\nnote: " + note + "\n";
   return out;
 }
