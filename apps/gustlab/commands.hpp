@@ -10,6 +10,7 @@ struct ExitCode {
   int code;
 };
 
+void add_bench(CLI::App& app);
 void add_conceal(CLI::App& app);
 void add_defaults(CLI::App& app);
 void add_diagnose(CLI::App& app);

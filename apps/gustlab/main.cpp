@@ -35,6 +35,7 @@ void add_commands(CLI::App& app) {
   add_table(app);
   add_metrics(app);
   add_gate(app);
+  add_bench(app);
   add_list(app);
   add_defaults(app);
   add_replay(app);

@@ -16,10 +16,10 @@ Experiment ExperimentOptions::read() const {
   return read_experiment(find_experiment(experiment), overrides);
 }
 
-void RunOptions::add_to(CLI::App& command) {
-  command.add_option("-j,--jobs", jobs, "threads; the results are the same for any number")->check(CLI::Range(1, 1024))->capture_default_str();
-  command.add_flag("-q,--quiet", quiet, "no progress and no notices");
-  command.add_flag("-v,--verbose", verbose, "says every run as it ends");
+void add_jobs(CLI::App& command, int& jobs) {
+  command.add_option("-j,--jobs", jobs, "threads; the results are the same for any number")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
 }
 
 }  // namespace gustlab

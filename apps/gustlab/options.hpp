@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "simulation/experiment.hpp"
-#include "util/parallel.hpp"
 
 namespace gustlab {
 
@@ -21,12 +20,7 @@ struct ExperimentOptions {
   Experiment read() const;
 };
 
-// --jobs, -q and -v.
-struct RunOptions {
-  int jobs = default_jobs();
-  bool quiet = false, verbose = false;
-
-  void add_to(CLI::App& command);
-};
+// --jobs.
+void add_jobs(CLI::App& command, int& jobs);
 
 }  // namespace gustlab

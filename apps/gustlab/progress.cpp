@@ -1,16 +1,18 @@
 #include "progress.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <cstdio>
 
 namespace gustlab {
 
-Progress::Progress(bool quiet) : visible_(!quiet && isatty(STDERR_FILENO) != 0) {}
+Progress::Progress() : visible_(spdlog::should_log(spdlog::level::info) && isatty(STDERR_FILENO) != 0) {}
 
-Progress::~Progress() {
+void Progress::end() {
   if (shown_) std::fputs("\n", stderr);
+  shown_ = false;
 }
 
 void Progress::show(std::size_t done, std::size_t all) {

@@ -1,4 +1,4 @@
-// A line on stderr that says how far a sweep is, on a terminal only.
+// A line on stderr that says how far a sweep is, on a terminal only and not with --quiet.
 #pragma once
 
 #include <chrono>
@@ -8,10 +8,10 @@ namespace gustlab {
 
 class Progress {
  public:
-  explicit Progress(bool quiet);
-  ~Progress();
+  Progress();
   // Runs that are done, of all.
   void show(std::size_t done, std::size_t all);
+  void end();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <filesystem>
 #include <memory>
@@ -20,7 +21,6 @@ struct Options {
   ExperimentOptions experiment;
   std::string trajectory, controller, out;
   std::optional<std::uint32_t> replicate;
-  bool quiet = false;
 };
 
 std::size_t find_choice(const std::vector<Choice>& choices, const std::string& name, const std::string& option) {
@@ -58,7 +58,7 @@ void run_command(const Options& options) {
   const std::filesystem::path folder(options.out);
   write_flight_log(recorder.take(), (folder / "flight.csv").string());
   write_file((folder / "outcome.json").string(), outcome.dump(2) + "\n");
-  if (!options.quiet) fmt::print(stderr, "{} after {:.3f} s: {}\n", to_string(end.outcome), end.time_s, options.out);
+  spdlog::info("{}: {} after {:.3f} s", options.out, to_string(end.outcome), end.time_s);
 }
 
 }  // namespace
@@ -71,7 +71,6 @@ void add_run(CLI::App& app) {
   command->add_option("--controller", options->controller, "one of the experiment's")->required();
   command->add_option("--replicate", options->replicate, "which of the seeded gusts; the experiment's first by default");
   command->add_option("--out", options->out, "folder of the results")->required();
-  command->add_flag("-q,--quiet", options->quiet, "no notices");
   command->callback([options] { run_command(*options); });
 }
 

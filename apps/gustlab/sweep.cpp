@@ -1,6 +1,7 @@
 #include "sweep/sweep.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <cstdio>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "util/parallel.hpp"
 
 namespace gustlab {
 
@@ -17,7 +19,7 @@ namespace {
 
 struct Options {
   ExperimentOptions experiment;
-  RunOptions run;
+  int jobs = default_jobs();
   std::string out, shard = "1/1";
   bool resume = false, dry_run = false;
 };
@@ -46,16 +48,17 @@ void sweep_command(const Options& options) {
   if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results) or use --dry-run");
 
   const std::atomic<bool>& stop = interrupted();
-  Progress progress(options.run.quiet);
-  const SweepReport report = sweep(experiment, {options.out, shard, options.run.jobs, options.resume}, stop,
+  Progress progress;
+  const SweepReport report = sweep(experiment, {options.out, shard, options.jobs, options.resume}, stop,
                                    [&](std::size_t done, std::size_t all) { progress.show(done, all); });
-  if (!options.run.quiet && !report.redone_because.empty())
-    fmt::print(stderr, "{}: runs of another program were flown again ({})\n", options.out, report.redone_because);
+  progress.end();
+  if (!report.redone_because.empty())
+    spdlog::warn("{}: runs of another program were flown again ({})", options.out, report.redone_because);
   if (report.done < report.planned) {
-    fmt::print(stderr, "interrupted: {} of {} runs are done, go on with --resume\n", report.done, report.planned);
+    spdlog::warn("interrupted: {} of {} runs are done, go on with --resume", report.done, report.planned);
     throw ExitCode{130};
   }
-  if (!options.run.quiet) fmt::print(stderr, "{}: {} runs\n", options.out, report.done);
+  spdlog::info("{}: {} runs", options.out, report.done);
 }
 
 }  // namespace
@@ -70,7 +73,7 @@ void add_sweep(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "goes on where OUT stands");
   command->add_flag("--dry-run", options->dry_run, "prints the plan and flies nothing");
-  options->run.add_to(*command);
+  add_jobs(*command, options->jobs);
   command->callback([options] { sweep_command(*options); });
 }
 

@@ -206,8 +206,11 @@ TEST_F(Replay, AWindOfThisFlightIsToldFromWhatCameBeforeEachWindow) {
   EXPECT_NEAR(with[2] / without[2], 0.5, 0.15);
   EXPECT_LT(with.back(), 0.3 * without.back());
   // a model that has no values per flight is not touched
+  ReplayOptions plain;
+  plain.horizon_s = {0.5};
+  plain.stride = 25;
   EXPECT_EQ(replay(blown, vehicle, vehicle.effects, options)[FitQuantity::velocity_mps].model,
-            replay(blown, vehicle, vehicle.effects, {.horizon_s = {0.5}, .stride = 25})[FitQuantity::velocity_mps].model);
+            replay(blown, vehicle, vehicle.effects, plain)[FitQuantity::velocity_mps].model);
 }
 
 TEST_F(Replay, WithoutAttitudeOrALongEnoughStretchThereIsNoRollout) {

@@ -1,0 +1,239 @@
+"""The commands run, sweep, merge, table, metrics and gate from outside: exit codes, streams, kill and resume."""
+
+import csv
+import json
+import os
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+# moments at which a sweep is killed; the target `kills` takes 20
+KILLS = int(os.environ.get("GUSTLAB_KILLS", "3"))
+
+EXPERIMENT = """
+format = "gustlab-experiment/1"
+name = "small"
+vehicle = "crazyflie"
+trajectories = ["circle", "hover"]
+controllers = ["pid"]
+replicates = 3
+duration_s = 1.0
+[environment]
+ground_z_m = 0.0
+[trajectory.circle]
+period_s = 5.0
+start = "reference"
+[[effect]]
+type = "gust"
+sigma_xy = 0.03
+correlation_time = 0.5
+"""
+
+
+class Commands(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.experiment = self.folder / "experiment.toml"
+        self.experiment.write_text(EXPERIMENT)
+
+    def start(self, *arguments):
+        return subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def call(self, *arguments, code=0):
+        process = self.start(*arguments)
+        out, err = process.communicate(timeout=600)
+        self.assertEqual(process.returncode, code, f"{arguments}\n{out}\n{err}")
+        return out, err
+
+    def sweep(self, out, *more, code=0):
+        return self.call("sweep", self.experiment, "--out", self.folder / out, *more, code=code)
+
+    def runs(self, out):
+        return (self.folder / out / "runs.csv").read_bytes()
+
+
+class Sweeps(Commands):
+    def test_rows_are_the_plan_and_nothing_is_said_on_stdout(self):
+        out, err = self.sweep("a")
+        self.assertEqual(out, "")
+        self.assertNotIn("\r", err)  # no progress: not a terminal
+        rows = list(csv.DictReader(self.runs("a").decode().splitlines()))
+        plan = list(csv.DictReader(self.sweep("unused", "--dry-run")[0].splitlines()))
+        self.assertEqual([row["key"] for row in rows], [row["key"] for row in plan])
+        self.assertFalse((self.folder / "unused").exists())
+        self.assertEqual(list(rows[0]), "experiment vehicle trajectory controller replicate outcome duration_s rmse_xy_m mae_xy_m "
+                                        "p95_xy_m max_xy_m rmse_z_m key".split())
+
+    def test_shards_threads_and_the_whole_are_the_same_bytes(self):
+        self.sweep("one", "--jobs", "1")
+        self.sweep("four", "--jobs", "4")
+        self.assertEqual(self.runs("one"), self.runs("four"))
+        for part in (1, 2, 3):
+            self.sweep(f"part{part}", "--shard", f"{part}/3")
+        self.call("merge", "part3", "part1", "part2", "--out", "whole")
+        self.assertEqual(self.runs("one"), self.runs("whole"))
+
+    def test_killed_at_any_moment_it_resumes_to_the_same_bytes(self):
+        big = ["--set", "replicates=60", "--set", "duration_s=10.0", "--jobs", "2"]
+        self.sweep("whole", *big)
+        moments = random.Random(20)
+        for _ in range(KILLS):
+            out = self.folder / "killed"
+            shutil.rmtree(out, ignore_errors=True)
+            process = self.start("sweep", self.experiment, "--out", out, *big)
+            try:
+                process.communicate(timeout=moments.uniform(0.0, 1.2))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
+            # whatever was committed stays: the store opens, and the rest is flown
+            done = self.count(out / "runs.sqlite")
+            self.sweep("killed", *big, "--resume")
+            self.assertGreaterEqual(self.count(out / "runs.sqlite"), done)
+            self.assertEqual(self.runs("killed"), self.runs("whole"))
+
+    def count(self, path):
+        if not path.exists():
+            return 0
+        with sqlite3.connect(path) as database:
+            tables = database.execute("SELECT count(*) FROM sqlite_master WHERE name = 'flown'").fetchone()[0]
+            return database.execute("SELECT count(*) FROM flown").fetchone()[0] if tables else 0
+
+    def test_ctrl_c_keeps_what_is_done_and_resumes(self):
+        big = ["--set", "replicates=400", "--set", "duration_s=10.0", "--jobs", "1"]
+        process = self.start("sweep", self.experiment, "--out", self.folder / "c", *big)
+        # the handler is there before the store is
+        while process.poll() is None and not (self.folder / "c" / "runs.sqlite-wal").exists():
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=600)
+        self.assertEqual(process.returncode, 130, err)
+        self.assertIn("go on with --resume", err)
+        self.assertFalse((self.folder / "c" / "runs.csv").exists())
+        self.assertLess(self.count(self.folder / "c" / "runs.sqlite"), 800)
+
+    def test_resume_adds_nothing_to_a_finished_sweep(self):
+        self.sweep("a")
+        before = self.runs("a")
+        self.sweep("a", "--resume")
+        self.assertEqual(self.runs("a"), before)
+
+    def test_memory_does_not_grow_with_the_number_of_runs(self):
+        def peak_kib(replicates):
+            out = self.folder / f"m{replicates}"
+            command = [PROGRAM, "sweep", str(self.experiment), "--out", str(out), "--set", f"replicates={replicates}",
+                       "--set", "duration_s=0.5", "--jobs", "1"]
+            pid = os.posix_spawn(PROGRAM, command, os.environ)
+            _, status, usage = os.wait4(pid, 0)
+            self.assertEqual(status, 0)
+            return usage.ru_maxrss
+        few, many = peak_kib(10), peak_kib(500)
+        # a thousand runs: what is left is the plan itself
+        self.assertLess(many - few, 4096, (few, many))
+
+
+class Mistakes(Commands):
+    def expect(self, code, says, *arguments):
+        before = sorted(self.folder.rglob("*"))
+        out, err = self.call(*arguments, code=code)
+        self.assertEqual(out, "")
+        self.assertIn(says, err)
+        self.assertEqual(sorted(self.folder.rglob("*")), before, "something was written")
+
+    def test_each_is_one_message_an_exit_code_and_no_file(self):
+        out = ["--out", "new"]
+        sweep = ["sweep", self.experiment, *out]
+        for code, says, arguments in [
+            (2, "table9.toml", ["sweep", "table9", *out]),
+            (2, "nowhere.toml: cannot read", ["sweep", "nowhere.toml", *out]),
+            (2, "--out is missing", ["sweep", self.experiment]),
+            (2, "not a shard", [*sweep, "--shard", "0/3"]),
+            (2, "not a shard", [*sweep, "--shard", "4/3"]),
+            (2, "not a shard", [*sweep, "--shard", "1/3x"]),
+            (2, "not a shard", [*sweep, "--shard", "half"]),
+            (2, "--jobs", [*sweep, "--jobs", "0"]),
+            (2, "--jobs", [*sweep, "--jobs", "many"]),
+            (2, "--format", ["table", "new", "--format", "pdf"]),
+            (2, "step_s", [*sweep, "--set", "step_s=0.003"]),
+            (2, "replicates", [*sweep, "--set", "replicates=0"]),
+            (2, "replicate", [*sweep, "--set", "replicatse=3"]),
+            (2, "--set", [*sweep, "--set", "replicates"]),
+            (2, "spiral: not in this experiment", ["run", self.experiment, "--trajectory", "spiral", "--controller", "pid", *out]),
+            (2, "circel: not in this experiment (it has circle, hover) did you mean \"circle\"?",
+             ["run", self.experiment, "--trajectory", "circel", "--controller", "pid", *out]),
+            (2, "--replicate", ["run", self.experiment, "--trajectory", "circle", "--controller", "pid", "--replicate", "-1", *out]),
+            (3, "no results here", ["table", "new"]),
+            (3, "no results here", ["merge", "new", "newer", "--out", "newest"]),
+            (3, "no results here", ["gate", "new", "--baseline", "base.csv"]),
+            (3, "nowhere.csv", ["metrics", "nowhere.csv"]),
+        ]:
+            with self.subTest(says=says, arguments=arguments):
+                self.expect(code, says, *arguments)
+
+    def test_store_is_never_overwritten_nor_mixed(self):
+        self.sweep("a")
+        self.expect(2, "there are results already", "sweep", self.experiment, "--out", "a")
+        self.expect(2, "another experiment", "sweep", self.experiment, "--out", "a", "--seed", "2", "--resume")
+
+    def test_place_that_cannot_be_written_is_exit_4(self):
+        (self.folder / "file").write_text("")
+        self.expect(4, "file/new", "sweep", self.experiment, "--out", "file/new")
+        self.expect(4, "file/new", "run", self.experiment, "--trajectory", "hover", "--controller", "pid", "--out", "file/new")
+
+
+class Tables(Commands):
+    def test_every_format_of_one_sweep(self):
+        self.sweep("a")
+        self.assertIn("| crazyflie | circle | pid | 3/3 |", self.call("table", "a")[0])
+        self.assertIn("\\toprule", self.call("table", "a", "--format", "latex")[0])
+        rows = list(csv.DictReader(self.call("table", "a", "--format", "csv")[0].splitlines()))
+        cells = json.loads(self.call("table", "a", "--format", "json")[0])["cells"]
+        self.assertEqual(len(rows), 2)
+        for row, cell in zip(rows, cells):
+            self.assertEqual(float(row["rmse_xy_m_mean"]), cell["rmse_xy_m"]["mean"])
+
+    def test_one_flight_says_the_same_as_its_row_and_its_log(self):
+        self.sweep("a")
+        self.call("run", self.experiment, "--trajectory", "circle", "--controller", "pid", "--replicate", "2", "--out", "one")
+        outcome = json.loads((self.folder / "one" / "outcome.json").read_text())
+        row = list(csv.DictReader(self.runs("a").decode().splitlines()))[1]
+        self.assertEqual(outcome["outcome"], row["outcome"])
+        self.assertEqual(outcome["tracking"]["planar"]["rmse_m"], float(row["rmse_xy_m"]))
+        self.assertEqual(outcome["tracking"]["planar"]["p95_m"], float(row["p95_xy_m"]))
+        metrics = json.loads(self.call("metrics", "one/flight.csv", "--format", "json")[0])["logs"][0]
+        self.assertEqual(metrics["planar"], outcome["tracking"]["planar"])
+        self.assertEqual(metrics["spatial"], outcome["tracking"]["spatial"])
+        settled = json.loads(self.call("metrics", "one/flight.csv", "--settle", "0.5", "--format", "json")[0])["logs"][0]
+        self.assertEqual(settled["samples"], 250)
+
+
+class Gates(Commands):
+    def test_gate_passes_on_itself_and_fails_on_worse(self):
+        self.sweep("a")
+        self.call("gate", "a", "--baseline", "base.csv", "--update")
+        self.assertEqual((self.folder / "base.csv").read_bytes(), self.runs("a"))
+        self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv")[0])
+        self.sweep("worse", "--set", "controller.pid.position_gain=0.2")
+        out, _ = self.call("gate", "worse", "--baseline", "base.csv", "--junit", "gate.xml", "--summary", "gate.md", code=1)
+        self.assertIn("failed", out)
+        self.assertEqual((self.folder / "gate.md").read_text(), out)
+        self.assertIn("<failure", (self.folder / "gate.xml").read_text())
+
+    def test_baseline_that_is_broken_is_exit_3(self):
+        self.sweep("a")
+        (self.folder / "base.csv").write_text("a,b\n1,2\n")
+        _, err = self.call("gate", "a", "--baseline", "base.csv", code=3)
+        self.assertIn("base.csv:1:1", err)
+
+
+if __name__ == "__main__":
+    unittest.main()
