@@ -189,30 +189,6 @@ TEST_F(Replay, TheCallerMayKnowTheStartBetter) {
   EXPECT_NEAR(model_error(errors, FitQuantity::position_m, 0), 0.5, 1e-9);
 }
 
-TEST_F(Replay, AWindOfThisFlightIsToldFromWhatCameBeforeEachWindow) {
-  const auto windy = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\nx = 1.0\ny = -0.5\n"));
-  const auto other_wind = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\nx = -1.0\ny = 0.5\n"));
-  const FlightLog blown = fly(vehicle, windy);
-  ReplayOptions options;
-  options.horizon_s = {0.5};
-  options.stride = 25;
-  const FitErrors fitted = replay(blown, vehicle, other_wind, options);
-  options.fit_per_flight = false;
-  const FitErrors as_given = replay(blown, vehicle, other_wind, options);
-  const auto& with = fitted[FitQuantity::velocity_mps].model;
-  const auto& without = as_given[FitQuantity::velocity_mps].model;
-  // nothing is known at the first window; half a second later half of it, later nearly all
-  EXPECT_EQ(with.front(), without.front());
-  EXPECT_NEAR(with[2] / without[2], 0.5, 0.15);
-  EXPECT_LT(with.back(), 0.3 * without.back());
-  // a model that has no values per flight is not touched
-  ReplayOptions plain;
-  plain.horizon_s = {0.5};
-  plain.stride = 25;
-  EXPECT_EQ(replay(blown, vehicle, vehicle.effects, options)[FitQuantity::velocity_mps].model,
-            replay(blown, vehicle, vehicle.effects, plain)[FitQuantity::velocity_mps].model);
-}
-
 TEST_F(Replay, WithoutAttitudeOrALongEnoughStretchThereIsNoRollout) {
   FlightLog blind = log;
   drop(blind, {"qw"});

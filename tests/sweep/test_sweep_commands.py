@@ -174,7 +174,7 @@ class Mistakes(Commands):
             (3, "no results here", ["table", "new"]),
             (3, "no results here", ["merge", "new", "newer", "--out", "newest"]),
             (3, "no results here", ["gate", "new", "--baseline", "base.csv"]),
-            (3, "nowhere.csv", ["metrics", "nowhere.csv"]),
+            (3, "nowhere.meta.toml", ["metrics", "nowhere.csv"]),
         ]:
             with self.subTest(says=says, arguments=arguments):
                 self.expect(code, says, *arguments)
