@@ -18,7 +18,7 @@ namespace gustlab {
 namespace {
 
 struct Options {
-  std::vector<std::string> flights, holdout;
+  std::vector<std::string> flights, holdout, reference;
   std::string vehicle, out;
   int jobs = default_jobs();
 };
@@ -84,6 +84,7 @@ void run(const Options& options) {
   diagnosis::DiagnoseOptions wanted;
   wanted.fit = options.flights;
   wanted.holdout = options.holdout;
+  wanted.reference = options.reference;
   if (!options.vehicle.empty()) wanted.vehicle = options.vehicle;
   wanted.jobs = options.jobs;
   const diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
@@ -120,6 +121,8 @@ void add_diagnose(CLI::App& app) {
   CLI::App* command = app.add_subcommand("diagnose", "names the physics that the simulation of these flights leaves out");
   command->add_option("FLIGHT", options->flights, "flight logs of one vehicle, NAME.csv or NAME.csv.gz")->required();
   command->add_option("--holdout", options->holdout, "flights to verify on (default: the last one)");
+  command->add_option("--reference", options->reference,
+                      "normal flights of the same vehicle: without attitude and body rate, mean commands are compared with theirs");
   command->add_option("--vehicle", options->vehicle, "name under models/ or path to a vehicle.toml (default: what the logs say)");
   command->add_option("--out", options->out, "folder for diagnosis.json, augmented.toml and report.html")->required();
   command->add_option("--jobs", options->jobs, "threads")->check(CLI::PositiveNumber)->capture_default_str();

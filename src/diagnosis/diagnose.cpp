@@ -9,6 +9,7 @@
 #include "config/toml.hpp"
 #include "diagnosis/explain.hpp"
 #include "diagnosis/log_checks.hpp"
+#include "diagnosis/quasi_static.hpp"
 #include "diagnosis/vehicle_check.hpp"
 #include "gustlab/errors.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -61,7 +62,7 @@ bool filtered(const FlightLog& log) {
 }
 
 struct Flights {
-  std::vector<FlightLog> fit, holdout;
+  std::vector<FlightLog> fit, holdout, reference;
 };
 
 // a log that cannot be read is set aside, and said
@@ -171,10 +172,11 @@ bool linear_is_likelier(const std::vector<FlightLog>& logs, const VehicleModel& 
   return score[true] < score[false];
 }
 
-bool turning_is_seen(const std::vector<FlightData>& flights) {
-  std::size_t seen = 0;
-  for (const FlightData& flight : flights)
-    for (const Sample& sample : flight.samples) seen += sample.channels & (has_attitude | has_rate) ? 1 : 0;
+bool turning_is_recorded(const std::vector<FlightLog>& logs) {
+  std::ptrdiff_t seen = 0;
+  for (const FlightLog& log : logs)
+    for (const char* name : {"qw", "wx"})
+      if (const auto* column = log.find(name)) seen += std::count_if(column->begin(), column->end(), [](double v) { return std::isfinite(v); });
   return seen > 100;
 }
 
@@ -222,26 +224,36 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   Flights logs;
   logs.fit = read_all(options.fit, out);
   logs.holdout = read_all(options.holdout, out);
+  logs.reference = read_all(options.reference, out);
   if (logs.fit.empty()) throw DataError(out.log_findings.front().says);
   const FlightLog& first = logs.fit.front();
   VehicleModel vehicle = options.vehicle ? read_vehicle(*options.vehicle) : read_vehicle(first.meta.vehicle, first.path);
   out.vehicle = vehicle.name;
   set_aside(logs.fit, vehicle, out);
   set_aside(logs.holdout, vehicle, out);
+  set_aside(logs.reference, vehicle, out);
   if (logs.fit.empty()) throw DataError(nothing_usable(out));
 
+  if (logs.holdout.empty() && logs.fit.size() > 1) {
+    logs.holdout.push_back(std::move(logs.fit.back()));
+    logs.fit.pop_back();
+    out.notes.push_back(fmt::format("no flight was held out by the user: {} is", label_of(logs.holdout.front().path)));
+  }
+  if (!turning_is_recorded(logs.fit)) {
+    const std::vector<FlightData> fit = prepare(logs.fit, vehicle, {}), held = prepare(logs.holdout, vehicle, {}), normal = prepare(logs.reference, vehicle, {});
+    for (const auto& [role, used] : {std::pair{"reference", &normal}, {"fit", &fit}, {"holdout", &held}})
+      for (const FlightData& flight : *used) out.flights.push_back({flight.label, role, flight.duration_s(), 0.0});
+    compare_hover(normal, fit, held, vehicle, out);
+    out.augmented_toml = augmented_toml(out);
+    return out;
+  }
+  if (!logs.reference.empty()) out.notes.emplace_back("attitude or body rate is recorded: the vehicle file is the reference, other flights are not needed for it");
   if (logs.holdout.empty()) {
-    if (logs.fit.size() > 1) {
-      logs.holdout.push_back(std::move(logs.fit.back()));
-      logs.fit.pop_back();
-      out.notes.push_back(fmt::format("no flight was held out by the user: {} is", label_of(logs.holdout.front().path)));
-    } else {
-      const auto& time = logs.fit.front().time_s;
-      const double cut_s = time.front() + (time.back() - time.front()) * 2.0 / 3.0;
-      logs.holdout.push_back(part_of(logs.fit.front(), cut_s, time.back() + 1.0));
-      logs.fit.front() = part_of(logs.fit.front(), time.front(), cut_s);
-      out.notes.emplace_back("there is one flight only: its last third is held out");
-    }
+    const auto& time = logs.fit.front().time_s;
+    const double cut_s = time.front() + (time.back() - time.front()) * 2.0 / 3.0;
+    logs.holdout.push_back(part_of(logs.fit.front(), cut_s, time.back() + 1.0));
+    logs.fit.front() = part_of(logs.fit.front(), time.front(), cut_s);
+    out.notes.emplace_back("there is one flight only: its last third is held out");
   }
 
   // logs that were smoothed before they were written tell less than their rate
@@ -269,15 +281,6 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   for (std::size_t i = 0; i < offset.size(); ++i) {
     const FlightData& flight = i < flights.size() ? flights[i] : held[i - flights.size()];
     out.flights.push_back({flight.label, i < flights.size() ? "fit" : "holdout", flight.duration_s(), offset[i]});
-  }
-
-  // without attitude and body rate only a balance of mean commands would be left, and that names nothing here
-  if (!turning_is_seen(flights)) {
-    for (const EffectRow& row : effect_registry())
-      if (row.diagnosable) out.not_identifiable.push_back({std::string(row.name), "the log has neither attitude nor body rate"});
-    out.verdict = Verdict::insufficient_data;
-    out.augmented_toml = augmented_toml(out);
-    return out;
   }
 
   Session session(std::move(flights), vehicle, options.jobs);

@@ -14,13 +14,14 @@ namespace gustlab::diagnosis {
 struct DiagnoseOptions {
   std::vector<std::string> fit;       // flight logs
   std::vector<std::string> holdout;   // empty: the last flight, or the last third of the only one
+  std::vector<std::string> reference; // normal flights of the vehicle, for logs without attitude and body rate
   std::optional<std::string> vehicle; // overrides the logs'
   int jobs = 1;
 };
 
 // What one flight contributed.
 struct FlightUse {
-  std::string file, role;             // fit | holdout | set_aside
+  std::string file, role;             // fit | holdout | reference | set_aside
   double duration_s = 0.0, time_offset_s = 0.0;
 };
 
