@@ -24,5 +24,6 @@ void add_run(CLI::App& app);
 void add_score(CLI::App& app);
 void add_sweep(CLI::App& app);
 void add_table(CLI::App& app);
+void add_train(CLI::App& app);
 
 }  // namespace gustlab

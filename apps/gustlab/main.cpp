@@ -41,6 +41,7 @@ void add_commands(CLI::App& app) {
   add_replay(app);
   add_diagnose(app);
   add_identify(app);
+  add_train(app);
   add_conceal(app);
   add_score(app);
 }

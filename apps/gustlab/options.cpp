@@ -10,10 +10,16 @@ void ExperimentOptions::add_to(CLI::App& command) {
   command.add_option("--seed", seed, "of every random stream, instead of the experiment's");
 }
 
-Experiment ExperimentOptions::read() const {
-  std::vector<std::string> overrides = set;
-  if (seed) overrides.push_back("seed=" + std::to_string(*seed));
-  return read_experiment(find_experiment(experiment), overrides);
+std::vector<std::string> ExperimentOptions::overrides() const {
+  std::vector<std::string> all = set;
+  if (seed) all.push_back("seed=" + std::to_string(*seed));
+  return all;
+}
+
+Experiment ExperimentOptions::read() const { return read_experiment(find_experiment(experiment), overrides()); }
+
+std::vector<Experiment> ExperimentOptions::read_variants() const {
+  return gustlab::read_variants(find_experiment(experiment), overrides());
 }
 
 void add_jobs(CLI::App& command, int& jobs) {

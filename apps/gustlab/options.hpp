@@ -18,6 +18,11 @@ struct ExperimentOptions {
 
   void add_to(CLI::App& command);
   Experiment read() const;
+  // one experiment for each [[variant]]; without any, the experiment itself
+  std::vector<Experiment> read_variants() const;
+
+ private:
+  std::vector<std::string> overrides() const;
 };
 
 // --jobs.

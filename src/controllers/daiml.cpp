@@ -2,7 +2,8 @@
 // was trained to be invariant of the wind gives features, their coefficients adapt in flight by the same law as asindy's.
 //
 // Features are the network's outputs and a constant 1. Without a network only the constant is left, which is the paper's
-// comparison Neural-Fly-Constant.
+// comparison Neural-Fly-Constant. The weights that are shipped were trained by `gustlab train collect_iris`; the file says
+// on what, and control/daiml_input.hpp why they fly other vehicles.
 #include <algorithm>
 
 #include "control/daiml_input.hpp"
@@ -18,7 +19,7 @@ namespace {
 class Daiml {
  public:
   void visit(ParameterVisitor& visitor) {
-    visitor.file("weights", weights_, {.help = "file that `gustlab train` wrote; empty: a constant is the only feature"});
+    visitor.file("weights", weights_, {.help = "file that `gustlab train` wrote; \"\": a constant is the only feature"});
     residual_.visit(visitor);
   }
 
@@ -47,7 +48,7 @@ class Daiml {
   void telemetry(std::span<double> out) const { residual_.telemetry(out); }
 
  private:
-  InputFile weights_;
+  InputFile weights_{"configs/daiml.weights", {}};
   ResidualAdaptation residual_;
   VehicleModel vehicle_;
   Mixer mixer_;

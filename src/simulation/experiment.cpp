@@ -90,6 +90,25 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
   return choices;
 }
 
+// [[variant]]: what it is called, and what it changes
+struct Variant {
+  std::string name;
+  std::vector<std::string> set;
+  bool held_out = false;
+};
+std::vector<Variant> read_variant_tables(config::Table& document) {
+  std::vector<Variant> variants;
+  std::set<std::string> seen;
+  for (config::Table& table : document.tables("variant")) {
+    variants.push_back({table.need_text("name"), table.texts("set").value_or(std::vector<std::string>{}),
+                        table.flag("held_out").value_or(false)});
+    check_name(table, "name", variants.back().name);
+    if (!seen.insert(variants.back().name).second)
+      table.fail("name", fmt::format("variant \"{}\" is here twice", variants.back().name), "", "rename one");
+  }
+  return variants;
+}
+
 std::vector<EffectSpec> read_included(const std::string& path) {
   config::Table document = config::Table::read_file(path);
   document.text("format");
@@ -139,6 +158,22 @@ Experiment read_experiment(const std::string& path, const std::vector<std::strin
   return make_experiment(document, path);
 }
 
+std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides) {
+  config::Table document = config::Table::read_file(path);
+  const std::vector<Variant> variants = read_variant_tables(document);
+  if (variants.empty()) return {read_experiment(path, overrides)};
+  std::vector<Experiment> experiments;
+  for (const Variant& variant : variants) {
+    std::vector<std::string> set = variant.set;
+    set.insert(set.end(), overrides.begin(), overrides.end());
+    Experiment& experiment = experiments.emplace_back(read_experiment(path, set));
+    experiment.name += "." + variant.name;
+    experiment.variant = variant.name;
+    experiment.held_out = variant.held_out;
+  }
+  return experiments;
+}
+
 Experiment make_experiment(config::Table& document, const std::string& path) {
   document.need_text("vehicle");
   check_name(document, "name", document.need_text("name"));
@@ -151,6 +186,7 @@ Experiment make_experiment(config::Table& document, const std::string& path) {
   const std::vector<EffectSpec> own_effects = config::read_effects(document);
   const bool has_environment = document.has("environment");
   const Environment environment = config::read_environment(document);
+  read_variant_tables(document);
   ExperimentKeys keys;
   config::read_parameters(document, keys);
 

@@ -49,6 +49,8 @@ struct Experiment {
   std::int64_t seed = 1;
   FlightOptions flight;
   LogOptions log;
+  std::string variant;             // name of its [[variant]]; empty: it is the experiment as it stands
+  bool held_out = false;           // a variant that training only tests on
 };
 
 // One run: indices into its experiment, and 128 bits that stand for everything that can change its result.
@@ -64,6 +66,9 @@ std::string to_hex(const std::array<std::uint64_t, 2>& key);
 // Throws ConfigError with file:line:col, also for what would only show in flight: a step that does not divide the
 // controller's period, a trajectory that contradicts itself. `overrides` are `key=value` pairs with dotted keys.
 Experiment read_experiment(const std::string& path, const std::vector<std::string>& overrides = {});
+// The variants of a file: one experiment for each [[variant]], named NAME.VARIANT, in which the overrides of its list `set`
+// hold (and `overrides` above them); without any, the experiment itself. Throws as above.
+std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides = {});
 // The same from a table that was read already, but for its format; `path` is what relative paths resolve against.
 Experiment make_experiment(config::Table& document, const std::string& path);
 // A path as given, or a name under experiments/. Throws ConfigError when there is neither.
