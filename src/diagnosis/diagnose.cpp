@@ -9,6 +9,7 @@
 #include "config/toml.hpp"
 #include "diagnosis/explain.hpp"
 #include "diagnosis/log_checks.hpp"
+#include "diagnosis/next_flight.hpp"
 #include "diagnosis/quasi_static.hpp"
 #include "diagnosis/vehicle_check.hpp"
 #include "gustlab/errors.hpp"
@@ -336,6 +337,7 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   else if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;
   else if (rest.alarms.empty() || rest.omnibus_share < 0.1) out.verdict = Verdict::explained;
   else out.verdict = Verdict::partly_explained;
+  suggest_flight(session, selection, options.jobs, out);
   out.augmented_toml = augmented_toml(out);
   return out;
 }

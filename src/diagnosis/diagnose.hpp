@@ -46,6 +46,7 @@ struct Diagnosis {
   double unexplained_share = 0.0;            // of all structure, what a generic test still finds
   std::vector<std::string> notes;
   std::string next_trajectory, next_why;
+  std::vector<std::pair<std::string, std::string>> next_parameters;   // of the trajectory, TOML literals
   std::string augmented_toml;
   // for the page: one held-out window, and unexplained forces against what they depend on
   std::string window_file;

@@ -1,6 +1,7 @@
 #include "diagnosis/quasi_static.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -315,6 +316,9 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
     out.effects.push_back(std::move(effect));
   }
   out.verdict = out.effects.empty() ? Verdict::insufficient_data : Verdict::explained;
+  if (names.size() < 2) return;
+  out.next_trajectory = "multisine";
+  out.next_why = "with attitude and body rate recorded would separate " + fmt::format("{}", fmt::join(names, " from "));
 }
 
 }  // namespace
@@ -338,6 +342,8 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
   const bool compared = !given.empty() || std::any_of(others.begin(), others.end(), [&](const Flight* f) { return f->label != others.front()->label; });
   if (others.empty() || !compared) {
     out.notes.emplace_back("mean commands of hover tell nothing without another flight of the same vehicle: name a normal one with --reference");
+    out.next_trajectory = "hover";
+    out.next_why = "of the vehicle in its normal state, named with --reference; with attitude or body rate recorded, it would not be needed";
     return cannot_tell(out, false);
   }
   if (given.empty()) {

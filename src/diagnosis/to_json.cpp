@@ -83,7 +83,11 @@ ordered_json to_json(const Diagnosis& d) {
   out["unexplained_share"] = number(d.unexplained_share);
   out["notes"] = d.notes;
   out["fit"] = d.fit;
-  if (!d.next_trajectory.empty()) out["next_flight"] = {{"trajectory", d.next_trajectory}, {"why", d.next_why}};
+  if (!d.next_trajectory.empty()) {
+    out["next_flight"] = {{"trajectory", d.next_trajectory}, {"why", d.next_why}};
+    // numbers, lists of numbers and plain texts are the same in TOML and JSON
+    for (const auto& [name, literal] : d.next_parameters) out["next_flight"]["parameters"][name] = ordered_json::parse(literal);
+  }
   out["augmented_model"] = "augmented.toml";
   return out;
 }

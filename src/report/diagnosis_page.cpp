@@ -230,7 +230,10 @@ std::string next_flight(const Json& diagnosis) {
   const Json& next = part(diagnosis, "next_flight");
   const std::string trajectory = text(next, "trajectory");
   if (trajectory.empty()) return "";
-  return fmt::format("<p><strong>{}</strong>: {}.</p>", escape(capital(plain_label(trajectory))), escape(text(next, "why")));
+  std::string how;
+  for (const auto& [name, value] : part(next, "parameters").items()) how += fmt::format("{} = {}\n", name, value.dump());
+  if (!how.empty()) how = "<details><summary>How</summary><pre>" + escape("[trajectory." + trajectory + "]\n" + how) + "</pre></details>";
+  return fmt::format("<p><strong>{}</strong>: {}.</p>{}", escape(capital(plain_label(trajectory))), escape(text(next, "why")), how);
 }
 
 std::string flights(const Json& diagnosis) {
