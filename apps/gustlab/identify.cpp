@@ -64,6 +64,7 @@ void run(Options options) {
   if (!options.out.empty()) {
     std::vector<std::string> names;
     for (const std::string& path : options.logs) names.push_back(std::filesystem::path(path).filename().string());
+    if (names.size() > 6) names = {names.front(), "and " + std::to_string(names.size() - 1) + " more"};
     write_file(options.out, to_toml(found, names));
   }
   const std::string text = options.format == "json"  ? to_json(found)

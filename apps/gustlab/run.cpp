@@ -19,7 +19,7 @@ namespace {
 
 struct Options {
   ExperimentOptions experiment;
-  std::string trajectory, controller, out;
+  std::string trajectory, controller, variant, out;
   std::optional<std::uint32_t> replicate;
 };
 
@@ -32,33 +32,38 @@ std::size_t find_choice(const std::vector<Choice>& choices, const std::string& n
   throw ConfigError(fmt::format("{} {}: not in this experiment (it has {}) {}", option, name, fmt::join(known, ", "), config::suggest(name, known)));
 }
 
+Experiment find_variant(const std::vector<Experiment>& variants, const std::string& name) {
+  std::vector<std::string> known;
+  for (const Experiment& variant : variants) {
+    if (variant.variant == name) return variant;
+    known.push_back(variant.variant);
+  }
+  throw ConfigError(fmt::format("--variant {}: not in this experiment (it has {}) {}", name, fmt::join(known, ", "), config::suggest(name, known)));
+}
+
 void run_command(const Options& options) {
-  const Experiment experiment = options.experiment.read();
+  const Experiment experiment = options.variant.empty() ? options.experiment.read() : find_variant(options.experiment.read_variants(), options.variant);
   RunSpec wanted;
   wanted.trajectory = find_choice(experiment.trajectories, options.trajectory, "--trajectory");
   wanted.controller = find_choice(experiment.controllers, options.controller, "--controller");
   wanted.replicate = options.replicate.value_or(static_cast<std::uint32_t>(experiment.first_replicate));
 
-  Flight flight(experiment, wanted);
-  TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
-  FlightRecorder recorder(experiment, flight);
-  const FlightEnd end = fly(flight, error, &recorder);
-
+  const auto [record, log] = run_logged(experiment, wanted);
   nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},
                                  {"experiment", experiment.name},
                                  {"vehicle", experiment.vehicle.name},
                                  {"trajectory", options.trajectory},
                                  {"controller", options.controller},
                                  {"replicate", wanted.replicate},
-                                 {"outcome", to_string(end.outcome)},
-                                 {"duration_s", end.time_s},
-                                 {"settle_s", flight.options.settle_s}};
-  outcome["tracking"] = to_json(error.figures());
+                                 {"outcome", to_string(record.outcome)},
+                                 {"duration_s", record.duration_s},
+                                 {"settle_s", experiment.flight.settle_s}};
+  outcome["tracking"] = to_json(record.error);
   make_folder(options.out);
   const std::filesystem::path folder(options.out);
-  write_flight_log(recorder.take(), (folder / "flight.csv").string());
+  write_run_log(log, experiment, (folder / "flight.csv").string());
   write_file((folder / "outcome.json").string(), outcome.dump(2) + "\n");
-  spdlog::info("{}: {} after {:.3f} s", options.out, to_string(end.outcome), end.time_s);
+  spdlog::info("{}: {} after {:.3f} s", options.out, to_string(record.outcome), record.duration_s);
 }
 
 }  // namespace
@@ -69,6 +74,7 @@ void add_run(CLI::App& app) {
   options->experiment.add_to(*command);
   command->add_option("--trajectory", options->trajectory, "one of the experiment's")->required();
   command->add_option("--controller", options->controller, "one of the experiment's")->required();
+  command->add_option("--variant", options->variant, "one of the experiment's; without it, what stands outside the [[variant]] tables");
   command->add_option("--replicate", options->replicate, "which of the seeded gusts; the experiment's first by default");
   command->add_option("--out", options->out, "folder of the results")->required();
   command->callback([options] { run_command(*options); });

@@ -21,7 +21,7 @@ struct Options {
   ExperimentOptions experiment;
   int jobs = default_jobs();
   std::string out, shard = "1/1";
-  bool resume = false, dry_run = false;
+  bool resume = false, dry_run = false, logs = false;
 };
 
 Shard read_shard(const std::string& text) {
@@ -34,44 +34,52 @@ Shard read_shard(const std::string& text) {
 }
 
 void print_plan(const Experiment& experiment, const Shard& shard) {
-  fmt::print("trajectory,controller,replicate,key\n");
   for (const RunSpec& spec : plan(experiment))
     if (shard.has(spec.index))
-      fmt::print("{},{},{},{}\n", experiment.trajectories[spec.trajectory].name, experiment.controllers[spec.controller].name,
-                 spec.replicate, to_hex(spec.key));
+      fmt::print("{}{},{},{},{}\n", experiment.variant.empty() ? "" : experiment.variant + ",", experiment.trajectories[spec.trajectory].name,
+                 experiment.controllers[spec.controller].name, spec.replicate, to_hex(spec.key));
+}
+
+void sweep_into(const std::string& out, const Experiment& experiment, const Shard& shard, const Options& options) {
+  const std::atomic<bool>& stop = interrupted();
+  Progress progress;
+  const SweepReport report = sweep(experiment, {out, shard, options.jobs, options.resume, options.logs}, stop,
+                                   [&](std::size_t done, std::size_t all) { progress.show(done, all); });
+  progress.end();
+  if (!report.redone_because.empty()) spdlog::warn("{}: runs of another program were flown again ({})", out, report.redone_because);
+  if (report.done < report.planned) {
+    spdlog::warn("interrupted: {} of {} runs in {} are done, go on with --resume", report.done, report.planned, out);
+    throw ExitCode{130};
+  }
+  spdlog::info("{}: {} runs", out, report.done);
 }
 
 void sweep_command(const Options& options) {
   const Shard shard = read_shard(options.shard);
-  const Experiment experiment = options.experiment.read();
-  if (options.dry_run) return print_plan(experiment, shard);
+  const std::vector<Experiment> variants = options.experiment.read_variants();
+  if (options.dry_run) {
+    fmt::print("{}trajectory,controller,replicate,key\n", variants.front().variant.empty() ? "" : "variant,");
+    for (const Experiment& variant : variants) print_plan(variant, shard);
+    return;
+  }
   if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results) or use --dry-run");
 
-  const std::atomic<bool>& stop = interrupted();
-  Progress progress;
-  const SweepReport report = sweep(experiment, {options.out, shard, options.jobs, options.resume}, stop,
-                                   [&](std::size_t done, std::size_t all) { progress.show(done, all); });
-  progress.end();
-  if (!report.redone_because.empty())
-    spdlog::warn("{}: runs of another program were flown again ({})", options.out, report.redone_because);
-  if (report.done < report.planned) {
-    spdlog::warn("interrupted: {} of {} runs are done, go on with --resume", report.done, report.planned);
-    throw ExitCode{130};
-  }
-  spdlog::info("{}: {} runs", options.out, report.done);
+  for (const Experiment& variant : variants)
+    sweep_into(variant.variant.empty() ? options.out : options.out + "/" + variant.variant, variant, shard, options);
 }
 
 }  // namespace
 
 void add_sweep(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("sweep", "flies every run of an experiment into OUT/runs.sqlite and OUT/runs.csv");
+  CLI::App* command = app.add_subcommand("sweep", "flies every run of an experiment into OUT/runs.sqlite and OUT/runs.csv, of each [[variant]] into OUT/VARIANT");
   options->experiment.add_to(*command);
   command->add_option("--out", options->out, "folder of the results");
   command->add_option("--shard", options->shard, "flies every N-th run, from the i-th on; join with `gustlab merge`")
       ->type_name("i/N")
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "goes on where OUT stands");
+  command->add_flag("--logs", options->logs, "writes the flight log of every run, too: TRAJECTORY_CONTROLLER_REPLICATE.csv");
   command->add_flag("--dry-run", options->dry_run, "prints the plan and flies nothing");
   add_jobs(*command, options->jobs);
   command->callback([options] { sweep_command(*options); });

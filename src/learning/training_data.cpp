@@ -17,14 +17,12 @@ namespace gustlab {
 namespace {
 
 FlightLog fly_logged(const Experiment& experiment, const RunSpec& spec) {
-  Flight flight(experiment, spec);
-  TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
-  FlightRecorder recorder(experiment, flight);
-  const FlightEnd end = fly(flight, error, &recorder);
+  LoggedRun flown = run_logged(experiment, spec);
+  const RunRecord& end = flown.record;
   if (end.outcome != Outcome::completed)
     throw ConfigError(fmt::format("{}: {} replicate {} {} after {:.1f} s (training needs whole flights) use less wind", experiment.name,
-                                  experiment.trajectories[spec.trajectory].name, spec.replicate, to_string(end.outcome), end.time_s));
-  return recorder.take();
+                                  experiment.trajectories[spec.trajectory].name, spec.replicate, to_string(end.outcome), end.duration_s));
+  return std::move(flown.log);
 }
 
 Samples samples_of(const FlightLog& log, const VehicleModel& vehicle) {

@@ -123,17 +123,12 @@ struct PlannedFlight {
 
 FlightLog fly_one(const PlannedFlight& planned) {
   const Experiment& experiment = planned.trial->experiment;
-  Flight flight(experiment, planned.spec);
-  TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
-  FlightRecorder recorder(experiment, flight);
-  const FlightEnd end = fly(flight, error, &recorder);
+  LoggedRun flown = run_logged(experiment, planned.spec);
+  const RunRecord& end = flown.record;
   if (end.outcome != Outcome::completed)
     throw ConfigError(fmt::format("trial \"{}\": {} {} at {:.1f} s (what it conceals is more than the controller can take) use less",
-                                  planned.trial->name, planned.file, to_string(end.outcome), end.time_s));
-  FlightLog log = recorder.take();
-  // between the rows of a slower log the command changes, and nobody knows how
-  if (log.rows() < static_cast<std::size_t>(flight.ticks)) log.meta.hold = Hold::unknown;
-  return log;
+                                  planned.trial->name, planned.file, to_string(end.outcome), end.duration_s));
+  return std::move(flown.log);
 }
 
 std::string answer(const ConcealedTrial& trial) {
@@ -216,11 +211,7 @@ std::string fly_concealed_trials(const TrialsFile& file, const std::string& out,
   for (std::size_t i = 0; i < flights.size(); ++i) {
     const std::filesystem::path folder = std::filesystem::path(out) / flights[i].trial->name;
     make_folder(folder.string());
-    // a vehicle that is a file keeps its place relative to the recording
-    const Experiment& experiment = flights[i].trial->experiment;
-    if (experiment.vehicle_name.find_first_of("/.") != std::string::npos)
-      logs[i].meta.vehicle = std::filesystem::proximate(experiment.vehicle.source_path, folder).string();
-    write_flight_log(logs[i], (folder / flights[i].file).string());
+    write_run_log(std::move(logs[i]), flights[i].trial->experiment, (folder / flights[i].file).string());
   }
   return answers;
 }

@@ -1,6 +1,7 @@
 #include "simulation/recorder.hpp"
 
 #include <cmath>
+#include <filesystem>
 
 namespace gustlab {
 
@@ -37,7 +38,10 @@ void FlightRecorder::add(const Vector3& value) {
 void FlightRecorder::append(Flight& flight, const Observation& measured, const Reference& reference, const RotorCommand& command) {
   const VehicleState& truth = flight.plant.state();
   // a row is due when the log's own clock has ticked; the margin is far below a step and far above rounding
-  if (rate_hz_ > 0.0 && std::floor(truth.time_s * rate_hz_ + 1e-6) < static_cast<double>(log_.rows())) return;
+  if (rate_hz_ > 0.0 && std::floor(truth.time_s * rate_hz_ + 1e-6) < static_cast<double>(log_.rows())) {
+    skipped_ = true;
+    return;
+  }
 
   column_ = 0;
   log_.time_s.push_back(truth.time_s);
@@ -61,6 +65,26 @@ void FlightRecorder::append(Flight& flight, const Observation& measured, const R
   add(force_W_N / flight.plant.forces().vehicle().mass_kg);
   flight.controller->telemetry(telemetry_);
   for (const double value : telemetry_) add(value);
+}
+
+FlightLog FlightRecorder::take() {
+  // between the rows of a slower log the command changes, and nobody knows how
+  if (skipped_) log_.meta.hold = Hold::unknown;
+  return std::move(log_);
+}
+
+LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec) {
+  Flight flight(experiment, spec);
+  TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
+  FlightRecorder recorder(experiment, flight);
+  const FlightEnd end = fly(flight, error, &recorder);
+  return {{spec, end.outcome, end.time_s, error.figures()}, recorder.take()};
+}
+
+void write_run_log(FlightLog log, const Experiment& experiment, const std::string& csv_path) {
+  if (experiment.vehicle_name.find_first_of("/.") != std::string::npos)
+    log.meta.vehicle = std::filesystem::proximate(experiment.vehicle.source_path, std::filesystem::path(csv_path).parent_path()).string();
+  write_flight_log(log, csv_path);
 }
 
 }  // namespace gustlab

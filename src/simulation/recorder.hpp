@@ -14,7 +14,7 @@ class FlightRecorder {
   FlightRecorder(const Experiment& experiment, Flight& flight);
 
   void append(Flight& flight, const Observation& measured, const Reference& reference, const RotorCommand& command);
-  FlightLog take() { return std::move(log_); }
+  FlightLog take();
 
  private:
   void add(double value) { log_.columns[column_++].values.push_back(value); }
@@ -23,9 +23,19 @@ class FlightRecorder {
   FlightLog log_;
   bool truth_;
   double rate_hz_;         // 0: every tick
+  bool skipped_ = false;   // a tick that has no row
   std::size_t rotors_;
   std::size_t column_ = 0;
   std::vector<double> telemetry_;
 };
+
+// A planned run from start to figures, and its log.
+struct LoggedRun {
+  RunRecord record;
+  FlightLog log;
+};
+LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec);
+// Writes the log of a run; a vehicle that is a file keeps its place relative to it. Throws IoError.
+void write_run_log(FlightLog log, const Experiment& experiment, const std::string& csv_path);
 
 }  // namespace gustlab

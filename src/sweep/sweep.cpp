@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "gustlab/errors.hpp"
+#include "simulation/recorder.hpp"
 #include "util/files.hpp"
 #include "util/parallel.hpp"
 
@@ -54,18 +55,16 @@ void check_complete(const std::vector<std::string>& folders, const std::vector<s
                                 owner.size(), shards.front()->name_of(first)));
 }
 
-}  // namespace
-
-void fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs, const std::atomic<bool>& stop,
-             const std::function<void(const RunRecord&)>& on_record) {
-  std::mutex one_at_a_time;
-  parallel_for(static_cast<std::int64_t>(runs.size()), jobs, [&](std::int64_t i) {
-    if (stop) return;
-    const RunRecord record = run(experiment, runs[static_cast<std::size_t>(i)]);
-    const std::lock_guard lock(one_at_a_time);
-    on_record(record);
-  });
+// a run, and its log beside the store
+RunRecord run_with_log(const Experiment& experiment, const RunSpec& spec, const std::string& folder) {
+  LoggedRun flown = run_logged(experiment, spec);
+  const std::string name = fmt::format("{}_{}_{}.csv", experiment.trajectories[spec.trajectory].name,
+                                       experiment.controllers[spec.controller].name, spec.replicate);
+  write_run_log(std::move(flown.log), experiment, (fs::path(folder) / name).string());
+  return flown.record;
 }
+
+}  // namespace
 
 std::vector<RunRecord> fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs) {
   std::vector<RunRecord> records(runs.size());
@@ -106,7 +105,12 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   }
   report.done = report.planned - pending.size();
   progress(report.done, report.planned);
-  fly_all(experiment, pending, options.jobs, stop, [&](const RunRecord& record) {
+  std::mutex one_at_a_time;
+  parallel_for(static_cast<std::int64_t>(pending.size()), options.jobs, [&](std::int64_t i) {
+    if (stop) return;
+    const RunSpec& spec = pending[static_cast<std::size_t>(i)];
+    const RunRecord record = options.logs ? run_with_log(experiment, spec, options.out) : run(experiment, spec);
+    const std::lock_guard lock(one_at_a_time);
     store.add(record);
     progress(++report.done, report.planned);
   });

@@ -11,11 +11,7 @@
 
 namespace gustlab {
 
-// Flies runs on at most `jobs` threads, in no order; `on_record` is called for one run at a time. Runs that have not begun
-// when `stop` becomes true are left out. The same records for any number of threads.
-void fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs, const std::atomic<bool>& stop,
-             const std::function<void(const RunRecord&)>& on_record);
-// The records in the order of the runs.
+// Flies runs on at most `jobs` threads: the records in the order of the runs, the same for any number of threads.
 std::vector<RunRecord> fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs);
 
 struct SweepOptions {
@@ -23,6 +19,7 @@ struct SweepOptions {
   Shard shard;
   int jobs = 1;
   bool resume = false;
+  bool logs = false;   // writes the flight log of every run that is flown: OUT/TRAJECTORY_CONTROLLER_REPLICATE.csv
 };
 struct SweepReport {
   std::size_t planned = 0;      // runs of the shard
