@@ -13,6 +13,7 @@ struct EulerAngles {
 };
 
 EulerAngles euler_angles(const Quaternion& attitude_WB);
+double yaw_of(const Quaternion& attitude_WB);  // rad
 Quaternion from_euler(const EulerAngles& angles);
 
 // The attitude whose z axis points along a force and whose x axis lies in the vertical plane of the heading, which is its

@@ -37,7 +37,7 @@ class CrazyflieLoop final : public LowLevelLoop {
     const double yaw_rad = last_angle_deg_.z() * degree, c = std::cos(yaw_rad), s = std::sin(yaw_rad);
     const Vector3 z = wanted.attitude_WB * Vector3::UnitZ();
     wanted_deg_ = Vector3(std::asin(limited(s * z.x() - c * z.y(), 1.0)), std::atan2(c * z.x() + s * z.y(), z.z()),
-                          euler_angles(wanted.attitude_WB).yaw_rad) / degree;
+                          yaw_of(wanted.attitude_WB)) / degree;
     thrust_pwm_ = std::clamp(mixer_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full);
   }
 
@@ -47,9 +47,9 @@ class CrazyflieLoop final : public LowLevelLoop {
 
     // attitude error → rate, in Euler angles; derivative of the measured angle, not of the error
     Vector3 error_deg = wanted_deg_ - angle_deg;
-    error_deg.z() = std::remainder(error_deg.z(), 360.0);
+    error_deg.z() = wrapped_deg(error_deg.z());
     Vector3 angle_change_deg = last_angle_deg_ - angle_deg;
-    angle_change_deg.z() = std::remainder(angle_change_deg.z(), 360.0);
+    angle_change_deg.z() = wrapped_deg(angle_change_deg.z());
     last_angle_deg_ = angle_deg;
     const Vector3 wanted_rate_degps = attitude_.update(error_deg, angle_change_deg / period_s_, period_s_);
 
@@ -63,6 +63,10 @@ class CrazyflieLoop final : public LowLevelLoop {
   }
 
  private:
+  // std::remainder is slow, and seldom needed
+  static double wrapped_deg(double angle_deg) {
+    return std::abs(angle_deg) < 180.0 ? angle_deg : std::remainder(angle_deg, 360.0);
+  }
   static Vector3 degrees(const Quaternion& attitude_WB) {
     const EulerAngles angles = euler_angles(attitude_WB);
     return Vector3(angles.roll_rad, angles.pitch_rad, angles.yaw_rad) / degree;

@@ -34,7 +34,7 @@ void CrazyfliePosition::reset() {
 }
 
 ThrustAttitude CrazyfliePosition::update(const Observation& observation, const Reference& reference) {
-  const double yaw_rad = euler_angles(observation.attitude_WB).yaw_rad;
+  const double yaw_rad = yaw_of(observation.attitude_WB);
   const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
   const auto to_heading = [&](const Vector3& v) { return Vector3(c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z()); };
 
@@ -48,18 +48,19 @@ ThrustAttitude CrazyfliePosition::update(const Observation& observation, const R
   const Vector3 output =
       velocity_.update(wanted_velocity - to_heading(observation.velocity_W_mps), Vector3::Zero(), period_s_);
   const double tilt_deg = options_.tilt_limit_rad / degree;
-  EulerAngles angles;
-  angles.pitch_rad = limited(limited(output.x(), tilt_overhead * tilt_deg), tilt_deg) * degree;
-  angles.roll_rad = -limited(limited(output.y(), tilt_overhead * tilt_deg), tilt_deg) * degree;
-  angles.yaw_rad = yaw_rad;
+  double pitch_rad = limited(limited(output.x(), tilt_overhead * tilt_deg), tilt_deg) * degree;
+  double roll_rad = -limited(limited(output.y(), tilt_overhead * tilt_deg), tilt_deg) * degree;
   if (options_.feedforward == FeedForward::full) {
     const Vector3 acceleration = to_heading(reference.acceleration_W_mps2);
-    angles.pitch_rad = limited(angles.pitch_rad + acceleration.x() / 9.81, options_.tilt_limit_rad);
-    angles.roll_rad = limited(angles.roll_rad - acceleration.y() / 9.81, options_.tilt_limit_rad);
+    pitch_rad = limited(pitch_rad + acceleration.x() / 9.81, options_.tilt_limit_rad);
+    roll_rad = limited(roll_rad - acceleration.y() / 9.81, options_.tilt_limit_rad);
   }
   const double pwm = std::clamp(pwm_per_output * limited(output.z(), vertical_output_limit) + thrust_base_pwm,
                                 thrust_least_pwm, PwmMap::full);
-  return {mixer_.total_thrust_of_pwm(pwm), attitude_along(from_euler(angles) * Vector3::UnitZ(), reference.yaw_rad)};
+  // the third column of Rz(yaw) Ry(pitch) Rx(roll)
+  const double sr = std::sin(roll_rad), cr = std::cos(roll_rad), sp = std::sin(pitch_rad), cp = std::cos(pitch_rad);
+  const Vector3 thrust_axis(c * sp * cr + s * sr, s * sp * cr - c * sr, cp * cr);
+  return {mixer_.total_thrust_of_pwm(pwm), attitude_along(thrust_axis, reference.yaw_rad)};
 }
 
 ForcePosition::ForcePosition(const VehicleModel& vehicle, const Options& options, double period_s)

@@ -84,7 +84,8 @@ class Gust final : public Effect {
       const bool on = is_on(tick / rate_Hz_);
       const auto counter = static_cast<std::uint64_t>(tick);
       part(state, random_force) = next(part(state, random_force), force_, on, stream_.normal4(counter, force_lane));
-      part(state, random_torque) = next(part(state, random_torque), torque_, on, stream_.normal4(counter, torque_lane));
+      if (!torque_.sigma.isZero(0.0))
+        part(state, random_torque) = next(part(state, random_torque), torque_, on, stream_.normal4(counter, torque_lane));
       tick += 1.0;
       emit(state, tick / rate_Hz_);
     }

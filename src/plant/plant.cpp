@@ -84,7 +84,6 @@ void Plant::set_state(const VehicleState& state) {
   state_ = state;
   if (steps_ > 0) state_.time_s = time_s;
   memory_->now_s = state_.time_s;
-  memory_->body.set(state_);
 }
 
 void Plant::actuate(const RotorCommand& command) {
@@ -102,20 +101,20 @@ void Plant::actuate(const RotorCommand& command) {
         (actuation_.end_speed_radps[i] - actuation_.start_speed_radps[i]) / options_.step_s;
 }
 
-void Plant::evaluate(const RotorArray& speed_radps) {
-  flow_ = forces_.flow(state_, voltage_V_);
-  forces_.rotors(speed_radps, rotor_acceleration_radps2_, flow_, rotors_);
+Flow Plant::evaluate(const RotorArray& speed_radps) {
+  Flow flow = forces_.flow(state_, voltage_V_);
+  forces_.rotors(speed_radps, rotor_acceleration_radps2_, flow, rotors_);
+  return flow;
 }
 
 bool Plant::step(const RotorCommand& command) {
   if (!finite_) return false;
   actuate(command);
-  evaluate(actuation_.mean_speed_radps);
-  const Wrench wrench = forces_.wrench(flow_, rotors_, effect_state_);
-  if (!effect_state_.empty()) forces_.advance(flow_, rotors_, wrench, effect_state_);
-  finite_ = memory_->body.step(wrench, flow_.R_WB);
+  const Flow flow = evaluate(actuation_.mean_speed_radps);
+  const Wrench wrench = forces_.wrench(flow, rotors_, effect_state_);
+  if (!effect_state_.empty()) forces_.advance(flow, rotors_, wrench, effect_state_);
+  finite_ = memory_->body.step(flow, wrench, state_);
   ++steps_;
-  memory_->body.get(state_);
   state_.rotor_speed_radps = actuation_.end_speed_radps;
   // time is counted, never accumulated
   state_.time_s = start_time_s_ + static_cast<double>(steps_) * options_.step_s;
@@ -144,11 +143,11 @@ Observation Plant::observe(bool with_accelerometer) {
   context.tick = observations_++;
   context.past = memory_.get();
   if (with_accelerometer) {
-    evaluate(state_.rotor_speed_radps);
-    const Wrench wrench = forces_.wrench(flow_, rotors_, effect_state_);
-    context.angular_acceleration_B_radps2 = forces_.acceleration(flow_, wrench).angular_B_radps2;
+    const Flow flow = evaluate(state_.rotor_speed_radps);
+    const Wrench wrench = forces_.wrench(flow, rotors_, effect_state_);
+    context.angular_acceleration_B_radps2 = forces_.acceleration(flow, wrench).angular_B_radps2;
     // at the body's origin, where the accelerometer sits
-    measured.specific_force_B_mps2 = forces_.specific_force_at_origin(flow_, wrench, context.angular_acceleration_B_radps2);
+    measured.specific_force_B_mps2 = forces_.specific_force_at_origin(flow, wrench, context.angular_acceleration_B_radps2);
   }
   forces_.measure(context, measured);
 
@@ -165,8 +164,8 @@ Observation Plant::observe(bool with_accelerometer) {
 }
 
 Wrench Plant::disturbance() {
-  evaluate(state_.rotor_speed_radps);
-  return forces_.disturbance(flow_, rotors_, effect_state_);
+  const Flow flow = evaluate(state_.rotor_speed_radps);
+  return forces_.disturbance(flow, rotors_, effect_state_);
 }
 
 std::vector<double> Plant::snapshot() const {
@@ -202,7 +201,6 @@ void Plant::restore(const std::vector<double>& snapshot) {
   in = memory_->commands.load(in);
   memory_->poses.load(in);
   memory_->now_s = state_.time_s;
-  memory_->body.set(state_);
 }
 
 }  // namespace gustlab

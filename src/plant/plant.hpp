@@ -1,8 +1,8 @@
 // The plant: the vehicle's forces integrated by MuJoCo. The only code that knows MuJoCo, and where its traps end.
 //
-// MuJoCo steps a free body without geometry or actuators while airborne (the wrench goes to qfrc_applied, which for a free
-// joint is a force at the body's origin in W and a torque in body axes), and a twin with the vehicle's collision shapes
-// and a floor when it comes near the ground. A NaN never resets the state: step() says so and stops.
+// MuJoCo steps a free body at the centre of mass, without geometry or actuators while airborne (the wrench goes to
+// qfrc_applied, for a free joint a force in W and a torque in body axes), and a twin with the vehicle's collision shapes and
+// a floor when it comes near the ground. A NaN never resets the state: step() says so and stops.
 #pragma once
 
 #include <memory>
@@ -58,7 +58,7 @@ class Plant {
   struct Memory;  // the body in MuJoCo and what delays remember
 
   void actuate(const RotorCommand& command);
-  void evaluate(const RotorArray& speed_radps);
+  Flow evaluate(const RotorArray& speed_radps);  // fills rotors_
 
   Options options_;
   ForceModel forces_;
@@ -66,7 +66,6 @@ class Plant {
   std::vector<double> effect_state_;
   VehicleState state_;
   Actuation actuation_;
-  Flow flow_;
   RotorSet rotors_;
   RotorArray rotor_acceleration_radps2_{};
   double voltage_V_ = 0.0;

@@ -15,19 +15,23 @@ namespace {
 // a free body; its inertia is written after compilation, so that MuJoCo neither refuses nor rounds it
 std::string body_xml(const VehicleModel& vehicle, double step_s, bool with_ground) {
   std::string geoms, floor;
+  const auto from_center_m = [&](const CollisionShape& shape) -> Vector3 {
+    return shape.position_B_m - vehicle.center_of_mass_B_m;
+  };
   if (with_ground) {
     for (const CollisionShape& shape : vehicle.shapes)
       geoms += fmt::format("<geom type='{}' size='{} {} {}' pos='{} {} {}' quat='{} {} {} {}' mass='0'/>", shape.type,
-                           shape.size_m.x(), shape.size_m.y(), shape.size_m.z(), shape.position_B_m.x(),
-                           shape.position_B_m.y(), shape.position_B_m.z(), shape.attitude_BG.w(), shape.attitude_BG.x(),
-                           shape.attitude_BG.y(), shape.attitude_BG.z());
+                           shape.size_m.x(), shape.size_m.y(), shape.size_m.z(), from_center_m(shape).x(),
+                           from_center_m(shape).y(), from_center_m(shape).z(), shape.attitude_BG.w(),
+                           shape.attitude_BG.x(), shape.attitude_BG.y(), shape.attitude_BG.z());
     floor = fmt::format("<geom type='plane' size='0 0 1' pos='0 0 {}'/>", *vehicle.environment.ground_z_m);
   }
-  // MuJoCo's short cut for bodies with centred, diagonal inertia must not be taken by others
-  const bool centred = vehicle.center_of_mass_B_m.isZero(0.0) && vehicle.inertia_B_kgm2.isDiagonal(0.0);
-  const char* simple = centred ? "auto" : "false";
+  // MuJoCo's short cut for bodies with a diagonal inertia must not be taken by others
+  const char* simple = vehicle.inertia_B_kgm2.isDiagonal(0.0) ? "auto" : "false";
+  // what a free body has not got is not looked for either: a tenth of a step
   return fmt::format(
-      "<mujoco><option timestep='{}' gravity='0 0 {}' integrator='Euler'><flag autoreset='disable' {}/></option>"
+      "<mujoco><option timestep='{}' gravity='0 0 {}' integrator='Euler'><flag autoreset='disable' spring='disable'"
+      " damper='disable' actuation='disable' sensor='disable' eulerdamp='disable' {}/></option>"
       "<worldbody>{}<body simple='{}'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>{}</body></worldbody></mujoco>",
       step_s, -vehicle.gravity_mps2, with_ground ? "" : "contact='disable' constraint='disable'", floor, simple, geoms);
 }
@@ -55,7 +59,6 @@ struct World {
       axes = Quaternion(R);
     }
     model->body_mass[1] = vehicle.mass_kg;
-    mju_copy3(model->body_ipos + 3, vehicle.center_of_mass_B_m.data());
     mju_copy3(model->body_inertia + 3, principal.data());
     const double quaternion[4] = {axes.w(), axes.x(), axes.y(), axes.z()};
     mju_copy4(model->body_iquat + 4, quaternion);
@@ -71,7 +74,7 @@ struct RigidBody::Impl {
   Vector3 center_of_mass_B_m;
   World air;
   std::unique_ptr<World> ground;   // nullptr: no ground in this environment
-  double ground_below_m = 0.0;     // the twin flies below this height of the origin
+  double ground_below_m = 0.0;     // the twin flies below this height of the centre of mass
   World* flying;
 
   Impl(const VehicleModel& vehicle, double step_s)
@@ -80,7 +83,7 @@ struct RigidBody::Impl {
     ground = std::make_unique<World>(vehicle, step_s, true);
     double reach_m = 0.0;
     for (const CollisionShape& shape : vehicle.shapes)
-      reach_m = std::max(reach_m, shape.position_B_m.norm() + shape.size_m.sum());
+      reach_m = std::max(reach_m, (shape.position_B_m - center_of_mass_B_m).norm() + shape.size_m.sum());
     ground_below_m = *vehicle.environment.ground_z_m + 1.1 * reach_m;
   }
 };
@@ -94,23 +97,6 @@ RigidBody::RigidBody(const VehicleModel& vehicle, double step_s) {
 }
 
 RigidBody::~RigidBody() = default;
-
-void RigidBody::set(const VehicleState& state) {
-  mjData* data = impl_->flying->data.get();
-  const Quaternion& q = state.attitude_WB;
-  const double qpos[7] = {state.position_W_m.x(), state.position_W_m.y(), state.position_W_m.z(), q.w(), q.x(), q.y(), q.z()};
-  mju_copy(data->qpos, qpos, 7);
-  mju_copy3(data->qvel, state.velocity_W_mps.data());
-  mju_copy3(data->qvel + 3, state.body_rate_B_radps.data());
-}
-
-void RigidBody::get(VehicleState& state) const {
-  const mjData* data = impl_->flying->data.get();
-  state.position_W_m = Eigen::Map<const Vector3>(data->qpos);
-  state.attitude_WB = Quaternion(data->qpos[3], data->qpos[4], data->qpos[5], data->qpos[6]);
-  state.velocity_W_mps = Eigen::Map<const Vector3>(data->qvel);
-  state.body_rate_B_radps = Eigen::Map<const Vector3>(data->qvel + 3);
-}
 
 void RigidBody::forget() {
   for (World* world : {&impl_->air, impl_->ground.get()}) {
@@ -133,22 +119,31 @@ const double* RigidBody::load(const double* in) {
   return in + 6;
 }
 
-bool RigidBody::step(const Wrench& wrench, const Matrix3& R_WB) {
-  // the twin with the floor flies near the ground, and hands the state over on the way
+bool RigidBody::step(const Flow& flow, const Wrench& wrench, VehicleState& state) {
+  const Vector3& arm = impl_->center_of_mass_B_m;
+  const Vector3 position_W_m = state.position_W_m + flow.R_WB * arm;
+  // the twin with the floor flies near the ground
   if (impl_->ground) {
-    World* wanted = impl_->flying->data->qpos[2] < impl_->ground_below_m ? impl_->ground.get() : &impl_->air;
-    if (wanted != impl_->flying) {
-      mju_copy(wanted->data->qpos, impl_->flying->data->qpos, 7);
-      mju_copy(wanted->data->qvel, impl_->flying->data->qvel, 6);
-      mju_zero(wanted->data->qacc_warmstart, 6);
-      impl_->flying = wanted;
-    }
+    World* wanted = position_W_m.z() < impl_->ground_below_m ? impl_->ground.get() : &impl_->air;
+    if (wanted != impl_->flying) mju_zero(wanted->data->qacc_warmstart, 6);
+    impl_->flying = wanted;
   }
+
   mjData* data = impl_->flying->data.get();
-  Eigen::Map<Vector3>(data->qfrc_applied) = R_WB * wrench.force_B_N;
-  Eigen::Map<Vector3>(data->qfrc_applied + 3) =
-      wrench.torque_B_Nm + impl_->center_of_mass_B_m.cross(wrench.force_B_N);
+  const Quaternion& q = state.attitude_WB;
+  Eigen::Map<Vector3>(data->qpos) = position_W_m;
+  Eigen::Map<Eigen::Vector4d>(data->qpos + 3) << q.w(), q.vec();
+  Eigen::Map<Vector3>(data->qvel) = flow.velocity_W_mps;
+  Eigen::Map<Vector3>(data->qvel + 3) = state.body_rate_B_radps;
+  Eigen::Map<Vector3>(data->qfrc_applied) = flow.R_WB * wrench.force_B_N;
+  Eigen::Map<Vector3>(data->qfrc_applied + 3) = wrench.torque_B_Nm;
   mj_step(impl_->flying->model.get(), data);
+
+  state.attitude_WB = Quaternion(data->qpos[3], data->qpos[4], data->qpos[5], data->qpos[6]);
+  state.body_rate_B_radps = Eigen::Map<const Vector3>(data->qvel + 3);
+  const Matrix3 R_WB = state.attitude_WB.toRotationMatrix();
+  state.position_W_m = Eigen::Map<const Vector3>(data->qpos) - R_WB * arm;
+  state.velocity_W_mps = Eigen::Map<const Vector3>(data->qvel) - R_WB * state.body_rate_B_radps.cross(arm);
   return data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number +
              data->warning[mjWARN_BADQACC].number == 0 &&
          std::isfinite(data->qpos[0] + data->qpos[1] + data->qpos[2] + data->qvel[3] + data->qvel[4] + data->qvel[5]);

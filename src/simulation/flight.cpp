@@ -47,6 +47,14 @@ bool is_finite(const RotorCommand& command) {
   return std::isfinite(sum);
 }
 
+// what is measured aboard now, and the pose and velocity of the last message
+Observation over_link(Observation seen, const Observation& message) {
+  seen.pose_time_s = message.pose_time_s;
+  seen.position_W_m = message.position_W_m;
+  seen.velocity_W_mps = message.velocity_W_mps;
+  return seen;
+}
+
 Plant::Options plant_options(const Experiment& experiment, const RunSpec& spec) {
   return {experiment.flight.step_s, static_cast<std::uint64_t>(experiment.seed), spec.replicate};
 }
@@ -92,7 +100,7 @@ FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder) {
   const bool with_accelerometer = flight.controller->uses_accelerometer() || recorder != nullptr;
   const double max_error_m2 = flight.options.max_error_m * flight.options.max_error_m;
   const double max_speed_m2ps2 = flight.options.max_speed_mps * flight.options.max_speed_mps;
-  Observation link;     // what came over the offboard link last
+  Observation late;     // with pose and velocity as they came over the offboard link last
   Reference reference;  // likewise
 
   for (std::int64_t tick = 0; tick < flight.ticks; ++tick) {
@@ -101,15 +109,11 @@ FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder) {
     error.add(truth.time_s, truth.position_W_m, here.position_W_m);
 
     const Observation measured = plant.observe(with_accelerometer);
-    if (tick % flight.ticks_per_offboard == 0) {
-      link = measured;
-      reference = here;
-    }
-    Observation seen = measured;
-    seen.pose_time_s = link.pose_time_s;
-    seen.position_W_m = link.position_W_m;
-    seen.velocity_W_mps = link.velocity_W_mps;
-    const RotorCommand command = flight.controller->update(seen, reference);
+    const bool message = tick % flight.ticks_per_offboard == 0;
+    if (message) reference = here;
+    if (flight.ticks_per_offboard > 1) late = over_link(measured, message ? measured : late);
+    const RotorCommand command =
+        flight.controller->update(flight.ticks_per_offboard > 1 ? late : measured, reference);
     if (!is_finite(command)) return {Outcome::controller_nonfinite, truth.time_s};
     if (recorder != nullptr) recorder->append(flight, measured, here, command);
 

@@ -4,7 +4,6 @@
 // Evaluating Derivatives, 2nd ed., ch. 13).
 #pragma once
 
-#include <array>
 #include <cmath>
 
 #include "gustlab/types.hpp"
@@ -13,7 +12,7 @@ namespace gustlab {
 
 struct Jet {
   static constexpr int order = 4;
-  std::array<double, order + 1> c{};
+  Eigen::Array<double, order + 1, 1> c = Eigen::Array<double, order + 1, 1>::Zero();
 
   Jet() = default;
   Jet(double constant) { c[0] = constant; }  // NOLINT: numbers mix with jets in formulas
@@ -26,38 +25,40 @@ struct Jet {
   double value() const { return c[0]; }
   // the k-th derivative, k = 0..4
   double derivative(int k) const {
-    constexpr std::array<double, order + 1> factorial{1.0, 1.0, 2.0, 6.0, 24.0};
-    return c[static_cast<std::size_t>(k)] * factorial[static_cast<std::size_t>(k)];
+    constexpr double factorial[order + 1] = {1.0, 1.0, 2.0, 6.0, 24.0};
+    return c[k] * factorial[k];
   }
 };
 
 inline Jet operator+(Jet a, const Jet& b) {
-  for (std::size_t k = 0; k < a.c.size(); ++k) a.c[k] += b.c[k];
+  a.c += b.c;
   return a;
 }
 
 inline Jet operator-(Jet a, const Jet& b) {
-  for (std::size_t k = 0; k < a.c.size(); ++k) a.c[k] -= b.c[k];
+  a.c -= b.c;
   return a;
 }
 
 inline Jet operator*(const Jet& a, const Jet& b) {
   Jet product;
-  for (std::size_t k = 0; k < a.c.size(); ++k)
-    for (std::size_t j = 0; j <= k; ++j) product.c[k] += a.c[j] * b.c[k - j];
+#pragma GCC unroll 5
+  for (int k = 0; k <= Jet::order; ++k)
+#pragma GCC unroll 5
+    for (int j = 0; j <= k; ++j) product.c[k] += a.c[j] * b.c[k - j];
   return product;
 }
 
 inline Jet operator*(double a, Jet b) {
-  for (double& coefficient : b.c) coefficient *= a;
+  b.c *= a;
   return b;
 }
 
 inline Jet operator/(const Jet& a, const Jet& b) {
   Jet quotient;
-  for (std::size_t k = 0; k < a.c.size(); ++k) {
+  for (int k = 0; k <= Jet::order; ++k) {
     double rest = a.c[k];
-    for (std::size_t j = 1; j <= k; ++j) rest -= b.c[j] * quotient.c[k - j];
+    for (int j = 1; j <= k; ++j) rest -= b.c[j] * quotient.c[k - j];
     quotient.c[k] = rest / b.c[0];
   }
   return quotient;
@@ -69,8 +70,10 @@ struct SineCosine {
 
 inline SineCosine sine_cosine(const Jet& angle_rad) {
   SineCosine out{std::sin(angle_rad.c[0]), std::cos(angle_rad.c[0])};
-  for (std::size_t k = 1; k < angle_rad.c.size(); ++k) {
-    for (std::size_t j = 1; j <= k; ++j) {
+#pragma GCC unroll 5
+  for (int k = 1; k <= Jet::order; ++k) {
+#pragma GCC unroll 5
+    for (int j = 1; j <= k; ++j) {
       const double slope = static_cast<double>(j) * angle_rad.c[j] / static_cast<double>(k);
       out.sine.c[k] += slope * out.cosine.c[k - j];
       out.cosine.c[k] -= slope * out.sine.c[k - j];
@@ -90,7 +93,7 @@ inline Jet smooth_step(double time_s, double ramp_s) {
 
 // time that starts to run at rest and reaches its full pace after ramp_s: the integral of smooth_step
 inline Jet ramped_time(double time_s, double ramp_s) {
-  if (time_s >= ramp_s) return Jet::time(time_s) - 0.5 * ramp_s;
+  if (time_s >= ramp_s) return Jet::time(time_s - 0.5 * ramp_s);
   if (time_s <= 0.0) return 0.0;
   const Jet x = (1.0 / ramp_s) * Jet::time(time_s);
   const Jet x2 = x * x;

@@ -111,6 +111,22 @@ TEST(Plant, PrecessesFreelyAsASymmetricTopDoes) {
             2e-3 * momentum.norm());
 }
 
+TEST(Plant, TumblesAboutItsCentreOfMass) {
+  VehicleModel vehicle = read_vehicle("crazyflie");
+  vehicle.center_of_mass_B_m = Vector3(0.02, -0.01, 0.005);
+  Plant plant = make_plant(vehicle, {}, 0.001);
+  VehicleState state;
+  state.body_rate_B_radps = Vector3(3.0, -5.0, 8.0);
+  plant.reset(state);
+  const auto center_W_m = [&]() -> Vector3 {
+    return plant.state().position_W_m + plant.state().attitude_WB * vehicle.center_of_mass_B_m;
+  };
+  const Vector3 start_W_m = center_W_m(), velocity_W_mps = state.body_rate_B_radps.cross(vehicle.center_of_mass_B_m);
+  run(plant, {}, 1.0);
+  const Vector3 fall_W_m(0.0, 0.0, -9.81 * 1e-6 * 1000.0 * 1001.0 / 2.0);
+  EXPECT_LT((center_W_m() - (start_W_m + velocity_W_mps + fall_W_m)).norm(), 1e-10);
+}
+
 TEST(Plant, RotorsFollowTheirLagExactlyAtAnyStep) {
   VehicleModel vehicle = read_vehicle("crazyflie");
   const std::vector<EffectSpec> lag{{"motor_lag", {{"time_constant", "0.05"}, {"time_constant_down", "0.1"}}, "test", {}}};
