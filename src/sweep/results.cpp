@@ -56,12 +56,17 @@ class Cells {
 
 }  // namespace
 
+std::string csv_header() { return fmt::format("{}\n", header); }
+
+std::string csv_line(const ResultRow& row) {
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.experiment, row.vehicle, row.trajectory, row.controller,
+                     row.replicate, to_string(row.outcome), cell(row.duration_s), cell(row.rmse_xy_m), cell(row.mae_xy_m),
+                     cell(row.p95_xy_m), cell(row.max_xy_m), cell(row.rmse_z_m), row.key);
+}
+
 std::string to_csv(const std::vector<ResultRow>& rows) {
-  std::string text = fmt::format("{}\n", header);
-  for (const ResultRow& row : rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.experiment, row.vehicle, row.trajectory, row.controller,
-                        row.replicate, to_string(row.outcome), cell(row.duration_s), cell(row.rmse_xy_m), cell(row.mae_xy_m),
-                        cell(row.p95_xy_m), cell(row.max_xy_m), cell(row.rmse_z_m), row.key);
+  std::string text = csv_header();
+  for (const ResultRow& row : rows) text += csv_line(row);
   return text;
 }
 

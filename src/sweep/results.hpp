@@ -27,6 +27,9 @@ struct Results {
   double settle_s = 0.0;
 };
 
+// The first line of runs.csv, one of its rows, and the whole.
+std::string csv_header();
+std::string csv_line(const ResultRow& row);
 std::string to_csv(const std::vector<ResultRow>& rows);
 // Throws DataError with file:line:col.
 std::vector<ResultRow> read_results_csv(const std::string& path);

@@ -150,9 +150,7 @@ std::string RunStore::name_of(std::size_t run) {
   return fmt::format("{} {} {}", one.text(0), one.text(1), one.integer(2));
 }
 
-Results RunStore::results() {
-  Results results;
-  results.settle_s = std::stod(provenance_.at("settle_s"));
+void RunStore::for_each(const std::function<void(ResultRow)>& use) {
   Statement all = database_.prepare("SELECT * FROM runs");
   while (all.step()) {
     ResultRow row;
@@ -166,8 +164,14 @@ Results RunStore::results() {
     for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m})
       *value = all.number(column++);
     row.key = all.text(column);
-    results.rows.push_back(std::move(row));
+    use(std::move(row));
   }
+}
+
+Results RunStore::results() {
+  Results results;
+  results.settle_s = std::stod(provenance_.at("settle_s"));
+  for_each([&](ResultRow row) { results.rows.push_back(std::move(row)); });
   return results;
 }
 

@@ -3,6 +3,7 @@
 // Every run is committed as it ends, in a write-ahead log: kill -9 at any moment loses only unfinished runs.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -47,6 +48,7 @@ class RunStore {
   void copy_plan(RunStore& from, const Provenance& provenance);
   void take_runs(RunStore& from);
   // One row for every run that is done, in plan order.
+  void for_each(const std::function<void(ResultRow)>& use);
   Results results();
   // Folds the write-ahead log into the file, which may then be copied and read anywhere.
   void close();

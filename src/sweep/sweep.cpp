@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <ostream>
 
 #include "gustlab/errors.hpp"
 #include "simulation/recorder.hpp"
@@ -33,6 +34,14 @@ std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   if (!fs::is_regular_file(path))
     throw DataError(fmt::format("{}: no results here (runs.sqlite is missing) make them with `gustlab sweep EXPERIMENT --out {}`", folder, folder));
   return std::make_unique<RunStore>(path, Database::Mode::read);
+}
+
+// row by row: memory does not grow with the number of runs
+void write_csv(RunStore& store, const std::string& folder) {
+  write_file(csv_path(folder), [&](std::ostream& file) {
+    file << csv_header();
+    store.for_each([&](const ResultRow& row) { file << csv_line(row); });
+  });
 }
 
 // every planned run is in exactly one shard
@@ -82,11 +91,11 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   make_folder(options.out);
 
   SweepReport report;
-  const std::vector<RunSpec> all = plan(experiment);
+  std::vector<RunSpec> runs = plan(experiment);
   const Provenance here = provenance_of(experiment, options.shard);
   RunStore store(path, Database::Mode::create);
   if (store.provenance().empty()) {
-    store.begin(here, experiment, all);
+    store.begin(here, experiment, runs);
   } else {
     check_same_sweep(path, store.provenance(), here);
     // runs of another program are not mixed with ours
@@ -96,19 +105,15 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
     if (!report.redone_because.empty()) store.start_over(here);
   }
 
-  std::vector<RunSpec> pending;
-  const std::vector<bool> done = store.done();
-  for (const RunSpec& spec : all) {
-    if (!options.shard.has(spec.index)) continue;
-    ++report.planned;
-    if (!done[spec.index]) pending.push_back(spec);
-  }
-  report.done = report.planned - pending.size();
+  std::erase_if(runs, [&](const RunSpec& spec) { return !options.shard.has(spec.index); });
+  report.planned = runs.size();
+  std::erase_if(runs, [done = store.done()](const RunSpec& spec) { return done[spec.index]; });
+  report.done = report.planned - runs.size();
   progress(report.done, report.planned);
   std::mutex one_at_a_time;
-  parallel_for(static_cast<std::int64_t>(pending.size()), options.jobs, [&](std::int64_t i) {
+  parallel_for(static_cast<std::int64_t>(runs.size()), options.jobs, [&](std::int64_t i) {
     if (stop) return;
-    const RunSpec& spec = pending[static_cast<std::size_t>(i)];
+    const RunSpec& spec = runs[static_cast<std::size_t>(i)];
     const RunRecord record = options.logs ? run_with_log(experiment, spec, options.out) : run(experiment, spec);
     const std::lock_guard lock(one_at_a_time);
     store.add(record);
@@ -116,7 +121,7 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   });
 
   store.close();
-  if (report.done == report.planned) write_file(csv_path(options.out), to_csv(store.results().rows));
+  if (report.done == report.planned) write_csv(store, options.out);
   return report;
 }
 
@@ -143,7 +148,7 @@ void merge(const std::vector<std::string>& folders, const std::string& out) {
   store.copy_plan(*shards.front(), merged);
   for (const auto& shard : shards) store.take_runs(*shard);
   store.close();
-  write_file(csv_path(out), to_csv(store.results().rows));
+  write_csv(store, out);
 }
 
 Results read_results(const std::string& folder) {

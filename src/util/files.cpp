@@ -13,6 +13,10 @@
 namespace gustlab {
 
 void write_file(const std::string& path, std::string_view bytes) {
+  write_file(path, [&](std::ostream& file) { file.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
+}
+
+void write_file(const std::string& path, const std::function<void(std::ostream&)>& write) {
   const std::string beside = path + ".part";
   const auto fail = [&] {
     const int reason = errno;
@@ -21,7 +25,7 @@ void write_file(const std::string& path, std::string_view bytes) {
   };
   errno = 0;
   std::ofstream file(beside, std::ios::binary | std::ios::trunc);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  write(file);
   file.close();
   if (!file || std::rename(beside.c_str(), path.c_str()) != 0) fail();
 }

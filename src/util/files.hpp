@@ -1,6 +1,8 @@
 // Whole files in and out; what is written is there whole or not at all.
 #pragma once
 
+#include <functional>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 
@@ -8,6 +10,7 @@ namespace gustlab {
 
 // Writes beside the path and renames, so that a reader never sees half a file. Throws IoError with the path.
 void write_file(const std::string& path, std::string_view bytes);
+void write_file(const std::string& path, const std::function<void(std::ostream&)>& write);
 // Makes a folder and its parents. Throws IoError with the path.
 void make_folder(const std::string& path);
 
