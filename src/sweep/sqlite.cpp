@@ -24,8 +24,9 @@ Database::Database(const std::string& path, Mode mode) : path_(path) {
 }
 
 void Database::fail() const {
-  const std::string message = fmt::format("{}: cannot use this result store ({})", path_, sqlite3_errmsg(handle_.get()));
   const int code = sqlite3_errcode(handle_.get());
+  const std::string message = fmt::format("{}: cannot use this result store ({}){}", path_, sqlite3_errmsg(handle_.get()),
+                                          code == SQLITE_BUSY ? " close the program that has it open" : "");
   if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT) throw DataError(message);
   throw IoError(message);
 }

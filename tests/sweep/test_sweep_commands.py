@@ -1,5 +1,6 @@
 """The commands run, sweep, merge, table, metrics and gate from outside: exit codes, streams, kill and resume."""
 
+import contextlib
 import csv
 import json
 import os
@@ -104,7 +105,7 @@ class Sweeps(Commands):
     def count(self, path):
         if not path.exists():
             return 0
-        with sqlite3.connect(path) as database:
+        with contextlib.closing(sqlite3.connect(path)) as database:  # an open reader keeps the store locked
             tables = database.execute("SELECT count(*) FROM sqlite_master WHERE name = 'flown'").fetchone()[0]
             return database.execute("SELECT count(*) FROM flown").fetchone()[0] if tables else 0
 
