@@ -11,13 +11,13 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct ConcealArguments {
   std::string trials, out, answers;
   std::vector<std::string> overrides;
   int jobs = default_jobs();
 };
 
-void conceal(const Options& options) {
+void conceal(const ConcealArguments& options) {
   const TrialsFile file = read_trials_file(options.trials, options.overrides);
   const std::string answers = fly_concealed_trials(file, options.out, options.jobs);
   write_file(options.answers, answers);
@@ -27,7 +27,7 @@ void conceal(const Options& options) {
 }  // namespace
 
 void add_conceal(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConcealArguments>();
   CLI::App* command = app.add_subcommand("conceal", "flies trials whose vehicle is not quite its model, to test a diagnosis");
   command->add_option("TRIALS", options->trials, "TOML with [[trial]] tables")->required();
   command->add_option("--out", options->out, "folder for the recordings")->required();

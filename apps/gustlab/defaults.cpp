@@ -35,12 +35,12 @@ std::vector<Entry> entries() {
   return result;
 }
 
-struct Options {
+struct DefaultsArguments {
   std::string name;
   std::string format = "toml";
 };
 
-void run(const Options& options) {
+void run(const DefaultsArguments& options) {
   std::vector<std::string> names;
   bool found = false;
   for (const Entry& entry : entries()) {
@@ -63,7 +63,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_defaults(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DefaultsArguments>();
   CLI::App* command = app.add_subcommand("defaults", "a commented TOML of every parameter of an effect, trajectory, controller or experiment");
   command->add_option("NAME", options->name, "an effect, a trajectory, a controller, or `experiment`")->required();
   command->add_option("--format", options->format)->check(CLI::IsMember({"toml", "json"}))->capture_default_str();

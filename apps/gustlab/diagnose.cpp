@@ -17,7 +17,7 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct DiagnoseArguments {
   std::vector<std::string> flights, holdout, reference;
   std::string vehicle, out;
   int jobs = default_jobs();
@@ -79,7 +79,7 @@ DiagnosisFigures figures_of(const diagnosis::Diagnosis& result) {
   return figures;
 }
 
-void run(const Options& options) {
+void run(const DiagnoseArguments& options) {
   check_out(options.out);
   diagnosis::DiagnoseOptions wanted;
   wanted.fit = options.flights;
@@ -117,7 +117,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_diagnose(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiagnoseArguments>();
   CLI::App* command = app.add_subcommand("diagnose", "names the physics that the simulation of these flights leaves out");
   command->add_option("FLIGHT", options->flights, "flight logs of one vehicle, NAME.csv or NAME.csv.gz")->required();
   command->add_option("--holdout", options->holdout, "flights to verify on (default: the last one)");

@@ -13,13 +13,13 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct GateArguments {
   std::string folder, baseline, junit, summary;
   bool update = false;
   GateTolerance tolerance;
 };
 
-void gate_command(const Options& options) {
+void gate_command(const GateArguments& options) {
   const Results results = read_results(options.folder);
   if (options.update) return write_file(options.baseline, to_csv(results.rows));
   const GateReport report = gate(results.rows, read_results_csv(options.baseline), options.tolerance);
@@ -33,7 +33,7 @@ void gate_command(const Options& options) {
 }  // namespace
 
 void add_gate(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<GateArguments>();
   CLI::App* command = app.add_subcommand("gate", "compares a sweep with a baseline, run by run; exit 1 when it is worse");
   command->add_option("DIR", options->folder, "folder of a finished sweep")->required();
   command->add_option("--baseline", options->baseline, "a runs.csv of the same plan")->required();

@@ -16,7 +16,7 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct IdentifyArguments {
   std::vector<std::string> logs, holdout;
   std::string vehicle;
   std::string known = "vehicle";
@@ -31,7 +31,7 @@ struct Options {
 };
 
 // the residual force of one flight, in unbroken parts
-std::vector<ResidualSamples> samples_of(const std::string& path, const Options& options) {
+std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyArguments& options) {
   const FlightLog log = read_flight_log(path);
   VehicleModel vehicle = options.vehicle.empty() ? read_vehicle(log.meta.vehicle, path) : read_vehicle(options.vehicle);
   vehicle.environment = log.meta.environment;
@@ -45,7 +45,7 @@ std::vector<ResidualSamples> samples_of(const std::string& path, const Options& 
   return force_residual(log, forces.vehicle(), known, options.differentiation, source);
 }
 
-std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::string>& paths, const Options& options) {
+std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::string>& paths, const IdentifyArguments& options) {
   std::vector<std::vector<ResidualSamples>> flights;
   for (const std::string& path : paths) flights.push_back(samples_of(path, options));
   return flights;
@@ -54,7 +54,7 @@ std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::stri
 // --yes, --no or neither
 std::optional<bool> choice(bool yes, bool no) { return yes || no ? std::optional<bool>(yes) : std::nullopt; }
 
-void run(Options options) {
+void run(IdentifyArguments options) {
   options.differentiation.kind = derivative_kind(options.derivative);
   options.identify.penalty = regularizer(options.penalty);
   options.identify.normalize_columns = choice(options.normalize, options.no_normalize);
@@ -76,7 +76,7 @@ void run(Options options) {
 }  // namespace
 
 void add_identify(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<IdentifyArguments>();
   IdentifyOptions& identify = options->identify;
   CLI::App* command =
       app.add_subcommand("identify", "finds a sparse model of the force that the known model leaves over (SINDy)");

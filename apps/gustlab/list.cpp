@@ -80,18 +80,18 @@ struct Kind {
   const char* name;
   ordered_json (*list)();
 };
-constexpr Kind kinds[] = {{"vehicles", list_vehicles},       {"controllers", list_controllers},
+constexpr Kind listings[] = {{"vehicles", list_vehicles},       {"controllers", list_controllers},
                           {"trajectories", list_trajectories}, {"effects", list_effects},
                           {"terms", list_terms},             {"optimizers", list_optimizers}};
 
-struct Options {
+struct ListArguments {
   std::string kind;
   std::string format = "text";
 };
 
-void run(const Options& options) {
+void run(const ListArguments& options) {
   ordered_json all;
-  for (const Kind& kind : kinds)
+  for (const Kind& kind : listings)
     if (options.kind.empty() || options.kind == kind.name) all[kind.name] = kind.list();
   if (options.format == "json") {
     fmt::print("{}\n", all.dump(1));
@@ -107,10 +107,10 @@ void run(const Options& options) {
 }  // namespace
 
 void add_list(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ListArguments>();
   CLI::App* command = app.add_subcommand("list", "what there is: vehicles, controllers, trajectories, effects, terms, optimizers");
   std::vector<std::string> names;
-  for (const Kind& kind : kinds) names.emplace_back(kind.name);
+  for (const Kind& kind : listings) names.emplace_back(kind.name);
   command->add_option("KIND", options->kind, "one of them (default: all)")->check(CLI::IsMember(names));
   command->add_option("--format", options->format)->check(CLI::IsMember({"text", "json"}))->capture_default_str();
   command->callback([options] { run(*options); });

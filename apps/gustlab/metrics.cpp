@@ -10,13 +10,13 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct MetricsArguments {
   std::vector<std::string> logs;
   double settle_s = 0.0;
   std::string format = "md";
 };
 
-void metrics(const Options& options) {
+void metrics(const MetricsArguments& options) {
   std::vector<TrackingFigures> figures;
   for (const std::string& path : options.logs) figures.push_back(tracking_of(read_flight_log(path), options.settle_s));
   if (options.format == "json") {
@@ -45,7 +45,7 @@ void metrics(const Options& options) {
 }  // namespace
 
 void add_metrics(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MetricsArguments>();
   CLI::App* command = app.add_subcommand("metrics", "tracking error of recordings that have a reference, planar and 3-D");
   command->add_option("LOG", options->logs, "flight logs with px, py, pz and rpx, rpy, rpz")->required();
   command->add_option("--settle", options->settle_s, "seconds after each log's start that do not count")

@@ -16,7 +16,7 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct ReplayArguments {
   std::vector<std::string> flights;
   std::string vehicle, with;
   std::vector<double> horizon_s{0.1, 0.5, 1.0};
@@ -52,7 +52,7 @@ void print_text(const nlohmann::ordered_json& block) {
   }
 }
 
-void run(const Options& options) {
+void run(const ReplayArguments& options) {
   check_horizons(options.horizon_s);
   std::optional<std::vector<EffectSpec>> with;
   if (!options.with.empty()) {
@@ -87,7 +87,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_replay(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReplayArguments>();
   CLI::App* command = app.add_subcommand("replay", "says how far the simulation is from recorded flights: open-loop rollouts");
   command->add_option("FLIGHT", options->flights, "flight logs, NAME.csv or NAME.csv.gz")->required();
   command->add_option("--vehicle", options->vehicle, "name under models/ or path to a vehicle.toml (default: what the logs say)");

@@ -17,7 +17,7 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct RunArguments {
   ExperimentOptions experiment;
   std::string trajectory, controller, variant, out;
   std::optional<std::uint32_t> replicate;
@@ -41,7 +41,7 @@ Experiment find_variant(const std::vector<Experiment>& variants, const std::stri
   throw ConfigError(fmt::format("--variant {}: not in this experiment (it has {}) {}", name, fmt::join(known, ", "), config::suggest(name, known)));
 }
 
-void run_command(const Options& options) {
+void run_command(const RunArguments& options) {
   const Experiment experiment = options.variant.empty() ? options.experiment.read() : find_variant(options.experiment.read_variants(), options.variant);
   RunSpec wanted;
   wanted.trajectory = find_choice(experiment.trajectories, options.trajectory, "--trajectory");
@@ -69,7 +69,7 @@ void run_command(const Options& options) {
 }  // namespace
 
 void add_run(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "flies one run into OUT/flight.csv, its sidecar and OUT/outcome.json");
   options->experiment.add_to(*command);
   command->add_option("--trajectory", options->trajectory, "one of the experiment's")->required();

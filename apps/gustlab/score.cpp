@@ -9,13 +9,13 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct ScoreArguments {
   std::vector<std::string> places;
   std::string diagnosis = "diagnosis";
   std::string format = "md";
 };
 
-void score(const Options& options) {
+void score(const ScoreArguments& options) {
   if (options.places.size() % 2 != 0)
     throw ConfigError("score: answers without a folder (expected pairs of FILE DIR) add the folder of the trials");
   std::vector<TrialSet> sets;
@@ -28,7 +28,7 @@ void score(const Options& options) {
 }  // namespace
 
 void add_score(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ScoreArguments>();
   CLI::App* command = app.add_subcommand("score", "compares diagnoses of concealed trials with the answers");
   command->add_option("FILE DIR", options->places, "answers (JSON lines) and the folder of their trials, any number of pairs")
       ->required();

@@ -17,7 +17,7 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct SweepArguments {
   ExperimentOptions experiment;
   int jobs = default_jobs();
   std::string out, shard = "1/1";
@@ -40,7 +40,7 @@ void print_plan(const Experiment& experiment, const Shard& shard) {
                  experiment.controllers[spec.controller].name, spec.replicate, to_hex(spec.key));
 }
 
-void sweep_into(const std::string& out, const Experiment& experiment, const Shard& shard, const Options& options) {
+void sweep_into(const std::string& out, const Experiment& experiment, const Shard& shard, const SweepArguments& options) {
   const std::atomic<bool>& stop = interrupted();
   Progress progress;
   const SweepReport report = sweep(experiment, {out, shard, options.jobs, options.resume, options.logs}, stop,
@@ -54,7 +54,7 @@ void sweep_into(const std::string& out, const Experiment& experiment, const Shar
   spdlog::info("{}: {} runs", out, report.done);
 }
 
-void sweep_command(const Options& options) {
+void sweep_command(const SweepArguments& options) {
   const Shard shard = read_shard(options.shard);
   const std::vector<Experiment> variants = options.experiment.read_variants();
   if (options.dry_run) {
@@ -71,7 +71,7 @@ void sweep_command(const Options& options) {
 }  // namespace
 
 void add_sweep(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SweepArguments>();
   CLI::App* command = app.add_subcommand("sweep", "flies every run of an experiment into OUT/runs.sqlite and OUT/runs.csv, of each [[variant]] into OUT/VARIANT");
   options->experiment.add_to(*command);
   command->add_option("--out", options->out, "folder of the results");

@@ -16,7 +16,7 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct TrainArguments {
   ExperimentOptions experiment;
   TrainingOptions training;
   std::string out;
@@ -30,7 +30,7 @@ double mean_of(const std::vector<double>& values, std::size_t first, std::size_t
 }
 
 // what the weights come from and what they reach, for the file and for the screen
-std::vector<std::pair<std::string, std::string>> account(const Options& options, const std::vector<Experiment>& variants,
+std::vector<std::pair<std::string, std::string>> account(const TrainArguments& options, const std::vector<Experiment>& variants,
                                                          const std::vector<Condition>& conditions, const Training& training) {
   std::string resolved;
   for (const Experiment& variant : variants) resolved += resolved_text(variant);
@@ -55,7 +55,7 @@ std::vector<std::pair<std::string, std::string>> account(const Options& options,
   return lines;
 }
 
-void train(Options options) {
+void train(TrainArguments options) {
   if (options.experiment.seed) options.training.seed = *options.experiment.seed;
   const std::vector<Experiment> variants = options.experiment.read_variants();
   const std::vector<Condition> conditions = collect(variants, options.jobs);
@@ -68,7 +68,7 @@ void train(Options options) {
 }  // namespace
 
 void add_train(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TrainArguments>();
   TrainingOptions& training = options->training;
   CLI::App* command = app.add_subcommand(
       "train", "learns the features of controller daiml (DAIML) from flights in the wind conditions of an experiment's [[variant]] tables");
