@@ -11,6 +11,7 @@
 #include "diagnosis/log_checks.hpp"
 #include "diagnosis/next_flight.hpp"
 #include "diagnosis/quasi_static.hpp"
+#include "diagnosis/residual_effect.hpp"
 #include "diagnosis/vehicle_check.hpp"
 #include "gustlab/errors.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -338,6 +339,8 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   else if (rest.alarms.empty() || rest.omnibus_share < 0.1) out.verdict = Verdict::explained;
   else out.verdict = Verdict::partly_explained;
   suggest_flight(session, selection, options.jobs, out);
+  if (out.verdict == Verdict::unexplained || out.verdict == Verdict::partly_explained)
+    offer_residual(session, selection, proof, tested.per_flight, options.jobs, out);
   out.augmented_toml = augmented_toml(out);
   return out;
 }

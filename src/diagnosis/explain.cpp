@@ -194,6 +194,7 @@ std::string augmented_toml(const Diagnosis& diagnosis) {
   };
   write(diagnosis.effects, "");
   write(diagnosis.calibration, "  # calibration, below its reporting tolerance");
+  text += diagnosis.residual_toml;
   return text;
 }
 

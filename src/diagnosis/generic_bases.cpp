@@ -170,8 +170,7 @@ std::vector<BasisFamily> channel_bases(const Session& session) {
   return result;
 }
 
-double gain_of(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
-  // Gram of [chosen columns, family, z]
+Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
   const auto chosen = static_cast<Eigen::Index>(columns.size());
   const Eigen::Index width = chosen + family.size + 1;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(width, width);
@@ -195,9 +194,14 @@ double gain_of(const Session& session, const BasisFamily& family, const std::vec
     }
     gram += picked.topRows(count).transpose() * picked.topRows(count);
   }
+  return gram;
+}
+
+double gain_of(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
+  const Eigen::MatrixXd gram = gram_with(session, family, columns);
   std::vector<int> before, after;
-  for (int j = 0; j < width - 1; ++j) {
-    if (j < chosen) before.push_back(j);
+  for (int j = 0; j + 1 < gram.cols(); ++j) {
+    if (j < static_cast<int>(columns.size())) before.push_back(j);
     after.push_back(j);
   }
   return solve(gram, before, 1e-6).loss - solve(gram, after, 1e-6).loss;

@@ -19,6 +19,8 @@ std::vector<BasisFamily> omnibus_bases(const Session& session);
 // a dozen smooth functions of the state acting on one channel each: force x y z, torque x y z in the body
 std::vector<BasisFamily> channel_bases(const Session& session);
 
+// Gram matrix of [these columns of the catalogue, the family, z], whitened under the session's noise, over all flights.
+Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
 // What a family gains beyond the given columns (always free with them).
 double gain_of(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
 

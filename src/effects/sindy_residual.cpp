@@ -1,7 +1,10 @@
-// sindy_residual: a force in the world frame that is a sparse sum of terms of the flight's state.
+// sindy_residual: a force and a torque that are sparse sums of terms of the flight's state.
 //
-// f_W = Σ ξ_i φ_i(x, u), as `gustlab identify` finds it (Brunton, Proctor, Kutz, PNAS 113, 2016; terms of arXiv
-// 2603.08863, section II-A). It acts on the centre of mass.
+// f = Σ ξ_i φ_i(x, u), in world axes as `gustlab identify` finds it (Brunton, Proctor, Kutz, PNAS 113, 2016; terms of arXiv
+// 2603.08863, section II-A) or in body axes as `gustlab diagnose` may; it acts on the centre of mass. The torque is in body
+// axes.
+#include <array>
+
 #include "control/residual_model.hpp"
 #include "effects/effects.hpp"
 #include "gustlab/errors.hpp"
@@ -12,18 +15,32 @@ namespace {
 
 class SindyResidual final : public Effect {
  public:
-  void visit(ParameterVisitor& visitor) override { model_.visit(visitor); }
+  void visit(ParameterVisitor& visitor) override {
+    model_.visit(visitor);
+    visitor.text("frame", frame_, {.help = "axes of the force: world or body"});
+    visitor.numbers("tx", torque_[0], {.unit = "N m", .help = "per unit of each term, about body x; empty: none", .natural = 0.0});
+    visitor.numbers("ty", torque_[1], {.unit = "N m", .help = "per unit of each term, about body y; empty: none", .natural = 0.0});
+    visitor.numbers("tz", torque_[2], {.unit = "N m", .help = "per unit of each term, about body z; empty: none", .natural = 0.0});
+  }
 
   void prepare(const VehicleModel&, double, const RandomStream&) override {
     try {
       model_.prepare();
+      if (frame_ != "world" && frame_ != "body") throw ConfigError("frame \"" + frame_ + "\" is neither world nor body");
+      turns_ = false;
+      for (const std::vector<double>& axis : torque_) {
+        if (!axis.empty() && axis.size() != model_.terms().size())
+          throw ConfigError("tx, ty and tz must be empty or have one number per term");
+        for (const double value : axis) turns_ = turns_ || value != 0.0;
+      }
     } catch (const ConfigError& error) {
       throw ConfigError(std::string("effect sindy_residual: ") + error.what());
     }
   }
 
   void wrench(const Flow& flow, const RotorSet& rotors, std::span<const double>, Wrench& total) const override {
-    if (model_.coefficients().isZero(0.0)) return;
+    const bool pushes = !model_.coefficients().isZero(0.0);
+    if (!pushes && !turns_) return;
     FeatureInput input;
     input.position_W_m = flow.position_W_m;
     input.velocity_W_mps = flow.velocity_W_mps;
@@ -33,11 +50,24 @@ class SindyResidual final : public Effect {
       const auto k = static_cast<std::size_t>(i);
       input.thrust_N += rotors.thrust_N[k] * rotors.axis_B[k].z();
     }
-    total.force_B_N += flow.R_WB.transpose() * model_.force_W_N(input);
+    if (pushes) {
+      const Vector3 force = model_.force_W_N(input);
+      if (frame_ == "body") total.force_B_N += force;
+      else total.force_B_N += flow.R_WB.transpose() * force;
+    }
+    if (!turns_) return;
+    for (std::size_t i = 0; i < model_.terms().size(); ++i) {
+      const double value = model_.terms()[i].value(input);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!torque_[axis].empty()) total.torque_B_Nm[static_cast<Eigen::Index>(axis)] += torque_[axis][i] * value;
+    }
   }
 
  private:
   ResidualModel model_;
+  std::string frame_ = "world";
+  std::array<std::vector<double>, 3> torque_;
+  bool turns_ = false;
 };
 
 }  // namespace
