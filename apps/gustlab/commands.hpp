@@ -11,6 +11,7 @@ struct ExitCode {
 };
 
 void add_bench(CLI::App& app);
+void add_compare(CLI::App& app);
 void add_conceal(CLI::App& app);
 void add_defaults(CLI::App& app);
 void add_diagnose(CLI::App& app);
@@ -25,5 +26,6 @@ void add_score(CLI::App& app);
 void add_sweep(CLI::App& app);
 void add_table(CLI::App& app);
 void add_train(CLI::App& app);
+void add_tune(CLI::App& app);
 
 }  // namespace gustlab

@@ -33,6 +33,7 @@ void add_commands(CLI::App& app) {
   add_sweep(app);
   add_merge(app);
   add_table(app);
+  add_compare(app);
   add_metrics(app);
   add_gate(app);
   add_bench(app);
@@ -42,6 +43,7 @@ void add_commands(CLI::App& app) {
   add_diagnose(app);
   add_identify(app);
   add_train(app);
+  add_tune(app);
   add_conceal(app);
   add_score(app);
 }

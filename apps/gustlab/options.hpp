@@ -20,8 +20,7 @@ struct ExperimentOptions {
   Experiment read() const;
   // one experiment for each [[variant]]; without any, the experiment itself
   std::vector<Experiment> read_variants() const;
-
- private:
+  // --set and --seed as overrides
   std::vector<std::string> overrides() const;
 };
 

@@ -64,8 +64,7 @@ void sweep_command(const SweepArguments& options) {
   }
   if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results) or use --dry-run");
 
-  for (const Experiment& variant : variants)
-    sweep_into(variant.variant.empty() ? options.out : options.out + "/" + variant.variant, variant, shard, options);
+  for (const Experiment& variant : variants) sweep_into(variant_folder(options.out, variant), variant, shard, options);
 }
 
 }  // namespace

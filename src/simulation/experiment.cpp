@@ -38,7 +38,7 @@ class ExperimentKeys final : public Parameterized {
     visitor.integer("replicates", replicates, {.help = "seeded runs of each cell", .min = 1, .max = 1e6});
     visitor.integer("first_replicate", first_replicate, {.help = "number of the first", .min = 0, .max = 4e9});
     visitor.integer("seed", seed, {.help = "of every random stream", .min = 0});
-    visitor.texts("include", include, {.help = "files with [[effect]] tables, relative to this one"});
+    visitor.texts("include", include, {.help = "files with [[effect]] and [controller.NAME] tables, relative to this one"});
     flight.visit(visitor);
     log.visit(visitor);
   }
@@ -60,10 +60,27 @@ Choice read_choice(const std::string& name, std::optional<config::Table> table, 
   return choice;
 }
 
+// what an included file says of a choice holds where the experiment says nothing
+void lay_under(Choice& choice, const std::vector<Choice>& included) {
+  EffectSpec& spec = choice.spec;
+  for (const Choice& below : included) {
+    if (below.name != choice.name) continue;
+    if (spec.type == choice.name) spec.type = below.spec.type;
+    spec.value_where.resize(spec.values.size(), spec.where);
+    for (std::size_t i = 0; i < below.spec.values.size(); ++i) {
+      const auto& value = below.spec.values[i];
+      if (std::any_of(spec.values.begin(), spec.values.end(), [&](const auto& own) { return own.first == value.first; })) continue;
+      spec.values.push_back(value);
+      spec.value_where.push_back(below.spec.value_where[i]);
+    }
+  }
+}
+
 // the choices of a kind, in the order of the list `key`, each known to `registry`
 template <class Registry>
 std::vector<Choice> read_choices(config::Table& document, std::string_view kind, std::string_view key,
-                                 const std::vector<std::string>& names, const Registry& registry) {
+                                 const std::vector<std::string>& names, const Registry& registry,
+                                 const std::vector<Choice>& included = {}) {
   std::vector<std::string> known;
   for (const auto& row : registry) known.emplace_back(row.name);
   const auto check_type = [&](const Choice& choice) {
@@ -81,6 +98,7 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
     check_name(document, key, name);
     if (!seen.insert(name).second) document.fail(key, fmt::format("\"{}\" is here twice", name), "", "keep one");
     choices.push_back(read_choice(name, tables ? tables->table(name) : std::nullopt, document.where(key)));
+    lay_under(choices.back(), included);
     check_type(choices.back());
   }
   // tables of choices that this list leaves out are checked too
@@ -109,13 +127,23 @@ std::vector<Variant> read_variant_tables(config::Table& document) {
   return variants;
 }
 
-std::vector<EffectSpec> read_included(const std::string& path) {
-  config::Table document = config::Table::read_file(path);
-  document.text("format");
-  document.text("vehicle");
-  std::vector<EffectSpec> effects = config::read_effects(document);
-  document.finish();
-  return effects;
+// what the files of the list `include` say
+struct Included {
+  std::vector<EffectSpec> effects;
+  std::vector<Choice> controllers;
+};
+Included read_included(config::Table& experiment, const std::string& path, std::vector<EffectSpec> effects) {
+  Included included{std::move(effects), {}};
+  for (const std::string& file : experiment.texts("include").value_or(std::vector<std::string>{})) {
+    config::Table document = config::Table::read_file((std::filesystem::path(path).parent_path() / file).string());
+    document.text("format");
+    document.text("vehicle");
+    included.effects = config::merge_effects(included.effects, config::read_effects(document));
+    if (std::optional<config::Table> tables = document.table("controller"))
+      for (const std::string& name : tables->keys()) included.controllers.push_back(read_choice(name, tables->table(name), ""));
+    document.finish();
+  }
+  return included;
 }
 
 // a flight of each trajectory and each controller is made once, so that what does not fit shows before anything runs
@@ -182,7 +210,10 @@ Experiment make_experiment(config::Table& document, const std::string& path) {
 
   Experiment experiment;
   experiment.trajectories = read_choices(document, "trajectory", "trajectories", trajectory_names, trajectory_registry());
-  experiment.controllers = read_choices(document, "controller", "controllers", controller_names, controller_registry());
+  experiment.vehicle_name = document.need_text("vehicle");
+  experiment.vehicle = read_vehicle(experiment.vehicle_name, path);
+  const Included included = read_included(document, path, experiment.vehicle.effects);
+  experiment.controllers = read_choices(document, "controller", "controllers", controller_names, controller_registry(), included.controllers);
   const std::vector<EffectSpec> own_effects = config::read_effects(document);
   const bool has_environment = document.has("environment");
   const Environment environment = config::read_environment(document);
@@ -191,7 +222,6 @@ Experiment make_experiment(config::Table& document, const std::string& path) {
   config::read_parameters(document, keys);
 
   experiment.name = keys.name;
-  experiment.vehicle_name = keys.vehicle;
   experiment.replicates = keys.replicates;
   experiment.first_replicate = keys.first_replicate;
   experiment.seed = keys.seed;
@@ -202,14 +232,8 @@ Experiment make_experiment(config::Table& document, const std::string& path) {
   if (keys.flight.duration_s > 0.0 && keys.flight.settle_s >= keys.flight.duration_s)
     document.fail("settle_s", "\"settle_s\" leaves nothing to measure", "it is not shorter than \"duration_s\"", "");
 
-  experiment.vehicle = read_vehicle(keys.vehicle, path);
   if (has_environment) experiment.vehicle.environment = environment;
-  experiment.effects = experiment.vehicle.effects;
-  for (const std::string& file : keys.include) {
-    const std::filesystem::path place = std::filesystem::path(path).parent_path() / file;
-    experiment.effects = config::merge_effects(experiment.effects, read_included(place.string()));
-  }
-  experiment.effects = config::merge_effects(experiment.effects, own_effects);
+  experiment.effects = config::merge_effects(included.effects, own_effects);
   check_flights(experiment);
   return experiment;
 }

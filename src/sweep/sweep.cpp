@@ -125,6 +125,10 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   return report;
 }
 
+std::string variant_folder(const std::string& out, const Experiment& experiment) {
+  return experiment.variant.empty() ? out : (fs::path(out) / experiment.variant).string();
+}
+
 void merge(const std::vector<std::string>& folders, const std::string& out) {
   if (fs::exists(store_path(out)))
     throw ConfigError(fmt::format("{}: there are results already (a merge never overwrites) use another --out", store_path(out)));

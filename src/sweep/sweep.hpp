@@ -32,6 +32,9 @@ struct SweepReport {
 SweepReport sweep(const Experiment& experiment, const SweepOptions& options, const std::atomic<bool>& stop,
                   const std::function<void(std::size_t done, std::size_t planned)>& progress);
 
+// Where the results of a variant are in the folder of a sweep: in one of its name.
+std::string variant_folder(const std::string& out, const Experiment& experiment);
+
 // Joins shards of one experiment into `out`. Throws DataError when they differ, overlap, or leave a run out.
 void merge(const std::vector<std::string>& folders, const std::string& out);
 

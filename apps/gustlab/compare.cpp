@@ -1,0 +1,32 @@
+#include "report/compare.hpp"
+
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "options.hpp"
+#include "sweep/sweep.hpp"
+
+namespace gustlab {
+
+void add_compare(CLI::App& app) {
+  struct Options {
+    ExperimentOptions experiment;
+    std::string folder, format = "md";
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("compare", "prints which controller is best where, and when each breaks, over the variants of a sweep");
+  options->experiment.add_to(*command);
+  command->add_option("DIR", options->folder, "OUT of its finished sweep")->required();
+  command->add_option("--format", options->format)->check(CLI::IsMember({"md", "json"}))->capture_default_str();
+  command->callback([options] {
+    std::vector<NamedResults> results;
+    for (const Experiment& variant : options->experiment.read_variants())
+      results.push_back({variant.variant.empty() ? variant.name : variant.variant, read_results(variant_folder(options->folder, variant))});
+    const std::vector<ComparedVariant> compared = compare(results);
+    const std::string text = options->format == "json" ? to_json(compared) : to_markdown(compared);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+  });
+}
+
+}  // namespace gustlab

@@ -1,0 +1,69 @@
+#include "report/compare.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+namespace {
+
+ResultRow row(const std::string& controller, std::int64_t replicate, double rmse_m, Outcome outcome = Outcome::completed) {
+  ResultRow result{"e.v", "iris", "circle", controller, replicate, outcome, 10.0};
+  result.rmse_xy_m = rmse_m;
+  return result;
+}
+
+// 40 gusts, each of its own strength; `crashes` of the runs of b are not completed
+NamedResults variant(const std::string& name, double a_m, double b_m, double c_m, int crashes = 0) {
+  NamedResults named{name, {}};
+  for (int k = 0; k < 40; ++k) {
+    const double gust = 0.05 * std::sin(2.0 * k), noise = 0.001 * std::cos(7.0 * k);
+    named.results.rows.push_back(row("a", k, a_m + gust));
+    named.results.rows.push_back(row("b", k, b_m + gust + noise, k < crashes ? Outcome::crashed : Outcome::completed));
+    named.results.rows.push_back(row("c", k, c_m + gust - noise));
+  }
+  return named;
+}
+
+// the gusts differ by ten times more than the controllers: only pairs can tell
+TEST(Compare, TellsTheBestByPairs) {
+  const auto compared = compare(std::vector{variant("nominal", 0.105, 0.100, 0.1001)});
+  ASSERT_EQ(compared.size(), 1u);
+  EXPECT_EQ(compared[0].controllers[compared[0].best].name, "b");
+  EXPECT_FALSE(compared[0].controllers[0].as_good_as_best);
+  EXPECT_NEAR(compared[0].controllers[0].behind_m, 0.005, 0.0005);
+  EXPECT_GT(compared[0].controllers[0].behind.low, 0.004);
+  EXPECT_TRUE(compared[0].controllers[2].as_good_as_best);
+}
+
+TEST(Compare, CallsBrokenWhatCrashesOrDoublesItsError) {
+  const auto compared = compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3), variant("double", 0.39, 0.21, 0.3)});
+  for (const ComparedController& controller : compared[0].controllers) EXPECT_FALSE(controller.broken);
+  // 37 of 40 are fewer than 95 %, and one that crashes is not the best, however near it flies
+  EXPECT_TRUE(compared[1].controllers[1].broken);
+  EXPECT_EQ(compared[1].controllers[1].completed, 37u);
+  EXPECT_EQ(compared[1].controllers[compared[1].best].name, "a");
+  EXPECT_FALSE(compared[1].controllers[1].as_good_as_best);
+  EXPECT_FALSE(compared[2].controllers[0].broken);
+  EXPECT_TRUE(compared[2].controllers[1].broken);
+}
+
+TEST(Compare, SaysItInMarkdown) {
+  const std::string text = to_markdown(compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3)}));
+  EXPECT_THAT(text, testing::HasSubstr("| nominal | 0.20"));
+  EXPECT_THAT(text, testing::HasSubstr("(37/40) † |"));
+  EXPECT_THAT(text, testing::HasSubstr("| a | crash | – |\n| b | nominal | crash |\n| c | – | – |\n"));
+}
+
+TEST(Compare, NeedsTheSameRuns) {
+  std::vector<NamedResults> variants{variant("nominal", 0.2, 0.1, 0.3), variant("less", 0.2, 0.1, 0.3)};
+  variants[1].results.rows.erase(variants[1].results.rows.begin() + 117, variants[1].results.rows.end());
+  EXPECT_THAT([&] { compare(variants); }, testing::ThrowsMessage<DataError>(testing::HasSubstr("nominal and less do not have the same")));
+  variants[1].results.rows.pop_back();
+  EXPECT_THROW(compare(variants), DataError);
+}
+
+}  // namespace
+}  // namespace gustlab
