@@ -164,8 +164,10 @@ std::vector<TuneResult> tune(const std::string& experiment_path, const std::vect
         optimizer.set_xtol_abs(1e-4);
         optimizer.optimize(at, loss);
       } catch (const nlopt::forced_stop&) {
-      } catch (const nlopt::roundoff_limited&) {
-        // four digits of a parameter are as fine as it gets
+      } catch (const UserError&) {
+        throw;
+      } catch (const std::runtime_error&) {
+        // NLopt gives up where nothing moves any more: four digits of a parameter are as fine as it gets
       }
     };
     nlopt::srand(static_cast<unsigned long>(tuning.search_seed));
