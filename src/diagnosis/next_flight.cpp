@@ -80,6 +80,9 @@ std::optional<FlightData> simulate(const Candidate& candidate, const FlightData&
   experiment.flight.duration_s = flight_s * std::sqrt(like.vehicle.arm_m() / crazyflie_arm_m);
   FlightLog log;
   try {
+    // steps of 2 ms or a little less that divide the controller's period
+    const double period_s = 1.0 / find_controller("geometric")->make()->rate_hz(like.vehicle);
+    experiment.flight.step_s = period_s / std::ceil(period_s / 0.002 - 1e-9);
     Flight flight(experiment, RunSpec{});
     TrackingError error(0.0, static_cast<std::size_t>(flight.ticks) + 1);
     FlightRecorder recorder(experiment, flight);

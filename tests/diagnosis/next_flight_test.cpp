@@ -12,18 +12,18 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 // hovers and slow circles at one heading, and if wanted a flight of many sines with yaw; an attitude offset is concealed
-std::string trials(const std::string& fit) {
+std::string trials(const std::string& fit, bool large) {
   return R"(
 format = "gustlab-trials/1"
 name = "hover"
-vehicle = "crazyflie"
+vehicle = ")" + std::string(large ? "iris" : "crazyflie") + R"("
 trajectories = ["hover", "circle", "spiral", "multisine"]
 controllers = ["geometric"]
 fit = [)" + fit + R"(]
 holdout = ["spiral"]
 sensors = ["pose", "gyroscope"]
 duration_s = 12.0
-step_s = 0.002
+step_s = )" + (large ? "0.0025" : "0.002") + R"(
 [trajectory.circle]
 period_s = 20.0
 ramp_s = 2
@@ -41,8 +41,7 @@ attitude_sd = 0.002
 rate_sd = 0.01
 [[effect]]
 type = "gust"
-sigma_xy = 0.003
-sigma_z = 0.003
+)" + (large ? "sigma_xy = 0.1\nsigma_z = 0.1" : "sigma_xy = 0.003\nsigma_z = 0.003") + R"(
 correlation_time = 0.15
 [[trial]]
 name = "offset"
@@ -50,8 +49,8 @@ effects = [{type = "attitude_offset", x = 0.02}]
 )";
 }
 
-Diagnosis diagnose_trial(const TemporaryFolder& folder, const std::string& name, const std::string& fit, std::size_t flights) {
-  const TrialsFile file = read_trials_file(folder.write(name + ".toml", trials(fit)));
+Diagnosis diagnose_trial(const TemporaryFolder& folder, const std::string& name, const std::string& fit, std::size_t flights, bool large = false) {
+  const TrialsFile file = read_trials_file(folder.write(name + ".toml", trials(fit, large)));
   fly_concealed_trials(file, folder.file(name), 2);
   DiagnoseOptions options;
   for (std::size_t i = 1; i <= flights; ++i) options.fit.push_back(folder.file(name) + "/offset/fit_" + std::to_string(i) + ".csv");
@@ -74,6 +73,15 @@ TEST(NextFlight, NamesAFlightThatThenSeparatesWhatCouldNotBeTold) {
   const Diagnosis after = diagnose_trial(folder, "after", "\"hover\", \"circle\", \"multisine\"", 3);
   ASSERT_EQ(after.effects.size(), 1u);
   EXPECT_EQ(after.effects[0].classmates, std::vector<std::string>{"attitude_offset"});
+}
+
+TEST(NextFlight, IsSizedByTheVehicle) {
+  const TemporaryFolder folder;
+  const Diagnosis d = diagnose_trial(folder, "iris", "\"hover\"", 1, true);
+  EXPECT_FALSE(d.next_trajectory.empty());
+  // five times the arm, five times the path
+  const auto next = to_json(d)["next_flight"]["parameters"];
+  EXPECT_GT(next.contains("amplitude_m") ? next["amplitude_m"][0].get<double>() : next["radius_m"].get<double>(), 1.5);
 }
 
 }  // namespace
