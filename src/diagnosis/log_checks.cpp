@@ -37,6 +37,8 @@ class Checker {
     if (aside_) return std::move(found_);
     ground();
     if (aside_) return std::move(found_);
+    for (const char* name : {"px", "py", "pz"}) leaps(name);
+    if (aside_) return std::move(found_);
     for (const char* name : {"px", "py", "pz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "ax", "ay", "az"}) held(name);
     voltage();
     sensors();
@@ -104,19 +106,19 @@ class Checker {
           fmt::format("{:.1f} % of the inputs are outside 0…{:g}: the flight is set aside", 100.0 * share, top), true);
       return;
     }
-    bool moves = false;
-    std::size_t longest = 0, end = 0;
+    std::size_t moving = 0, longest = 0, end = 0;
     for (auto* c : u) {
       std::size_t run = 0;
+      moving += std::adjacent_find(c->begin(), c->end(), std::not_equal_to<>()) != c->end() ? 1 : 0;
       for (std::size_t k = 2; k < c->size(); ++k) {
         const double bend = (*c)[k] - 2.0 * (*c)[k - 1] + (*c)[k - 2], slope = (*c)[k] - (*c)[k - 1];
-        moves = moves || slope != 0.0;
         run = std::abs(bend) < 1e-9 * top && slope != 0.0 ? run + 1 : 0;
         if (run > longest) longest = run, end = k;
       }
     }
-    if (!moves) {
-      add("u1…uN", "frozen", 0, log_.rows(), "the inputs never change: nothing can be told, the flight is set aside", true);
+    if (moving < u.size()) {
+      add("u1…uN", "frozen", 0, log_.rows(),
+          fmt::format("{} of {} inputs never change: the flight is set aside", u.size() - moving, u.size()), true);
     } else if (static_cast<double>(longest) * step_s_ > 0.5) {
       add("u1…uN", "inconsistent", end - longest, end + 1,
           fmt::format("the inputs are a straight line for {:.1f} s (interpolated over lost telemetry): the flight is set aside",
@@ -165,6 +167,29 @@ class Checker {
     if (ratio < 0.5 || ratio > 2.0)
       add("u1…uN", "inconsistent", 0, log_.rows(),
           fmt::format("the inputs mean {:.2f} times the vehicle's weight of thrust: is it the right vehicle and the right unit?", ratio));
+  }
+
+  // a position that leaps faster than anything flies: a few samples are not used; many are another unit
+  void leaps(const char* name) {
+    constexpr double fastest_mps = 150.0;
+    auto* c = column(name);
+    if (!c) return;
+    std::size_t leapt = 0, valid = 0, before = 0, first = 0, last = 0;
+    for (std::size_t k = 0; k < c->size(); ++k) {
+      if (!std::isfinite((*c)[k])) continue;
+      if (valid++ > 0 && std::abs((*c)[k] - (*c)[before]) > fastest_mps * (log_.time_s[k] - log_.time_s[before])) {
+        first = leapt++ == 0 ? k : first;
+        last = k + 1;
+        (*c)[k] = nan;
+      } else {
+        before = k;
+      }
+    }
+    if (leapt == 0) return;
+    const bool many = leapt * 10 > valid;
+    add(name, many ? "unit" : "out_of_range", first, last,
+        many ? fmt::format("moves faster than {:g} m/s: is it in metres? The flight is set aside", fastest_mps)
+             : fmt::format("{} samples leap faster than {:g} m/s: they are not used", leapt, fastest_mps), many);
   }
 
   // forward-filled samples are no samples; a column that never moves is none at all
