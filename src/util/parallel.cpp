@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 #else
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #endif
@@ -54,6 +55,8 @@ void parallel_for(std::int64_t count, int jobs, const std::function<void(std::in
     for (std::int64_t i = 0; i < count; ++i) body(i);
     return;
   }
+  // as many as were asked for, also on fewer cores; without this TBB warns and takes fewer
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
   tbb::task_arena arena(jobs);
   arena.execute([&] { tbb::parallel_for(std::int64_t{0}, count, body, tbb::simple_partitioner()); });
 }
