@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "control/attitude.hpp"
 #include "gustlab/errors.hpp"
@@ -43,7 +44,8 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
   k_p_ = w * w;
   k_v_ = 2.0 * options.damping * w;
 
-  impulse_W_Ns_.setZero();
+  impulse_W_Ns_ = pose_impulse_W_Ns_ = Vector3::Zero();
+  pose_time_s_ = -std::numeric_limits<double>::infinity();
   newest_ = 0;
   const auto delay_ticks = static_cast<std::size_t>(std::lround(options.delay_s / period_s_));
   ring_.assign(delay_ticks + 1, {first, Vector3::Zero()});
@@ -64,8 +66,11 @@ bool OffboardFrame::observe(const Observation& observation, const Reference& ref
   else
     for (std::size_t i = 0; i < speed.size(); ++i) speed[i] += model_follows_ * (command_radps_[i] - speed[i]);
   impulse_W_Ns_ += period_s_ * (observation.attitude_WB * mixer_.force_B_N(speed));
+  // poses may come more seldom than this is called: what counts is the thrust up to the pose
+  if (observation.pose_time_s != pose_time_s_) pose_impulse_W_Ns_ = impulse_W_Ns_;
+  pose_time_s_ = observation.pose_time_s;
   newest_ = (newest_ + 1) % ring_.size();
-  ring_[newest_] = {observation, impulse_W_Ns_};
+  ring_[newest_] = {observation, pose_impulse_W_Ns_};
 
   const bool now = tick_ == 0;
   if (++tick_ == ticks_) tick_ = 0;

@@ -63,7 +63,7 @@ class OffboardFrame {
  private:
   struct Moment {
     Observation observation;
-    Vector3 impulse_W_Ns = Vector3::Zero();  // of the estimated thrust since the start
+    Vector3 impulse_W_Ns = Vector3::Zero();  // of the estimated thrust, from the start to its pose
   };
 
   VehicleModel vehicle_;
@@ -78,7 +78,8 @@ class OffboardFrame {
   // the last few moments, for the delay
   std::vector<Moment> ring_;
   std::size_t newest_ = 0;
-  Vector3 impulse_W_Ns_ = Vector3::Zero();
+  Vector3 impulse_W_Ns_ = Vector3::Zero(), pose_impulse_W_Ns_ = Vector3::Zero();
+  double pose_time_s_ = 0.0;
   double model_follows_ = 1.0;
   RotorArray model_speed_radps_{};
   RotorArray command_radps_{};

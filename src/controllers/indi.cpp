@@ -24,7 +24,7 @@ class Indi final : public Controller {
     visitor.number("filter_hz", options_.filter_hz, {.unit = "Hz", .help = "second-order filter of sensors and actuators", .min = 0.0, .max = 200.0});
     visitor.number("bandwidth_radps", bandwidth_radps_, {.unit = "rad/s", .help = "of the position error, K_p = w² (flatness law); 0: 0.27 of the attitude gain", .min = 0.0, .max = 50.0});
     visitor.number("damping", damping_, {.help = "K_v = 2 damping w (flatness law)", .min = 0.0, .max = 10.0});
-    visitor.number("tilt_limit_deg", tilt_limit_deg_, {.unit = "deg", .help = "0: 10 (the firmware's clamp) or 30 (flatness)", .min = 0.0, .max = 80.0});
+    visitor.number("tilt_limit_deg", tilt_limit_deg_, {.unit = "deg", .help = "0: 10 (the Crazyflie firmware's clamp), 30 on other vehicles and in flatness", .min = 0.0, .max = 80.0});
   }
 
   double rate_hz(const VehicleModel& vehicle) const override { return base_rate_hz(low_level_of(low_level_, vehicle)); }
@@ -38,7 +38,7 @@ class Indi final : public Controller {
     flatness_ = law_ == "flatness";
     const LowLevel kind = low_level_of(low_level_, setup.vehicle);
     IndiOptions options = scaled(options_, setup.vehicle, kind, setup.period_s);
-    if (flatness_) options.tilt_limit_rad = 30.0 * pi / 180.0;
+    if (flatness_ || kind != LowLevel::crazyflie) options.tilt_limit_rad = 30.0 * pi / 180.0;
     if (tilt_limit_deg_ > 0.0) options.tilt_limit_rad = tilt_limit_deg_ * pi / 180.0;
 
     if (flatness_) {

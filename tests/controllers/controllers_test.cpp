@@ -127,6 +127,19 @@ TEST(Indi, LeavesNothingOfAConstantForce) {
     }
 }
 
+// the Crazyflie's firmware clamps roll and pitch to 10 degrees: a force above tan(10°) of the weight on an axis wins
+TEST(Indi, HoldsWhatItsTiltLimitAllows) {
+  const auto drift = [](const VehicleModel& vehicle, double tilt_limit_deg) {
+    const auto indi = make_indi();
+    set_number(*indi, "tilt_limit_deg", tilt_limit_deg);
+    const Vector3 force = 0.22 * vehicle.weight_N() * Vector3::UnitX();
+    return hover(*indi, vehicle, [=](double) { return force; }).rmse_xy_m;
+  };
+  EXPECT_GT(drift(crazyflie(), 0.0), 1.0);
+  EXPECT_LT(drift(crazyflie(), 20.0), 2e-3);
+  EXPECT_LT(drift(iris(), 0.0), 2e-3);
+}
+
 TEST(Indi, FliesOverTheUsualLoopsToo) {
   const auto indi = make_indi();
   set_text(*indi, "inner", "low_level");

@@ -114,6 +114,21 @@ TEST(Flight, OffboardLinkHoldsPositionAndReferenceButNotTheGyro) {
   }
 }
 
+// the thrust that a force law subtracts is that between the poses it saw: 40 Hz of poses against its own 50 Hz bias nothing
+TEST(Flight, SeldomPosesDoNotBiasTheMeasuredForce) {
+  const RunRecord record = fly_first(R"(
+format = "gustlab-experiment/1"
+name = "seldom"
+vehicle = "iris"
+trajectories = ["hover"]
+controllers = ["asindy"]
+duration_s = 10.0
+step_s = 0.0025
+offboard_rate_hz = 40.0
+)");
+  EXPECT_LT(record.error.rmse_z_m, 1e-3);
+}
+
 TEST(Flight, FinerStepsConvergeToTheSameFlight) {
   const auto rmse = [](const char* step) { return fly_first(small_experiment, {step}).error.planar.rmse_m; };
   const double coarse = rmse("step_s=0.002"), middle = rmse("step_s=0.001"), fine = rmse("step_s=0.0005");
