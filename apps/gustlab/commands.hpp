@@ -11,6 +11,7 @@ struct ExitCode {
 };
 
 void add_bench(CLI::App& app);
+void add_calibrate(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_conceal(CLI::App& app);
 void add_defaults(CLI::App& app);
@@ -21,6 +22,7 @@ void add_list(CLI::App& app);
 void add_merge(CLI::App& app);
 void add_metrics(CLI::App& app);
 void add_replay(CLI::App& app);
+void add_reproduce(CLI::App& app);
 void add_run(CLI::App& app);
 void add_score(CLI::App& app);
 void add_sweep(CLI::App& app);

@@ -36,6 +36,8 @@ void add_commands(CLI::App& app) {
   add_compare(app);
   add_metrics(app);
   add_gate(app);
+  add_reproduce(app);
+  add_calibrate(app);
   add_bench(app);
   add_list(app);
   add_defaults(app);

@@ -15,6 +15,7 @@ std::unique_ptr<Effect> make_flapping_torque();
 std::unique_ptr<Effect> make_ground_effect();
 std::unique_ptr<Effect> make_ceiling_effect();
 std::unique_ptr<Effect> make_wall_effect();
+std::unique_ptr<Effect> make_fans();
 std::unique_ptr<Effect> make_steady_wind();
 std::unique_ptr<Effect> make_gust();
 std::unique_ptr<Effect> make_constant_force();

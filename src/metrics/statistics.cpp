@@ -15,21 +15,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// two-sided test of a difference with a standard error
-TTest t_test(double difference, double standard_error, double dof) {
-  TTest test{difference, nan, dof, nan};
-  if (!(dof > 0.0)) return test;
-  if (standard_error == 0.0) {
-    test.t = difference == 0.0 ? 0.0 : std::copysign(std::numeric_limits<double>::infinity(), difference);
-    test.p_value = difference == 0.0 ? 1.0 : 0.0;
-    return test;
-  }
-  test.t = difference / standard_error;
-  const boost::math::students_t distribution(dof);
-  test.p_value = 2.0 * boost::math::cdf(boost::math::complement(distribution, std::abs(test.t)));
-  return test;
-}
-
 std::vector<double> finite_differences(std::span<const double> a, std::span<const double> b) {
   std::vector<double> differences;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -54,6 +39,20 @@ Summary summarize(std::span<const double> values) {
   if (known.size() > 1) summary.sd = std::sqrt(squares / (n - 1.0));
   summary.median = quantile(known, 0.5);
   return summary;
+}
+
+TTest t_test(double difference, double standard_error, double dof) {
+  TTest test{difference, nan, dof, nan};
+  if (!(dof > 0.0)) return test;
+  if (standard_error == 0.0) {
+    test.t = difference == 0.0 ? 0.0 : std::copysign(std::numeric_limits<double>::infinity(), difference);
+    test.p_value = difference == 0.0 ? 1.0 : 0.0;
+    return test;
+  }
+  test.t = difference / standard_error;
+  const boost::math::students_t distribution(dof);
+  test.p_value = 2.0 * boost::math::cdf(boost::math::complement(distribution, std::abs(test.t)));
+  return test;
 }
 
 // dof: Welch–Satterthwaite

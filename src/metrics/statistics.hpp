@@ -29,6 +29,8 @@ struct TTest {
   double dof;
   double p_value;
 };
+// From a difference and its standard error.
+TTest t_test(double difference, double standard_error, double dof);
 // Unequal variances (Welch, Biometrika 34, 1947), from moments, so that published ones can be used.
 TTest welch_test(const Summary& a, const Summary& b);
 // a[i] and b[i] met the same gust. Pairs with a NaN do not count. Precondition: equal lengths.

@@ -26,6 +26,22 @@ TEST(Program, SaysItsVersionAndHelp) {
   EXPECT_THAT(help.out, HasSubstr("--horizon"));
 }
 
+// the proxy of Table III, the quickest of the three
+TEST(Program, ReproducesATableAndGoesOnWhereItStands) {
+  const TemporaryFolder folder;
+  const Said said = test::gustlab({"reproduce", "table3", "--out", folder.file("out"), "--quiet"});
+  ASSERT_EQ(said.exit_code, 0) << said.err;
+  const std::string text = read_text(folder.file("out/reproduction.json"));
+  const auto json = nlohmann::json::parse(text);
+  ASSERT_EQ(json["cells"].size(), 12u);
+  for (const auto& cell : json["cells"]) EXPECT_EQ(cell["use"], "proxy");
+  EXPECT_EQ(said.out, read_text(folder.file("out/reproduction.md")));
+  EXPECT_THAT(read_text(folder.file("out/figures/ours_against_paper.svg")), StartsWith("<svg"));
+  EXPECT_EQ(test::gustlab({"reproduce", "table3", "--out", folder.file("out")}).exit_code, 0);
+  EXPECT_EQ(read_text(folder.file("out/reproduction.json")), text);
+  EXPECT_EQ(test::gustlab({"reproduce", "table4", "--out", folder.file("out")}).exit_code, 2);
+}
+
 TEST(Program, ListsEveryRegistry) {
   const Said said = test::gustlab({"list", "--format", "json"});
   ASSERT_EQ(said.exit_code, 0) << said.err;

@@ -104,6 +104,7 @@ inline Values natural_values(const EffectRow& row, const VehicleModel& vehicle) 
   if (row.name == "measurement_noise")
     return {{"position_sd", 0.001}, {"velocity_sd", 0.01}, {"attitude_sd", 0.002}, {"rate_sd", 0.05}, {"accelerometer_sd", 0.2},
             {"rate_bias.x", 0.1}};
+  if (row.name == "fans") return {{"center_speed_mps", 1.2}, {"edge_speed_mps", 2.0}, {"turbulence", 0.4}};
   Values values;
   for (const Declared& parameter : parameters_of(*row.make()))
     if (parameter.info.natural > 0.0) values[parameter.name] = parameter.info.natural * scale_of(parameter.info.scale, vehicle);
@@ -117,7 +118,7 @@ inline Values natural_values(const EffectRow& row, const VehicleModel& vehicle) 
 // the effect alone, with what it needs to act: wind needs drag
 inline std::vector<NamedEffect> planted(const EffectRow& row, const Values& values) {
   std::vector<NamedEffect> effects = make_effect_list({{row.name, values}});
-  if (row.name == "steady_wind")
+  if (row.name == "steady_wind" || row.name == "fans")
     for (NamedEffect& air : make_effect_list({{"rotor_drag", {{"at_hover", 0.01}}}, {"quadratic_drag", {{"area_xy", 0.01}}}}))
       effects.push_back(std::move(air));
   return effects;

@@ -23,10 +23,11 @@ ALLOWED = {
     "controllers": FOUNDATION | {"control"},
     "simulation": FOUNDATION | PLUGINS | {"vehicle", "plant", "control"},
     "sweep": FOUNDATION | PLUGINS | {"vehicle", "simulation"},
+    "calibration": FOUNDATION | {"simulation", "sweep"},
     "identification": FOUNDATION | {"control"},
     "learning": FOUNDATION | PLUGINS | {"vehicle", "control", "identification", "simulation"},
     "diagnosis": FOUNDATION | PLUGINS | {"vehicle", "plant", "control", "identification", "simulation"},
-    "report": FOUNDATION | {"sweep", "learning", "identification", "diagnosis"},
+    "report": FOUNDATION | {"sweep", "calibration", "learning", "identification", "diagnosis"},
 }
 
 # a third-party header stays behind the folder that wraps it

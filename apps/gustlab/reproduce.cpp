@@ -1,0 +1,88 @@
+#include "report/reproduction.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "calibration/calibration.hpp"
+#include "commands.hpp"
+#include "config/resources.hpp"
+#include "interrupt.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+#include "sweep/sweep.hpp"
+#include "util/files.hpp"
+#include "util/parallel.hpp"
+
+namespace gustlab {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// the tables of the paper, and the experiments that stand for them
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> experiments{
+    {{"table1", "table1_iris"}, {"table2", "table2_crazyflie"}, {"table3", "table3_real_proxy"}}};
+constexpr std::string_view proxy_table = "table3";
+
+struct Options {
+  std::string table = "all", out;
+  int jobs = default_jobs();
+};
+
+// flies what OUT does not hold yet
+std::vector<ResultRow> fly(const Experiment& experiment, const std::string& folder, int jobs) {
+  const std::atomic<bool>& stop = interrupted();
+  Progress progress;
+  const SweepReport report = sweep(experiment, {folder, {}, jobs, true}, stop, [&](std::size_t done, std::size_t all) { progress.show(done, all); });
+  progress.end();
+  if (report.done < report.planned) throw ExitCode{130};
+  return read_results(folder).rows;
+}
+
+void reproduce_command(const Options& options) {
+  const Published published = read_published(find_resource("experiments/published_tables.toml"));
+  std::vector<OurTable> tables;
+  std::vector<Calibration> calibrations;
+  std::vector<Experiment> wanted;
+  for (const auto& [table, name] : experiments) {
+    if (options.table != "all" && options.table != table) continue;
+    const std::string path = find_experiment(std::string(name));
+    wanted.push_back(read_experiment(path));
+    tables.push_back({std::string(table), std::string(name), wanted.back().vehicle.name, {}});
+    if (const std::string calibration = calibration_path(path); fs::is_regular_file(calibration)) calibrations.push_back(read_calibration(calibration));
+  }
+  for (std::size_t i = 0; i < tables.size(); ++i)
+    tables[i].rows = fly(wanted[i], (fs::path(options.out) / tables[i].experiment).string(), options.jobs);
+
+  const Reproduction reproduction = reproduce(published, tables, [&](const PublishedRow& row, std::size_t metric) {
+    if (row.table == proxy_table) return Use::proxy;
+    for (const Calibration& calibration : calibrations)
+      if (calibration.table == row.table && calibration.fits(row.trajectory, row.controller, metric)) return Use::fitted;
+    return Use::predicted;
+  });
+  const std::string markdown = to_markdown(reproduction, tables);
+  const fs::path out(options.out);
+  make_folder((out / "figures").string());
+  write_file((out / "figures" / "ours_against_paper.svg").string(), to_svg(reproduction));
+  write_file((out / "reproduction.json").string(), to_json(reproduction));
+  write_file((out / "reproduction.md").string(), markdown);
+  std::fwrite(markdown.data(), 1, markdown.size(), stdout);
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("reproduce", "flies the paper's tables and puts ours beside the published ones");
+  command->add_option("TABLE", options->table, "table1, table2, table3 or all")
+      ->check(CLI::IsMember({"table1", "table2", "table3", "all"}))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "folder of reproduction.json, .md, figures, and of the sweeps, which go on where they stand")->required();
+  add_jobs(*command, options->jobs);
+  command->callback([options] { reproduce_command(*options); });
+}
+
+}  // namespace gustlab

@@ -1,0 +1,68 @@
+// Fits what the paper leaves open to some of the cells of a table (NAME.calibration.toml beside an experiment).
+//
+// Stage after stage, each with its own targets and parameters: the loss is the mean of ln(ours/paper)² over the target
+// cells, on seeds that are not the reported ones. Search: controlled random search (Kaelo & Ali, JOTA 130, 2006), then
+// Subplex (Rowan 1990), both of NLopt with a fixed seed, in coordinates from 0 to 1. The same input gives the same values.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "calibration/published.hpp"
+#include "simulation/experiment.hpp"
+
+namespace gustlab {
+
+// A key of the experiment that may vary.
+struct OpenParameter {
+  std::string key;  // dotted, as in --set
+  double min, max, start;
+  bool log = false;  // searched by its logarithm
+  std::string unit;
+};
+
+// A cell of the paper's table that a stage looks at.
+struct TargetCell {
+  std::string trajectory, controller;
+  std::size_t metric;  // of published_metrics
+};
+
+struct CalibrationStage {
+  std::string name;
+  std::int64_t evaluations = 100;
+  std::vector<TargetCell> targets;
+  std::vector<OpenParameter> parameters;
+};
+
+struct Calibration {
+  std::string table;
+  std::int64_t first_replicate = 1001, replicates = 10, seed = 1;
+  std::vector<CalibrationStage> stages;
+
+  bool fits(std::string_view trajectory, std::string_view controller, std::size_t metric) const;
+};
+
+// `experiment.toml` → `experiment.calibration.toml`, whether it is there or not.
+std::string calibration_path(const std::string& experiment_path);
+// Throws ConfigError with file:line:col.
+Calibration read_calibration(const std::string& path);
+
+struct StageResult {
+  std::vector<double> values;  // of the stage's parameters
+  double start_loss = 0.0, loss = 0.0;
+  std::vector<double> figures;  // our means of the stage's targets, m
+  std::int64_t evaluations = 0, flights = 0;
+};
+
+// Flies the stages; `overrides` are --set pairs that hold throughout. `progress` gets evaluations done and planned. Stops
+// early, with fewer results than stages, when `stop` becomes true. Throws ConfigError when the experiment reports a seed
+// that is calibrated on.
+std::vector<StageResult> calibrate(const std::string& experiment_path, const std::vector<std::string>& overrides,
+                                   const Calibration& calibration, const Published& published, int jobs,
+                                   const std::atomic<bool>& stop,
+                                   const std::function<void(std::size_t done, std::size_t all)>& progress);
+
+}  // namespace gustlab

@@ -1,0 +1,114 @@
+#include "calibration/published.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "config/toml.hpp"
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+
+namespace {
+
+constexpr std::string_view published_format = "gustlab-published/1";
+
+using config::Table;
+
+std::vector<std::string> need_texts(Table& table, std::string_view key) {
+  const auto texts = table.texts(key);
+  if (!texts || texts->empty()) table.fail(key, fmt::format("\"{}\" is missing", key), "a list of names", "");
+  return *texts;
+}
+
+std::size_t need_metric(Table& table, std::string_view key) {
+  return find_published_metric(table.need_text(key), table.where(key));
+}
+
+PublishedRow read_row(Table& table) {
+  PublishedRow row{table.need_text("table"), table.need_text("trajectory"), table.need_text("controller"), {}};
+  const auto n = static_cast<std::size_t>(table.need_number("n"));
+  for (std::size_t i = 0; i < published_metrics.size(); ++i) {
+    const auto figure = table.numbers(published_metrics[i]);
+    if (!figure || figure->size() != 2 || !((*figure)[0] > 0.0) || (*figure)[1] < 0.0)
+      table.fail(published_metrics[i], fmt::format("\"{}\" is no figure", published_metrics[i]), "a mean above zero and a standard deviation", "write [0.25, 0.07]");
+    row.figures[i] = {n, (*figure)[0], (*figure)[1], std::numeric_limits<double>::quiet_NaN()};
+  }
+  return row;
+}
+
+// each neighbouring pair of a chain is a claim
+void read_orders(Table& document, std::vector<Claim>& claims) {
+  for (Table& table : document.tables("orders")) {
+    const std::string name = table.need_text("table"), trajectory = table.need_text("trajectory");
+    const std::vector<std::string> controllers = need_texts(table, "controllers");
+    for (const std::string& metric : need_texts(table, "metrics"))
+      for (std::size_t k = 0; k + 1 < controllers.size(); ++k)
+        claims.push_back({ClaimKind::less, {name, trajectory, controllers[k]}, {name, trajectory, controllers[k + 1]},
+                          find_published_metric(metric, table.where("metrics")), 0.0, true, "", {}});
+  }
+  for (Table& table : document.tables("trajectory_orders")) {
+    const std::string name = table.need_text("table"), controller = table.need_text("controller");
+    const std::vector<std::string> trajectories = need_texts(table, "trajectories");
+    const std::size_t metric = need_metric(table, "metric");
+    for (std::size_t k = 0; k + 1 < trajectories.size(); ++k)
+      claims.push_back({ClaimKind::less, {name, trajectories[k], controller}, {name, trajectories[k + 1], controller}, metric,
+                        0.0, true, "", {}});
+  }
+}
+
+// `controller` against `than` on one trajectory and metric
+void read_pairs(Table& document, std::string_view key, ClaimKind kind, std::vector<Claim>& claims) {
+  for (Table& table : document.tables(key)) {
+    const std::string name = table.need_text("table"), trajectory = table.need_text("trajectory");
+    Claim claim{kind, {name, trajectory, table.need_text("controller")}, {name, trajectory, table.need_text("than")},
+                need_metric(table, "metric"), 0.0, true, "", {}};
+    if (kind == ClaimKind::reduced) claim.by = table.need_number("by");
+    claims.push_back(claim);
+  }
+}
+
+void read_others(Table& document, std::vector<Claim>& claims) {
+  for (Table& table : document.tables("runaways"))
+    claims.push_back({ClaimKind::runaway, {table.need_text("table"), "", table.need_text("controller")}, {},
+                      find_published_metric("max_xy_m", ""), 0.0, true, "", {}});
+  for (Table& table : document.tables("completions"))
+    claims.push_back({ClaimKind::completion, {table.need_text("table"), "", table.need_text("controller")}, {}, 0, 0.0,
+                      table.flag("all").value_or(true), "", {}});
+  for (Table& table : document.tables("below"))
+    claims.push_back({ClaimKind::below, {table.need_text("table"), "", ""}, {table.need_text("than"), "", ""}, 0, 0.0, true,
+                      table.need_text("except_trajectory"), need_metric(table, "except_metric")});
+}
+
+}  // namespace
+
+std::size_t find_published_metric(const std::string& name, const std::string& where) {
+  const auto place = std::find(published_metrics.begin(), published_metrics.end(), name);
+  if (place == published_metrics.end())
+    throw ConfigError(fmt::format("{}: \"{}\" is no metric (a table has {})", where, name, fmt::join(published_metrics, ", ")));
+  return static_cast<std::size_t>(place - published_metrics.begin());
+}
+
+const PublishedRow* Published::find(std::string_view table, std::string_view trajectory, std::string_view controller) const {
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const PublishedRow& candidate) {
+    return candidate.table == table && candidate.trajectory == trajectory && candidate.controller == controller;
+  });
+  return row == rows.end() ? nullptr : &*row;
+}
+
+Published read_published(const std::string& path) {
+  Table document = Table::read_file(path);
+  if (document.need_text("format") != published_format)
+    document.fail("format", "this is no table of published figures", "", fmt::format("write format = \"{}\"", published_format));
+  Published published;
+  for (Table& table : document.tables("rows")) published.rows.push_back(read_row(table));
+  read_orders(document, published.claims);
+  read_pairs(document, "reductions", ClaimKind::reduced, published.claims);
+  read_pairs(document, "steadier", ClaimKind::steadier, published.claims);
+  read_others(document, published.claims);
+  document.finish();
+  return published;
+}
+
+}  // namespace gustlab

@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "calibration/calibration.hpp"
+#include "config/toml.hpp"
+#include "gustlab/errors.hpp"
+
+namespace gustlab {
+
+namespace {
+
+using config::Table;
+
+constexpr std::string_view calibration_format = "gustlab-calibration/1";
+
+std::vector<std::string> need_texts(Table& table, std::string_view key) {
+  const auto texts = table.texts(key);
+  if (!texts || texts->empty()) table.fail(key, fmt::format("\"{}\" is missing", key), "a list of names", "");
+  return *texts;
+}
+
+OpenParameter read_parameter(Table& table) {
+  OpenParameter parameter{table.need_text("key"), table.need_number("min"), table.need_number("max"), table.need_number("start"),
+                          table.flag("log").value_or(false), table.text("unit").value_or("")};
+  if (!(parameter.min < parameter.max) || parameter.start < parameter.min || parameter.start > parameter.max)
+    table.fail("start", "\"min\", \"start\" and \"max\" are out of order", "the search starts inside its range", "");
+  if (parameter.log && parameter.min <= 0.0) table.fail("min", "\"min\" has no logarithm", "log = true", "write a number above zero");
+  return parameter;
+}
+
+CalibrationStage read_stage(Table& table) {
+  CalibrationStage stage;
+  stage.name = table.need_text("name");
+  stage.evaluations = table.integer("evaluations").value_or(stage.evaluations);
+  if (stage.evaluations < 1) table.fail("evaluations", "\"evaluations\" is not positive", "", "");
+  for (Table& target : table.tables("targets"))
+    for (const std::string& trajectory : need_texts(target, "trajectories"))
+      for (const std::string& controller : need_texts(target, "controllers"))
+        for (const std::string& metric : need_texts(target, "metrics"))
+          stage.targets.push_back({trajectory, controller, find_published_metric(metric, target.where("metrics"))});
+  for (Table& parameter : table.tables("parameters")) stage.parameters.push_back(read_parameter(parameter));
+  if (stage.targets.empty()) table.fail("targets", "\"targets\" is empty", "a stage fits parameters to cells", "");
+  if (stage.parameters.empty()) table.fail("parameters", "\"parameters\" is empty", "a stage fits parameters to cells", "");
+  return stage;
+}
+
+}  // namespace
+
+bool Calibration::fits(std::string_view trajectory, std::string_view controller, std::size_t metric) const {
+  for (const CalibrationStage& stage : stages)
+    for (const TargetCell& cell : stage.targets)
+      if (cell.trajectory == trajectory && cell.controller == controller && cell.metric == metric) return true;
+  return false;
+}
+
+std::string calibration_path(const std::string& experiment_path) {
+  return experiment_path.substr(0, experiment_path.rfind(".toml")) + ".calibration.toml";
+}
+
+Calibration read_calibration(const std::string& path) {
+  Table document = Table::read_file(path);
+  if (document.need_text("format") != calibration_format)
+    document.fail("format", "this is no calibration", "", fmt::format("write format = \"{}\"", calibration_format));
+  Calibration calibration;
+  calibration.table = document.need_text("table");
+  calibration.first_replicate = document.integer("first_replicate").value_or(calibration.first_replicate);
+  calibration.replicates = document.integer("replicates").value_or(calibration.replicates);
+  calibration.seed = document.integer("search_seed").value_or(calibration.seed);
+  for (Table& table : document.tables("stage")) calibration.stages.push_back(read_stage(table));
+  document.finish();
+  return calibration;
+}
+
+}  // namespace gustlab

@@ -1,0 +1,67 @@
+// Our tables beside the paper's: every published mean with ours, and every claim judged.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calibration/published.hpp"
+#include "sweep/results.hpp"
+
+namespace gustlab {
+
+// How a cell of ours came to be: calibrated on (on other seeds), not, or in a simulation that only stands for the real thing.
+enum class Use { fitted, predicted, proxy };
+std::string_view to_string(Use use);
+
+struct ReproducedCell {
+  std::string table, vehicle, trajectory, controller;
+  std::size_t metric = 0;  // of published_metrics
+  Summary paper, ours;
+  std::size_t completed = 0;
+  Use use = Use::predicted;
+
+  double ratio() const { return ours.mean / paper.mean; }
+  // (ours − paper) over both standard errors and the rounding of the published figure
+  double z_score() const;
+  bool within_spread() const;  // of the paper's own runs: one standard deviation
+  bool within(double share) const { return ratio() >= 1.0 - share && ratio() <= 1.0 + share; }
+};
+
+enum class Verdict { pass, fail, not_significant };
+std::string_view to_string(Verdict verdict);
+
+struct JudgedClaim {
+  std::string claim;
+  std::string table;
+  Verdict verdict = Verdict::not_significant;
+  double p_value = std::numeric_limits<double>::quiet_NaN();        // of our flights; NaN where there is nothing to test
+  std::size_t n = 0;                                                // pairs, or flights
+  double paper_p_value = std::numeric_limits<double>::quiet_NaN();  // of the published figures, Welch
+};
+
+// One table of ours: the sweep of its experiment.
+struct OurTable {
+  std::string table;       // table1, …
+  std::string experiment;
+  std::string vehicle;
+  std::vector<ResultRow> rows;
+};
+
+struct Reproduction {
+  std::vector<ReproducedCell> cells;
+  std::vector<JudgedClaim> claims;
+};
+
+// Tables that were not flown leave out their cells and claims. Of a cell, as many replicates count as were published.
+Reproduction reproduce(const Published& published, const std::vector<OurTable>& tables,
+                       const std::function<Use(const PublishedRow&, std::size_t metric)>& use);
+
+std::string to_json(const Reproduction& reproduction);
+std::string to_markdown(const Reproduction& reproduction, const std::vector<OurTable>& tables);
+// Ours over the paper's, logarithmic, a picture that stands alone.
+std::string to_svg(const Reproduction& reproduction);
+
+}  // namespace gustlab

@@ -1,0 +1,98 @@
+#include "calibration/calibration.hpp"
+
+#include <gmock/gmock.h>
+
+#include "gustlab/errors.hpp"
+#include "sweep/sweep.hpp"
+#include "support/experiments.hpp"
+
+namespace gustlab {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string experiment_text = R"(
+format = "gustlab-experiment/1"
+name = "planted"
+vehicle = "crazyflie"
+trajectories = ["hover"]
+controllers = ["pid"]
+replicates = 2
+duration_s = 3.0
+[[effect]]
+type = "gust"
+mean_x = 0.01
+)";
+
+Calibration calibration(std::int64_t first_replicate) {
+  CalibrationStage stage{"gust", 25, {{"hover", "pid", 0}}, {{"effect.gust.mean_x", 0.005, 0.05, 0.01, true, "N"}}};
+  return {"t", first_replicate, 2, 1, {stage}};
+}
+
+Published published(double rmse_m) {
+  Published result;
+  result.rows.push_back({"t", "hover", "pid", {}});
+  result.rows.back().figures.fill({10, rmse_m, 0.0, rmse_m});
+  return result;
+}
+
+double rmse_m(const std::string& path, const std::string& set) {
+  const Experiment experiment = read_experiment(path, {set});
+  return fly_all(experiment, plan(experiment), 1).front().error.planar.rmse_m;
+}
+
+std::vector<StageResult> fit(const std::string& path, double target_m, int jobs) {
+  const std::atomic<bool> stop = false;
+  return calibrate(path, {}, calibration(1001), published(target_m), jobs, stop, [](std::size_t, std::size_t) {});
+}
+
+// GIVEN a table that was made with a steady force WHEN the force is open THEN calibration finds it, within its budget
+TEST(Calibration, FindsWhatATableWasMadeWith) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("e.toml", experiment_text);
+  const double target_m = rmse_m(path, "effect.gust.mean_x=0.03");
+  const auto results = fit(path, target_m, 1);
+  ASSERT_EQ(results.size(), 1u);
+  EXPECT_NEAR(results[0].values[0], 0.03, 0.001);
+  EXPECT_LT(results[0].loss, 1e-3 * results[0].start_loss);
+  EXPECT_LE(results[0].evaluations, 25);
+  EXPECT_NEAR(results[0].figures[0], target_m, 0.05 * target_m);
+  // any number of threads, the same values
+  EXPECT_EQ(fit(path, target_m, 2)[0].values, results[0].values);
+}
+
+TEST(Calibration, RefusesSeedsThatAreReported) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("e.toml", experiment_text);
+  const std::atomic<bool> stop = false;
+  try {
+    calibrate(path, {}, calibration(2), published(0.1), 1, stop, [](std::size_t, std::size_t) {});
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("calibrates on replicates that are reported (1 to 2)"));
+  }
+}
+
+std::string reading(const std::string& text) {
+  const TemporaryFolder folder;
+  try {
+    read_calibration(folder.write("c.toml", text));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "read";
+}
+
+TEST(Calibration, SaysWhatIsWrongAndWhere) {
+  const std::string head = "format = \"gustlab-calibration/1\"\ntable = \"table2\"\n[[stage]]\nname = \"s\"\n";
+  const std::string target = "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rmse_xy_m\"]}]\n";
+  const std::string parameter = "parameters = [{key = \"duration_s\", min = 1, start = 2, max = 3}]\n";
+  EXPECT_EQ(reading(head + target + parameter), "read");
+  EXPECT_THAT(reading(head + parameter), HasSubstr("\"targets\" is empty"));
+  EXPECT_THAT(reading(head + target + "parameters = [{key = \"duration_s\", min = 1, start = 5, max = 3}]\n"), HasSubstr("c.toml:6:"));
+  EXPECT_THAT(reading(head + "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rms\"]}]\n" + parameter),
+              HasSubstr("\"rms\" is no metric"));
+}
+
+}  // namespace
+}  // namespace gustlab
