@@ -21,7 +21,7 @@ namespace gustlab {
 
 namespace {
 
-struct Options {
+struct CalibrateArguments {
   std::string experiment, calibration, out;
   std::vector<std::string> set;
   int jobs = default_jobs();
@@ -60,7 +60,7 @@ std::string to_markdown(const std::vector<CalibrationStage>& stages, const std::
   return text;
 }
 
-void calibrate_command(const Options& options) {
+void calibrate_command(const CalibrateArguments& options) {
   const std::string path = find_experiment(options.experiment);
   const std::string beside = options.calibration.empty() ? calibration_path(path) : options.calibration;
   const Calibration calibration = read_calibration(beside);
@@ -93,7 +93,7 @@ void calibrate_command(const Options& options) {
 }  // namespace
 
 void add_calibrate(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CalibrateArguments>();
   CLI::App* command = app.add_subcommand("calibrate", "fits what the paper leaves open to some of its cells, on seeds that are not reported");
   command->add_option("EXPERIMENT", options->experiment, "a TOML file, or its name under experiments/; NAME.calibration.toml stands beside it")->required();
   command->add_option("--calibration", options->calibration, "another file that says what may vary and what it is fitted to");

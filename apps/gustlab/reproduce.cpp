@@ -23,17 +23,17 @@ namespace {
 namespace fs = std::filesystem;
 
 // the tables of the paper, and the experiments that stand for them
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> experiments{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> paper_tables{
     {{"table1", "table1_iris"}, {"table2", "table2_crazyflie"}, {"table3", "table3_real_proxy"}}};
 constexpr std::string_view proxy_table = "table3";
 
-struct Options {
+struct ReproduceArguments {
   std::string table = "all", out;
   int jobs = default_jobs();
 };
 
 // flies what OUT does not hold yet
-std::vector<ResultRow> fly(const Experiment& experiment, const std::string& folder, int jobs) {
+std::vector<ResultRow> fly_table(const Experiment& experiment, const std::string& folder, int jobs) {
   const std::atomic<bool>& stop = interrupted();
   Progress progress;
   const SweepReport report = sweep(experiment, {folder, {}, jobs, true}, stop, [&](std::size_t done, std::size_t all) { progress.show(done, all); });
@@ -42,12 +42,12 @@ std::vector<ResultRow> fly(const Experiment& experiment, const std::string& fold
   return read_results(folder).rows;
 }
 
-void reproduce_command(const Options& options) {
+void reproduce_command(const ReproduceArguments& options) {
   const Published published = read_published(find_resource("experiments/published_tables.toml"));
   std::vector<OurTable> tables;
   std::vector<Calibration> calibrations;
   std::vector<Experiment> wanted;
-  for (const auto& [table, name] : experiments) {
+  for (const auto& [table, name] : paper_tables) {
     if (options.table != "all" && options.table != table) continue;
     const std::string path = find_experiment(std::string(name));
     wanted.push_back(read_experiment(path));
@@ -55,7 +55,7 @@ void reproduce_command(const Options& options) {
     if (const std::string calibration = calibration_path(path); fs::is_regular_file(calibration)) calibrations.push_back(read_calibration(calibration));
   }
   for (std::size_t i = 0; i < tables.size(); ++i)
-    tables[i].rows = fly(wanted[i], (fs::path(options.out) / tables[i].experiment).string(), options.jobs);
+    tables[i].rows = fly_table(wanted[i], (fs::path(options.out) / tables[i].experiment).string(), options.jobs);
 
   const Reproduction reproduction = reproduce(published, tables, [&](const PublishedRow& row, std::size_t metric) {
     if (row.table == proxy_table) return Use::proxy;
@@ -75,7 +75,7 @@ void reproduce_command(const Options& options) {
 }  // namespace
 
 void add_reproduce(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReproduceArguments>();
   CLI::App* command = app.add_subcommand("reproduce", "flies the paper's tables and puts ours beside the published ones");
   command->add_option("TABLE", options->table, "table1, table2, table3 or all")
       ->check(CLI::IsMember({"table1", "table2", "table3", "all"}))

@@ -16,8 +16,6 @@ namespace {
 
 // what a flight that does not reach its end adds to the loss: no run of the paper's simulations crashed
 constexpr double crash_loss = 4.0;
-// of the budget, the share that searches everywhere; the rest refines
-constexpr double global_share = 0.6;
 
 double to_unit(const OpenParameter& p, double value) {
   return p.log ? std::log(value / p.min) / std::log(p.max / p.min) : (value - p.min) / (p.max - p.min);
@@ -78,13 +76,11 @@ class Objective {
       best.values = at;
       best.loss = loss;
       best.figures = figures_;
-      best_unit = unit;
     }
     return loss;
   }
 
   StageResult best;
-  std::vector<double> best_unit;
 
  private:
   double fly(const std::vector<double>& at) {
@@ -143,35 +139,28 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
     const double start_loss = objective(start);
     std::int64_t used = 1;
 
-    const auto search = [&](nlopt::algorithm algorithm, const std::vector<double>& from, std::int64_t until) {
-      if (used >= until || stop) return;
-      nlopt::opt optimizer(algorithm, static_cast<unsigned>(from.size()));
-      optimizer.set_lower_bounds(0.0);
-      optimizer.set_upper_bounds(1.0);
-      optimizer.set_maxeval(static_cast<int>(until - used));
-      optimizer.set_initial_step(0.1);
-      optimizer.set_xtol_abs(1e-3);
-      auto evaluate = [&](const std::vector<double>& at) {
-        if (stop) optimizer.force_stop();
-        progress(before + static_cast<std::size_t>(++used), all);
-        return objective(at);
-      };
-      using Evaluate = decltype(evaluate);
-      optimizer.set_min_objective(
-          [](const std::vector<double>& at, std::vector<double>&, void* data) { return (*static_cast<Evaluate*>(data))(at); }, &evaluate);
-      std::vector<double> at = from;
-      double loss = 0.0;
-      try {
-        optimizer.optimize(at, loss);
-      } catch (const nlopt::forced_stop&) {
-      } catch (const nlopt::roundoff_limited&) {
-        // the loss has steps as fine as three digits: as good as it gets
-      }
+    // Bobyqa wants two dimensions
+    nlopt::opt search(start.size() > 1 ? nlopt::LN_BOBYQA : nlopt::LN_SBPLX, static_cast<unsigned>(start.size()));
+    auto evaluate = [&](const std::vector<double>& at) {
+      if (stop) search.force_stop();
+      progress(before + static_cast<std::size_t>(++used), all);
+      return objective(at);
     };
-    nlopt::srand(static_cast<unsigned long>(calibration.seed));
-    const auto most = stage.evaluations;
-    if (start.size() > 1) search(nlopt::GN_CRS2_LM, start, static_cast<std::int64_t>(global_share * static_cast<double>(most)));
-    search(nlopt::LN_SBPLX, objective.best_unit, most);
+    using Evaluate = decltype(evaluate);
+    search.set_min_objective(
+        [](const std::vector<double>& at, std::vector<double>&, void* data) { return (*static_cast<Evaluate*>(data))(at); }, &evaluate);
+    search.set_lower_bounds(0.0);
+    search.set_upper_bounds(1.0);
+    search.set_initial_step(0.15);
+    search.set_xtol_abs(1e-3);
+    search.set_maxeval(static_cast<int>(std::max<std::int64_t>(stage.evaluations - 1, 1)));
+    try {
+      double loss = start_loss;
+      search.optimize(start, loss);
+    } catch (const nlopt::forced_stop&) {
+    } catch (const nlopt::roundoff_limited&) {
+      // the loss has steps as fine as three digits: as good as it gets
+    }
     if (stop) break;
 
     objective.best.start_loss = start_loss;

@@ -1,8 +1,8 @@
 // Fits what the paper leaves open to some of the cells of a table (NAME.calibration.toml beside an experiment).
 //
 // Stage after stage, each with its own targets and parameters: the loss is the mean of ln(ours/paper)² over the target
-// cells, on seeds that are not the reported ones. Search: controlled random search (Kaelo & Ali, JOTA 130, 2006), then
-// Subplex (Rowan 1990), both of NLopt with a fixed seed, in coordinates from 0 to 1. The same input gives the same values.
+// cells, on seeds that are not the reported ones. Search: Bobyqa (Powell 2009) of NLopt, Subplex (Rowan 1990) for a single
+// parameter, in coordinates from 0 to 1, from the start that the file gives. The same input gives the same values.
 #pragma once
 
 #include <atomic>
@@ -39,7 +39,7 @@ struct CalibrationStage {
 
 struct Calibration {
   std::string table;
-  std::int64_t first_replicate = 1001, replicates = 10, seed = 1;
+  std::int64_t first_replicate = 1001, replicates = 10;
   std::vector<CalibrationStage> stages;
 
   bool fits(std::string_view trajectory, std::string_view controller, std::size_t metric) const;

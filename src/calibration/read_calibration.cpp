@@ -66,7 +66,6 @@ Calibration read_calibration(const std::string& path) {
   calibration.table = document.need_text("table");
   calibration.first_replicate = document.integer("first_replicate").value_or(calibration.first_replicate);
   calibration.replicates = document.integer("replicates").value_or(calibration.replicates);
-  calibration.seed = document.integer("search_seed").value_or(calibration.seed);
   for (Table& table : document.tables("stage")) calibration.stages.push_back(read_stage(table));
   document.finish();
   return calibration;

@@ -19,6 +19,7 @@ void OffboardOptions::visit(ParameterVisitor& visitor) {
                  {.unit = "rad/s", .help = "of the position error, K_p = w²; 0: 0.27 of the attitude loop's", .min = 0.0, .max = 50.0});
   visitor.number("damping", damping, {.help = "K_v = 2 damping w", .min = 0.0, .max = 10.0});
   visitor.number("tilt_limit_deg", tilt_limit_deg, {.unit = "deg", .help = "of the wanted attitude", .min = 1.0, .max = 80.0});
+  visitor.flag("feedforward", feedforward, {.help = "the law is told velocity and acceleration of the reference; otherwise they count as zero"});
 }
 
 double OffboardFrame::base_rate_hz(const OffboardOptions& options, const VehicleModel& vehicle) const {
@@ -29,6 +30,7 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
   if (options.thrust_estimate != "command" && options.thrust_estimate != "rotor_speed")
     throw ConfigError("thrust_estimate = \"" + options.thrust_estimate +
                       "\" is unknown (where the thrust is known from) use command or rotor_speed");
+  feedforward_ = options.feedforward;
   from_rotor_speed_ = options.thrust_estimate == "rotor_speed";
   vehicle_ = setup.vehicle;
   mixer_ = Mixer(vehicle_);
@@ -90,10 +92,11 @@ bool OffboardFrame::observe(const Observation& observation, const Reference& ref
   input.time_s = observation.time_s;
   input.seen = seen;
   input.reference = reference;
+  if (!feedforward_) input.reference.velocity_W_mps = input.reference.acceleration_W_mps2 = Vector3::Zero();
   input.position_error_W_m = seen.position_W_m - reference.position_W_m;
-  input.velocity_error_W_mps = seen.velocity_W_mps - reference.velocity_W_mps;
+  input.velocity_error_W_mps = seen.velocity_W_mps - input.reference.velocity_W_mps;
   input.acceleration_command_W_mps2 =
-      reference.acceleration_W_mps2 - k_p_ * input.position_error_W_m - k_v_ * input.velocity_error_W_mps;
+      input.reference.acceleration_W_mps2 - k_p_ * input.position_error_W_m - k_v_ * input.velocity_error_W_mps;
   input.acceleration_W_mps2 = acceleration_W_mps2_;
   input.thrust_W_N = thrust_W_N_;
   return true;

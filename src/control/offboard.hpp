@@ -25,6 +25,7 @@ struct OffboardOptions {
   double bandwidth_radps = 0.0;
   double damping = 1.0;
   double tilt_limit_deg = 30.0;
+  bool feedforward = true;
   void visit(ParameterVisitor& visitor);
 };
 
@@ -73,7 +74,7 @@ class OffboardFrame {
   int ticks_ = 1, tick_ = 0;
   double k_p_ = 0.0, k_v_ = 0.0;
   double tilt_limit_rad_ = 0.5;
-  bool from_rotor_speed_ = false;
+  bool from_rotor_speed_ = false, feedforward_ = true;
 
   // the last few moments, for the delay
   std::vector<Moment> ring_;

@@ -26,7 +26,7 @@ mean_x = 0.01
 
 Calibration calibration(std::int64_t first_replicate) {
   CalibrationStage stage{"gust", 25, {{"hover", "pid", 0}}, {{"effect.gust.mean_x", 0.005, 0.05, 0.01, true, "N"}}};
-  return {"t", first_replicate, 2, 1, {stage}};
+  return {"t", first_replicate, 2, {stage}};
 }
 
 Published published(double rmse_m) {
@@ -92,6 +92,21 @@ TEST(Calibration, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(reading(head + target + "parameters = [{key = \"duration_s\", min = 1, start = 5, max = 3}]\n"), HasSubstr("c.toml:6:"));
   EXPECT_THAT(reading(head + "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rms\"]}]\n" + parameter),
               HasSubstr("\"rms\" is no metric"));
+}
+
+// what is shipped is read, and every target of it was published
+TEST(Calibration, ShippedOnesLookAtPublishedCells) {
+  const std::string published_path = find_experiment("published_tables");
+  const Published all = read_published(published_path);
+  EXPECT_EQ(all.rows.size(), 24u);
+  for (const char* name : {"table1_iris", "table2_crazyflie"}) {
+    const Calibration shipped = read_calibration(calibration_path(find_experiment(name)));
+    const Experiment experiment = read_experiment(find_experiment(name));
+    EXPECT_GE(shipped.first_replicate, experiment.first_replicate + experiment.replicates);
+    for (const CalibrationStage& stage : shipped.stages)
+      for (const TargetCell& cell : stage.targets)
+        EXPECT_NE(all.find(shipped.table, cell.trajectory, cell.controller), nullptr) << name << " " << cell.trajectory << " " << cell.controller;
+  }
 }
 
 }  // namespace

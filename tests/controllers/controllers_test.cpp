@@ -300,6 +300,15 @@ TEST(Offboard, DelayAndSlownessCost) {
   EXPECT_GT(error(10.0, 0.0), 1.02 * quick);
 }
 
+// the PD then holds the vehicle back by K_v/K_p = 2/w times the speed
+TEST(Offboard, WithoutFeedForwardLagsBehind) {
+  const auto geometric = make_geometric();
+  set(*geometric, "feedforward", false);
+  set_number(*geometric, "bandwidth_radps", 2.0);
+  set_number(*geometric, "integral", 0.0);
+  EXPECT_NEAR(circle(*geometric, crazyflie()).rmse_xy_m, circle_speed_mps, 0.1 * circle_speed_mps);
+}
+
 TEST(Offboard, SaysWhatIsWrong) {
   const auto rate = make_geometric();
   set_number(*rate, "rate_hz", 40.0);
