@@ -14,6 +14,7 @@ namespace {
 
 constexpr double rollout_s = 0.5;
 constexpr double step_share = 0.1;  // of a parameter's natural size: far above rounding, small for what is nearly linear
+constexpr double prior = step_share * step_share;  // 1/variance of a change, in steps, when it is of natural size
 
 // every number of an effect: its value, and its natural size on this vehicle
 class Numbers final : public ParameterVisitor {
@@ -41,11 +42,8 @@ class Numbers final : public ParameterVisitor {
   const VehicleModel& vehicle_;
 };
 
-// one rollout: what it leaves, and how that changes with each parameter
 struct Segment {
-  std::size_t first, last;
-  Vector3 residual = Vector3::Zero();
-  Eigen::Matrix3Xd slope;
+  std::size_t first, last;  // rows
 };
 
 std::vector<Segment> find_segments(const RecordedMotion& motion, double pose_delay_s) {
@@ -55,7 +53,7 @@ std::vector<Segment> find_segments(const RecordedMotion& motion, double pose_del
     const bool good = motion.can_start(row) && motion.complete(last) && motion.stretch(last) == motion.stretch(row) &&
                       motion.time_s(motion.stretch(row)) <= motion.time_s(row) - pose_delay_s + 1e-9 &&
                       motion.time_s(last) - motion.time_s(row) > 0.5 * rollout_s;
-    if (good) segments.push_back({row, last, Vector3::Zero(), {}});
+    if (good) segments.push_back({row, last});
     row = good ? last : row + 1;
   }
   return segments;
@@ -85,36 +83,46 @@ PerFlightFit::PerFlightFit(const Recording& recording, const std::vector<EffectS
   if (count == 0) return;
 
   const RecordedMotion& motion = recording.motion;
-  std::vector<Segment> segments = find_segments(motion, Rollout(recording, specs_).pose_delay_s());
   const bool by_velocity = motion.has_velocity();
-  for (Segment& segment : segments) segment.slope = Eigen::Matrix3Xd::Zero(3, count);
-  // one task per model: as it is, and with each parameter moved
-  std::vector<std::vector<Vector3>> ends(static_cast<std::size_t>(count) + 1, std::vector<Vector3>(segments.size(), Vector3::Zero()));
-  parallel_for(count + 1, jobs, [&](std::int64_t task) {
-    Eigen::VectorXd moved = Eigen::VectorXd::Zero(count);
-    if (task > 0) moved[task - 1] = 1.0;
-    Rollout rollout(recording, with(moved));
-    for (std::size_t s = 0; s < segments.size(); ++s) {
-      rollout.begin(rollout.start(segments[s].first), rotor_speeds);
-      Measured seen;
-      if (rollout.run_to(motion.time_s(segments[s].last), seen))
-        ends[static_cast<std::size_t>(task)][s] = by_velocity ? seen.velocity_W_mps : seen.position_W_m;
-    }
-  });
-  Eigen::MatrixXd gram;
+  const double least_variance = 2.0 * std::pow(motion.noise()[by_velocity ? 1 : 0], 2) + 1e-12;
+  // sums over the rollouts so far, of their ends as linear functions of the values: slope · change = aim
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-  for (std::size_t s = 0; s < segments.size(); ++s) {
-    Segment& segment = segments[s];
-    const Vector3 recorded = by_velocity ? motion.velocity_W_mps(segment.last) : motion.position_W_m(segment.last);
-    segment.residual = recorded - ends[0][s];
-    for (Eigen::Index p = 0; p < count; ++p) segment.slope.col(p) = ends[static_cast<std::size_t>(p) + 1][s] - ends[0][s];
-    const Eigen::MatrixXd information = segment.slope.transpose() * segment.slope;
-    // the model's own values count as one rollout; a parameter without any effect stays
-    if (s == 0) gram = Eigen::VectorXd(information.diagonal().array() + 1e-12).asDiagonal();
-    gram += information;
-    right += segment.slope.transpose() * segment.residual;
+  double square = 0.0;
+  int used = 0;
+  for (const Segment& segment : find_segments(motion, Rollout(recording, specs_).pose_delay_s())) {
+    // about the values that the rollouts before say: as they are, and each moved
+    const Eigen::VectorXd about = change_.back();
+    std::vector<Vector3> end(static_cast<std::size_t>(count) + 1);
+    std::vector<char> finite(end.size());
+    parallel_for(count + 1, jobs, [&](std::int64_t task) {
+      const auto t = static_cast<std::size_t>(task);
+      Eigen::VectorXd moved = about;
+      if (task > 0) moved[task - 1] += 1.0;
+      Rollout rollout(recording, with(moved));
+      rollout.begin(rollout.start(segment.first), rotor_speeds);
+      Measured seen;
+      finite[t] = rollout.run_to(motion.time_s(segment.last), seen);
+      end[t] = by_velocity ? seen.velocity_W_mps : seen.position_W_m;
+    });
     end_row_.push_back(segment.last);
-    change_.emplace_back(gram.ldlt().solve(right));
+    change_.push_back(about);
+    if (std::find(finite.begin(), finite.end(), 0) != finite.end()) continue;
+    Eigen::Matrix3Xd slope(3, count);
+    for (Eigen::Index p = 0; p < count; ++p) slope.col(p) = end[static_cast<std::size_t>(p) + 1] - end[0];
+    const Vector3 aim = (by_velocity ? motion.velocity_W_mps(segment.last) : motion.position_W_m(segment.last)) - end[0] + slope * about;
+    gram += slope.transpose() * slope;
+    right += slope.transpose() * aim;
+    square += aim.squaredNorm();
+    ++used;
+    // what the rollouts leave beside values within their natural size: the variance v for which
+    // aimᵀ (v I + slope slopeᵀ / prior)⁻¹ aim is what chance gives, the number of its rows
+    double variance = square / (3.0 * used);
+    for (int repeat = 0; repeat < 10; ++repeat) {
+      const Eigen::MatrixXd precise = gram + variance * prior * Eigen::MatrixXd::Identity(count, count);
+      change_.back() = precise.ldlt().solve(right);
+      variance = std::max(least_variance, (square - right.dot(change_.back())) / (3.0 * used));
+    }
   }
 }
 

@@ -9,8 +9,9 @@
 namespace gustlab::diagnosis {
 
 // Half-second rollouts one after the other; each says with its velocity (without one: its position) how far the values
-// are off. Gauss–Newton from the model's own values, which count as much as the first rollout; nothing that comes after a
-// window's start is used for it. Not wanted: the model's own values stay.
+// are off. Extended Kalman filter of constant values: every rollout is linearised about what those before it say, the
+// model's own values are known to within a parameter's natural size, and the noise is what the rollouts leave, at least
+// the sensors'. Nothing that comes after a window's start is used for it. Not wanted: the model's own values stay.
 class PerFlightFit {
  public:
   PerFlightFit(const Recording& recording, const std::vector<EffectSpec>& effects,

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "config/toml.hpp"
+#include "diagnosis/per_flight.hpp"
 #include "gustlab/errors.hpp"
+#include "gustlab/random.hpp"
 #include "plant/plant.hpp"
 #include "simulation/make_effects.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -196,6 +198,62 @@ TEST_F(Replay, WithoutAttitudeOrALongEnoughStretchThereIsNoRollout) {
   ReplayOptions options;
   options.horizon_s = {5.0};
   EXPECT_THROW(replay(log, vehicle, vehicle.effects, options), DataError);
+}
+
+// x, y, z of the last effect, from what the samples up to a time say
+Vector3 told(const FlightLog& log, const VehicleModel& vehicle, const std::vector<EffectSpec>& effects, double time_s) {
+  const Recording recording(log, vehicle, {});
+  const PerFlightFit fit(recording, effects, Rollout(recording, effects).rotor_speeds(), true, 1);
+  const EffectSpec last = fit.effects(fit.known_by(recording.motion.nearest(time_s))).back();
+  Vector3 value;
+  for (int axis = 0; axis < 3; ++axis) value[axis] = std::stod(last.values.at(static_cast<std::size_t>(axis)).second);
+  return value;
+}
+
+TEST_F(Replay, AWindThatTheModelDoesNotKnowIsToldFromThePast) {
+  const auto windy = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\nx = 0.5\ny = -0.3\n"));
+  const auto still = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\n"));
+  const FlightLog flown = fly(vehicle, windy);
+  EXPECT_EQ(told(flown, vehicle, still, 0.4), Vector3(0.0, 0.0, 0.0));  // nothing has ended yet
+  for (const double time_s : {1.1, 2.5}) {
+    const Vector3 wind_W_mps = told(flown, vehicle, still, time_s);
+    EXPECT_NEAR(wind_W_mps.x(), 0.5, 0.02) << time_s;
+    EXPECT_NEAR(wind_W_mps.y(), -0.3, 0.02) << time_s;
+  }
+  // the second window has seen two rollouts; the first knows nothing
+  const FitErrors errors = replay(flown, vehicle, still, {});
+  const auto& position = errors[FitQuantity::position_m].model;
+  EXPECT_LT(position[3 + 2], 0.05 * position[2]);
+}
+
+TEST_F(Replay, AForceUnderSensorNoiseIsToldAsWellAsTheAttitudeIsKnown) {
+  FlightLog noisy = fly(vehicle, config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'constant_force'\nx = 0.006\ny = -0.004\n")));
+  const RandomStream stream(3, 0, "test_noise");
+  const double attitude_sd = 0.002;
+  for (std::size_t row = 0; row < noisy.rows(); ++row)
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      const auto draw = stream.normal4(row, axis);
+      noisy.columns[axis].values[row] += 0.0005 * draw[0];
+      noisy.columns[3 + axis].values[row] += 0.002 * draw[1];
+      noisy.columns[7 + axis].values[row] += 0.5 * attitude_sd * draw[2];
+      noisy.columns[10 + axis].values[row] += 0.01 * draw[3];
+    }
+  const auto free = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'constant_force'\n"));
+  const Vector3 force_W_N = told(noisy, vehicle, free, 2.5);
+  // a tilt is a force: weight times attitude error, over five rollouts; four deviations
+  const double bound_N = 4.0 * vehicle.weight_N() * attitude_sd / std::sqrt(5.0);
+  EXPECT_NEAR(force_W_N.x(), 0.006, bound_N);
+  EXPECT_NEAR(force_W_N.y(), -0.004, bound_N);
+}
+
+TEST_F(Replay, WhatComesAfterAWindowsStartTellsNothing) {
+  const auto still = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\n"));
+  FlightLog changed = fly(vehicle, config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\nx = 0.5\n")));
+  const Vector3 before = told(changed, vehicle, still, 1.55);
+  for (std::size_t row = 156; row < changed.rows(); ++row)
+    for (std::size_t c = 3; c < 6; ++c) changed.columns[c].values[row] += 0.3;
+  EXPECT_EQ(told(changed, vehicle, still, 1.55), before);
+  EXPECT_NE(told(changed, vehicle, still, 2.1), before);
 }
 
 }  // namespace
