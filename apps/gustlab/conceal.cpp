@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "options.hpp"
 #include "simulation/concealed_trials.hpp"
 #include "util/files.hpp"
 #include "util/parallel.hpp"
@@ -19,6 +20,7 @@ struct ConcealArguments {
 
 void conceal(const ConcealArguments& options) {
   const TrialsFile file = read_trials_file(options.trials, options.overrides);
+  check_file_can_be_written(options.answers);
   const std::string answers = fly_concealed_trials(file, options.out, options.jobs);
   write_file(options.answers, answers);
   std::printf("%s\n", sha256(answers).c_str());
@@ -32,8 +34,10 @@ void add_conceal(CLI::App& app) {
   command->add_option("TRIALS", options->trials, "TOML with [[trial]] tables")->required();
   command->add_option("--out", options->out, "folder for the recordings")->required();
   command->add_option("--answers", options->answers, "file for what was concealed; its sha256 is printed")->required();
-  command->add_option("--set", options->overrides, "key=value, a dotted key of the file");
-  command->add_option("--jobs", options->jobs, "threads")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--set", options->overrides, "changes a key of the file: key=value with a dotted key, any number of them")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  add_jobs(*command, options->jobs);
   command->callback([options] { conceal(*options); });
 }
 

@@ -55,9 +55,9 @@ void run(const DefaultsArguments& options) {
     }
     found = true;
   }
-  if (!found)
-    throw ConfigError(fmt::format("defaults {}: there is nothing of this name (see `gustlab list`) {}", options.name,
-                                  config::suggest(options.name, names)));
+  if (const std::string near = config::suggest(options.name, names); !found)
+    throw ConfigError(fmt::format("defaults {}: there is nothing of this name (see `gustlab list`){}{}", options.name,
+                                  near.empty() ? "" : " ", near));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "commands.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "gustlab/errors.hpp"
+#include "options.hpp"
 #include "report/diagnosis_page.hpp"
 #include "util/files.hpp"
 #include "util/parallel.hpp"
@@ -79,8 +81,18 @@ DiagnosisFigures figures_of(const diagnosis::Diagnosis& result) {
   return figures;
 }
 
+// an unusable flight is set aside, but one that is not there is a slip of the hand
+void check_flights(const DiagnoseArguments& options) {
+  for (const auto* paths : {&options.flights, &options.holdout, &options.reference})
+    for (const std::string& path : *paths) {
+      if (std::count(paths->begin(), paths->end(), path) > 1) throw ConfigError(fmt::format("{}: is given twice", path));
+      if (const std::string why = why_unreadable(path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", path, why));
+    }
+}
+
 void run(const DiagnoseArguments& options) {
   check_out(options.out);
+  check_flights(options);
   diagnosis::DiagnoseOptions wanted;
   wanted.fit = options.flights;
   wanted.holdout = options.holdout;
@@ -88,6 +100,8 @@ void run(const DiagnoseArguments& options) {
   if (!options.vehicle.empty()) wanted.vehicle = options.vehicle;
   wanted.jobs = options.jobs;
   const diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
+  for (const diagnosis::LogFinding& finding : result.log_findings)
+    if (finding.sets_flight_aside) spdlog::warn("{}: set aside: {}", finding.file, finding.says);
   const nlohmann::ordered_json document = diagnosis::to_json(result);
 
   // written beside and renamed, so that the folder is the old diagnosis or the new one
@@ -125,7 +139,7 @@ void add_diagnose(CLI::App& app) {
                       "normal flights of the same vehicle: without attitude and body rate, mean commands are compared with theirs");
   command->add_option("--vehicle", options->vehicle, "name under models/ or path to a vehicle.toml (default: what the logs say)");
   command->add_option("--out", options->out, "folder for diagnosis.json, augmented.toml and report.html")->required();
-  command->add_option("--jobs", options->jobs, "threads")->check(CLI::PositiveNumber)->capture_default_str();
+  add_jobs(*command, options->jobs);
   command->callback([options] { run(*options); });
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "options.hpp"
 #include "sweep/sweep.hpp"
 #include "util/files.hpp"
 
@@ -39,10 +40,10 @@ void add_gate(CLI::App& app) {
   command->add_option("--baseline", options->baseline, "a runs.csv of the same plan")->required();
   command->add_flag("--update", options->update, "makes the sweep the baseline");
   command->add_option("--absolute", options->tolerance.absolute_m, "rise of an error that is allowed, m")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_option("--relative", options->tolerance.relative, "share of the baseline that is allowed as well")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_option("--junit", options->junit, "writes JUnit XML");
   command->add_option("--summary", options->summary, "writes the Markdown that is printed");

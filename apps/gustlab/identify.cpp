@@ -80,7 +80,7 @@ void add_identify(CLI::App& app) {
   IdentifyOptions& identify = options->identify;
   CLI::App* command =
       app.add_subcommand("identify", "finds a sparse model of the force that the known model leaves over (SINDy)");
-  command->add_option("LOG", options->logs, "flights to fit (FORMATS.md §1)")->required();
+  command->add_option("LOG", options->logs, "flights to fit, NAME.csv or NAME.csv.gz")->required();
   command->add_option("--holdout", options->holdout,
                       "flights for error_holdout alone; without any it is cross-validated");
   command->add_option("--vehicle", options->vehicle, "instead of the one that each log names");

@@ -2,9 +2,11 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "commands.hpp"
+#include "config/toml.hpp"
 #include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
 
@@ -50,13 +52,24 @@ void add_commands(CLI::App& app) {
   add_score(app);
 }
 
+// CLI11 only says that a command is missing
+void check_command(const CLI::App& app, int argc, char** argv) {
+  const char* const* word = std::find_if(argv + 1, argv + argc, [](const char* argument) { return *argument != '-'; });
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) known.push_back(command->get_name());
+  if (word == argv + argc || std::find(known.begin(), known.end(), *word) != known.end()) return;
+  const std::string near = config::suggest(*word, known);
+  throw ConfigError(fmt::format("gustlab: unknown command \"{}\" {}", *word, near.empty() ? "(see gustlab --help)" : near));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"Flies multirotors in simulation and finds the physics that a simulation leaves out", "gustlab"};
   app.require_subcommand(1);
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return fmt::format("gustlab: {} (see gustlab --help)\n", error.what());
+  app.failure_message([](const CLI::App* all, const CLI::Error& error) {
+    const auto commands = all->get_subcommands();
+    return fmt::format("gustlab: {} (see gustlab {}--help)\n", error.what(), commands.empty() ? "" : commands.front()->get_name() + " ");
   });
   app.fallthrough();
   app.set_version_flag("--version", version_text());
@@ -65,6 +78,7 @@ int main(int argc, char** argv) {
   try {
     start_messages();
     add_commands(app);
+    check_command(app, argc, argv);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

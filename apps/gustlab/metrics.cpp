@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "options.hpp"
 #include "report/tracking_json.hpp"
 
 namespace gustlab {
@@ -49,7 +50,7 @@ void add_metrics(CLI::App& app) {
   CLI::App* command = app.add_subcommand("metrics", "tracking error of recordings that have a reference, planar and 3-D");
   command->add_option("LOG", options->logs, "flight logs with px, py, pz and rpx, rpy, rpz")->required();
   command->add_option("--settle", options->settle_s, "seconds after each log's start that do not count")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_option("--format", options->format)->check(CLI::IsMember({"md", "json"}))->capture_default_str();
   command->callback([options] { metrics(*options); });

@@ -1,5 +1,8 @@
 #include "options.hpp"
 
+#include <cmath>
+#include <limits>
+
 namespace gustlab {
 
 void ExperimentOptions::add_to(CLI::App& command) {
@@ -7,7 +10,7 @@ void ExperimentOptions::add_to(CLI::App& command) {
   command.add_option("--set", set, "changes a key of the experiment: key=value with a dotted key, any number of them")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  command.add_option("--seed", seed, "of every random stream, instead of the experiment's");
+  command.add_option("--seed", seed, "of every random stream, instead of the experiment's")->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
 }
 
 std::vector<std::string> ExperimentOptions::overrides() const {
@@ -20,6 +23,16 @@ Experiment ExperimentOptions::read() const { return read_experiment(find_experim
 
 std::vector<Experiment> ExperimentOptions::read_variants() const {
   return gustlab::read_variants(find_experiment(experiment), overrides());
+}
+
+CLI::Validator not_negative() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double value = -1.0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0.0;
+        return good ? std::string() : text + " is not a number from 0 up";
+      },
+      "NONNEGATIVE");
 }
 
 void add_jobs(CLI::App& command, int& jobs) {

@@ -24,6 +24,8 @@ struct ExperimentOptions {
   std::vector<std::string> overrides() const;
 };
 
+// A check: finite, and at least 0.
+CLI::Validator not_negative();
 // --jobs.
 void add_jobs(CLI::App& command, int& jobs);
 

@@ -9,6 +9,7 @@
 #include "config/toml.hpp"
 #include "diagnosis/replay.hpp"
 #include "gustlab/errors.hpp"
+#include "options.hpp"
 #include "util/parallel.hpp"
 #include "vehicle/read_vehicle.hpp"
 
@@ -97,10 +98,8 @@ void add_replay(CLI::App& app) {
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--stride", options->stride, "samples between window starts (default: windows do not overlap)")
-      ->check(CLI::PositiveNumber);
-  command->add_option("-j,--jobs", options->jobs, "threads; the result is the same for any number")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 1000000));
+  add_jobs(*command, options->jobs);
   command->add_option("--format", options->format)->check(CLI::IsMember({"text", "json"}))->capture_default_str();
   command->callback([options] { run(*options); });
 }

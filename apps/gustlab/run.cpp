@@ -23,22 +23,28 @@ struct RunArguments {
   std::optional<std::uint32_t> replicate;
 };
 
+[[noreturn]] void not_there(const std::string& option, const std::string& name, const std::vector<std::string>& known) {
+  const std::string near = config::suggest(name, known);
+  throw ConfigError(fmt::format("{} {}: not in this experiment (it has {}){}{}", option, name,
+                                known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")), near.empty() ? "" : " ", near));
+}
+
 std::size_t find_choice(const std::vector<Choice>& choices, const std::string& name, const std::string& option) {
   std::vector<std::string> known;
   for (const Choice& choice : choices) {
     if (choice.name == name) return known.size();
     known.push_back(choice.name);
   }
-  throw ConfigError(fmt::format("{} {}: not in this experiment (it has {}) {}", option, name, fmt::join(known, ", "), config::suggest(name, known)));
+  not_there(option, name, known);
 }
 
 Experiment find_variant(const std::vector<Experiment>& variants, const std::string& name) {
   std::vector<std::string> known;
   for (const Experiment& variant : variants) {
     if (variant.variant == name) return variant;
-    known.push_back(variant.variant);
+    if (!variant.variant.empty()) known.push_back(variant.variant);
   }
-  throw ConfigError(fmt::format("--variant {}: not in this experiment (it has {}) {}", name, fmt::join(known, ", "), config::suggest(name, known)));
+  not_there("--variant", name, known);
 }
 
 void run_command(const RunArguments& options) {

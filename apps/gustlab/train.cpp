@@ -58,6 +58,7 @@ std::vector<std::pair<std::string, std::string>> account(const TrainArguments& o
 void train(TrainArguments options) {
   if (options.experiment.seed) options.training.seed = *options.experiment.seed;
   const std::vector<Experiment> variants = options.experiment.read_variants();
+  check_file_can_be_written(options.out);
   const std::vector<Condition> conditions = collect(variants, options.jobs);
   Training training = train_daiml(conditions, options.training);
   training.network.provenance = account(options, variants, conditions, training);

@@ -24,14 +24,16 @@ struct Options {
 
 void tune_command(const Options& options) {
   const std::string path = find_experiment(options.experiment.experiment);
+  const std::string name = options.experiment.read().name;
   const Tuning tuning = read_tuning(options.tuning.empty() ? tuning_path(path) : options.tuning);
+  check_folder_can_be_made(options.out);
   const std::atomic<bool>& stop = interrupted();
   Progress progress;
   const std::vector<TuneResult> results = tune(path, options.experiment.overrides(), tuning, options.jobs, stop,
                                                [&](std::size_t done, std::size_t all) { progress.show(done, all); });
   progress.end();
   if (results.size() < tuning.controllers.size()) throw ExitCode{130};
-  const std::string text = to_toml(results, tuning, options.experiment.read().name);
+  const std::string text = to_toml(results, tuning, name);
   make_folder(options.out);
   write_file((std::filesystem::path(options.out) / "gains.toml").string(), text);
   fmt::print("{}", text);

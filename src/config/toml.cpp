@@ -4,16 +4,16 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
 
 #include "config/text.hpp"
 #include "gustlab/errors.hpp"
+#include "util/files.hpp"
 
 namespace gustlab::config {
 
@@ -116,12 +116,9 @@ struct Table::Node {
 };
 
 Table Table::read_file(const std::string& path, const std::vector<std::string>& overrides) {
+  if (const std::string why = why_unreadable(path); !why.empty()) throw ConfigError(fmt::format("{}: cannot read ({})", path, why));
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (file) text << file.rdbuf();
-  if (!file || text.fail())
-    throw ConfigError(fmt::format("{}: cannot read ({})", path, std::strerror(errno ? errno : EIO)));
-  return parse(text.str(), path, overrides);
+  return parse(std::string(std::istreambuf_iterator<char>(file), {}), path, overrides);
 }
 
 Table Table::parse(std::string_view text, const std::string& path, const std::vector<std::string>& overrides) {

@@ -103,7 +103,7 @@ void set_aside(std::vector<FlightLog>& logs, const VehicleModel& vehicle, Diagno
 std::string nothing_usable(const Diagnosis& out) {
   std::string text = "no fit flight is usable:";
   for (const LogFinding& f : out.log_findings)
-    if (f.sets_flight_aside) text += fmt::format("\n  {}: {} {}", f.file, f.column, f.says);
+    if (f.sets_flight_aside) text += fmt::format("\n  {}: {}{}", f.file, f.column == "*" ? "" : f.column + " ", f.says);
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include "flight_log/csv.hpp"
 #include "flight_log/sidecar.hpp"
 #include "gustlab/errors.hpp"
+#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -113,7 +114,11 @@ void check_attitude(CsvNumbers& csv, std::vector<LogRepair>& repairs) {
 FlightLog read_flight_log(const std::string& csv_path) {
   FlightLog log;
   log.path = csv_path;
-  log.meta = read_sidecar(sidecar_path(csv_path));
+  const std::string sidecar = sidecar_path(csv_path);
+  if (const std::string why = why_unreadable(csv_path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", csv_path, why));
+  if (const std::string why = why_unreadable(sidecar); !why.empty())
+    throw DataError(fmt::format("{}: cannot read ({}) a log needs its sidecar; scripts/import_log.py writes both", sidecar, why));
+  log.meta = read_sidecar(sidecar);
   CsvNumbers csv(csv_path, [](std::string_view name) { return !is_known_column(name); });
   check_required(csv, csv_path);
   check_time(csv, log.repairs);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "gustlab/errors.hpp"
+#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -146,8 +147,10 @@ bool matches(const Named& name, const Concealed& truth) {
 }
 
 std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& diagnosis_folder) {
+  if (const std::string why = why_unreadable(set.answers); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", set.answers, why));
+  if (!std::filesystem::is_directory(set.folder))
+    throw DataError(fmt::format("{}: no such folder (the trials of {} are in it)", set.folder, set.answers));
   std::ifstream file(set.answers);
-  if (!file) throw DataError(fmt::format("{}: cannot be read (no such file?)", set.answers));
   std::vector<ScoredTrial> trials;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
@@ -174,6 +177,7 @@ std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& dia
     assign(trial);
     trials.push_back(std::move(trial));
   }
+  if (trials.empty()) throw DataError(fmt::format("{}: no answers (each is one line of JSON)", set.answers));
   return trials;
 }
 

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <set>
 
+#include "config/resources.hpp"
+#include "config/text.hpp"
 #include "config/toml.hpp"
 #include "gustlab/controller.hpp"
 #include "gustlab/errors.hpp"
@@ -174,9 +176,18 @@ void LogOptions::visit(ParameterVisitor& visitor) {
 std::unique_ptr<Parameterized> make_experiment_keys() { return std::make_unique<ExperimentKeys>(); }
 
 std::string find_experiment(const std::string& name_or_path) {
-  if (std::filesystem::is_regular_file(name_or_path)) return name_or_path;
-  const bool is_name = name_or_path.find_first_of("/.") == std::string::npos;
-  return is_name ? find_resource("experiments/" + name_or_path + ".toml") : name_or_path;
+  namespace fs = std::filesystem;
+  if (fs::exists(name_or_path) || name_or_path.find_first_of("/.") != std::string::npos) return name_or_path;
+  std::vector<std::string> known;
+  std::error_code error;
+  for (const fs::path& home : resource_homes()) {
+    const fs::path file = home / "experiments" / (name_or_path + ".toml");
+    if (fs::exists(file, error)) return file.string();
+    for (const auto& entry : fs::directory_iterator(home / "experiments", error))
+      if (entry.path().extension() == ".toml" && entry.path().stem().extension().empty()) known.push_back(entry.path().stem().string());
+  }
+  const std::string near = config::suggest(name_or_path, known);
+  throw ConfigError(fmt::format("{}: no such file, and no such name under experiments/{}{}", name_or_path, near.empty() ? "" : " ", near));
 }
 
 Experiment read_experiment(const std::string& path, const std::vector<std::string>& overrides) {

@@ -8,6 +8,7 @@
 
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
+#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -71,8 +72,8 @@ std::string to_csv(const std::vector<ResultRow>& rows) {
 }
 
 std::vector<ResultRow> read_results_csv(const std::string& path) {
+  if (const std::string why = why_unreadable(path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", path, why));
   std::ifstream file(path);
-  if (!file) throw DataError(fmt::format("{}: cannot read", path));
   std::string line;
   if (!std::getline(file, line) || line != header)
     throw DataError(fmt::format("{}:1:1: not a table of runs (expected the header {})", path, header));

@@ -97,7 +97,12 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   if (store.provenance().empty()) {
     store.begin(here, experiment, runs);
   } else {
-    check_same_sweep(path, store.provenance(), here);
+    try {
+      check_same_sweep(path, store.provenance(), here);
+    } catch (const UserError&) {
+      store.close();  // as it was, without a log beside it
+      throw;
+    }
     // runs of another program are not mixed with ours
     for (const std::string& name : differences(store.provenance(), here))
       report.redone_because += fmt::format("{}{} was {}, is {}", report.redone_because.empty() ? "" : "; ", name,

@@ -14,4 +14,10 @@ void write_file(const std::string& path, const std::function<void(std::ostream&)
 // Makes a folder and its parents. Throws IoError with the path.
 void make_folder(const std::string& path);
 
+// Before long work: throw the IoError that write_file(path, …), or make_folder(path), would throw. They leave nothing.
+void check_file_can_be_written(const std::string& path);
+void check_folder_can_be_made(const std::string& path);
+// Why a file cannot be read ("No such file or directory", "Is a directory", …); empty when it can.
+std::string why_unreadable(const std::string& path);
+
 }  // namespace gustlab

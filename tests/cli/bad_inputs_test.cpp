@@ -83,17 +83,36 @@ std::string flight_text(bool scalar_last = false, double rate_scale = 1.0) {
   return csv;
 }
 
+const char* const trials_text = R"(format = "gustlab-trials/1"
+name = "t"
+vehicle = "v/vehicle.toml"
+controllers = ["pid"]
+trajectories = ["hover"]
+fit = ["hover"]
+holdout = ["hover"]
+seed = 1
+duration_s = 1
+[[trial]]
+name = "nothing"
+)";
+
 const std::vector<std::string> replay{"replay", "a.csv"}, replay_with{"replay", "a.csv", "--with", "w.toml"};
 
 const BadInput bad_inputs[] = {
     // usage
     {"no command", 2, "gustlab: A subcommand is required", {}},
-    {"unknown command", 2, "gustlab: A subcommand is required", {"fly"}},
+    {"unknown command", 2, "gustlab: unknown command \"fly\" (see gustlab --help)", {"fly"}},
+    {"command that is nearly one", 2, "gustlab: unknown command \"replya\" did you mean \"replay\"?", {"replya", "a.csv"}},
     {"unknown option", 2, "gustlab: The following argument was not expected: --horizn", {"replay", "a.csv", "--horizn", "1"}},
     {"no flight", 2, "gustlab: FLIGHT is required", {"replay"}},
     {"horizons that fall", 2, "--horizon: 0.1 s does not belong there", {"replay", "a.csv", "--horizon", "0.5,0.1"}},
     {"horizon of zero", 2, "--horizon: 0 s does not belong there", {"replay", "a.csv", "--horizon", "0"}},
     {"horizon that is a word", 2, "gustlab: Could not convert: --horizon = soon", {"replay", "a.csv", "--horizon", "soon"}},
+    {"negative time", 2, "gustlab: --settle: -1 is not a number from 0 up (see gustlab metrics --help)", {"metrics", "a.csv", "--settle", "-1"}},
+    {"negative seed", 2, "gustlab: --seed: Value -1 not in range", {"sweep", "ci_small", "--seed", "-1", "--dry-run"}},
+    {"experiment of no name", 2, "ci_smal: no such file, and no such name under experiments/ did you mean \"ci_small\"?", {"sweep", "ci_smal", "--dry-run"}},
+    {"folder for an experiment", 2, "v: cannot read (Is a directory)", {"sweep", "v", "--dry-run"}},
+    {"empty file for an experiment", 2, "w.toml:1:1: \"format\" is missing", {"sweep", "w.toml", "--dry-run"}, {{"w.toml", "", ""}}},
     {"stride of zero", 2, "gustlab: --stride", {"replay", "a.csv", "--stride", "0"}},
     {"no threads", 2, "gustlab: --jobs", {"replay", "a.csv", "--jobs", "0"}},
     {"unknown format", 2, "gustlab: --format", {"replay", "a.csv", "--format", "xml"}},
@@ -130,7 +149,13 @@ const BadInput bad_inputs[] = {
     {"effect without a type", 2, "w.toml:1:1: \"type\" is missing", replay_with, {{"w.toml", "type = \"rotor_drag\"\n", ""}}},
     {"unknown key beside effects", 2, "w.toml:1:3: unknown key \"efect\" did you mean \"effect\"?", replay_with, {{"w.toml", "effect", "efect"}}},
     // recordings
-    {"missing flight", 3, "b.meta.toml: cannot read (No such file or directory)", {"replay", "b.csv"}},
+    {"missing flight", 3, "b.csv: cannot read (No such file or directory)", {"replay", "b.csv"}},
+    {"missing flight to verify on", 3, "b.csv: cannot read (No such file or directory)", {"diagnose", "a.csv", "--holdout", "b.csv", "--out", "d"}},
+    {"flight given twice", 2, "a.csv: is given twice", {"diagnose", "a.csv", "a.csv", "--out", "d"}},
+    {"answers that are none", 3, "w.toml: no answers", {"score", "w.toml", "v"}, {{"w.toml", "", ""}}},
+    {"weights that cannot be written", 4, "v: cannot write (Is a directory)", {"train", "collect_iris", "--out", "v"}},
+    {"answers that cannot be written", 4, "v: cannot write (Is a directory)", {"conceal", "w.toml", "--out", "d", "--answers", "v"}, {{"w.toml", "", trials_text}}},
+    {"gains in a file", 4, "a.csv: cannot make this folder", {"tune", "fair", "--out", "a.csv"}},
     {"not a flight's name", 3, "w.toml: not a flight log (its name must end with .csv or .csv.gz)", {"replay", "w.toml"}},
     {"sidecar of something else", 3, "a.meta.toml:1:10: format \"other/1\" is not a flight log's", replay, {{"a.meta.toml", "gustlab-flight/1", "other/1"}}},
     {"unknown actuator", 3, "a.meta.toml:3:12: \"rotor_sped\" is not one of", replay, {{"a.meta.toml", "rotor_speed", "rotor_sped"}}},

@@ -200,9 +200,10 @@ TEST(FlightLog, MissingAndDamagedFilesAreDataErrors) {
     return std::string();
   };
   EXPECT_THAT(message("a.txt"), StartsWith("a.txt: not a flight log"));
-  EXPECT_THAT(message("a.csv"), StartsWith("a.meta.toml: cannot read (No such file or directory)"));
-  folder.write("a.meta.toml", meta_text);
   EXPECT_THAT(message("a.csv"), StartsWith("a.csv: cannot read (No such file or directory)"));
+  folder.write("a.csv", "");
+  EXPECT_THAT(message("a.csv"), StartsWith("a.meta.toml: cannot read (No such file or directory) a log needs its sidecar"));
+  folder.write("a.meta.toml", meta_text);
   FlightLog log;
   log.columns = {{"px", {}}, {"py", {}}, {"pz", {}}, {"u1", {}}};
   for (int i = 0; i < 1000; ++i) {

@@ -154,7 +154,7 @@ class Mistakes(Commands):
         out = ["--out", "new"]
         sweep = ["sweep", self.experiment, *out]
         for code, says, arguments in [
-            (2, "table9.toml", ["sweep", "table9", *out]),
+            (2, "table9: no such file", ["sweep", "table9", *out]),
             (2, "nowhere.toml: cannot read", ["sweep", "nowhere.toml", *out]),
             (2, "--out is missing", ["sweep", self.experiment]),
             (2, "not a shard", [*sweep, "--shard", "0/3"]),
@@ -175,7 +175,7 @@ class Mistakes(Commands):
             (3, "no results here", ["table", "new"]),
             (3, "no results here", ["merge", "new", "newer", "--out", "newest"]),
             (3, "no results here", ["gate", "new", "--baseline", "base.csv"]),
-            (3, "nowhere.meta.toml", ["metrics", "nowhere.csv"]),
+            (3, "nowhere.csv: cannot read", ["metrics", "nowhere.csv"]),
         ]:
             with self.subTest(says=says, arguments=arguments):
                 self.expect(code, says, *arguments)
