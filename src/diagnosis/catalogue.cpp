@@ -87,7 +87,8 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     group.rotor = rotor;
     group.nominal = std::any_of(vehicle.effects.begin(), vehicle.effects.end(),
                                 [&](const EffectSpec& spec) { return spec.type == row.name; });
-    group.candidate = row.diagnosable && !has_no_column(row.name) && (seen.attitude || !needs_attitude(row.name)) &&
+    // columns that were filtered differently differ in amplitude as if a sensor had another scale
+    group.candidate = row.diagnosable && !has_no_column(row.name) && !(seen.trims && row.name == "gyro_scale") && (seen.attitude || !needs_attitude(row.name)) &&
                       (seen.motion || !needs_motion(row.name));
     if (!group.candidate && !group.nominal) return;
     if (row.name == "gust" || row.name == "measurement_noise") return;
@@ -141,6 +142,18 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       bias.min = p < 3 ? -1.0 : -5.0;
       bias.max = -bias.min;
       columns_.push_back(bias);
+    }
+  for (int f = 0; seen.trims && f < flights; ++f)
+    for (int p = torque_trim; p <= command_clock; ++p) {
+      Column trim;
+      trim.parameter = p;
+      trim.flight = f;
+      trim.name = p < command_clock ? fmt::format("torque_trim_{}", "xyz"[p - torque_trim]) : "command_clock";
+      trim.unit = p < command_clock ? "rad/s^2" : "s";
+      trim.natural = p < command_clock ? torque_trim_sd : command_clock_sd;
+      trim.max = p < command_clock ? 50.0 : 0.06;
+      trim.min = -trim.max;
+      columns_.push_back(trim);
     }
 }
 
@@ -200,6 +213,24 @@ void Catalogue::set_load_length(double length_m) {
 void Catalogue::set_speed_limit(double limit_radps) {
   for (Group& group : groups_)
     if (group.row->name == "saturation") group.limit_radps = limit_radps;
+}
+
+SensorCorrection Catalogue::sensor_correction(const Eigen::VectorXd& value, int flight) const {
+  SensorCorrection correction;
+  for (int c = 0; c < size(); ++c) {
+    const Column& column = columns_[static_cast<std::size_t>(c)];
+    if (column.flight >= 0 && column.flight != flight) continue;
+    if (column.group < 0) {
+      if (column.parameter < force_bias) correction.rate_bias_B_radps[column.parameter] = value[c];
+      continue;
+    }
+    const std::string_view name = groups_[static_cast<std::size_t>(column.group)].row->name;
+    if (name == "attitude_offset") correction.attitude_offset_B_rad[column.parameter] += value[c];
+    if (name == "yaw_offset") correction.attitude_offset_B_rad[2] += value[c];
+    if (name == "pose_delay") correction.pose_delay_s = value[c];
+    if (name == "gyro_scale") correction.rate_scale = value[c];
+  }
+  return correction;
 }
 
 void Catalogue::clamp(Eigen::VectorXd& value) const {

@@ -6,14 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/flight_data.hpp"
 #include "gustlab/effect.hpp"
 
 namespace gustlab::diagnosis {
 
 // One number that may be fitted.
 struct Column {
-  int group = -1;        // −1: a sensor bias, always free and never a finding
-  int parameter = 0;     // index among the effect's numbers; of a bias: 0–2 rate, 3–5 accelerometer
+  int group = -1;        // −1: a nuisance (sensor bias, trim), always free and never a finding
+  int parameter = 0;     // index among the effect's numbers; of a nuisance: Nuisance
   int flight = -1;       // −1: one value for all flights
   std::string name;
   std::string unit;
@@ -22,6 +23,12 @@ struct Column {
   double min = 0.0, max = 0.0;
   double nominal = 0.0;  // value in the vehicle file
 };
+
+// Of one flight, never a finding; trims and clock only where predictions half a second ahead are fitted.
+enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9 };
+// What build tolerances and a re-seated battery leave from flight to flight: rad/s² (a third of a millimetre of a
+// Crazyflie's centre of mass), and a logger's clocks, s.
+inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02;
 
 // All numbers of one effect (of one rotor, for rotor_loss): selected or left out together.
 struct Group {
@@ -52,6 +59,7 @@ class Catalogue {
   // Without attitude nothing fixed in the world, without position or velocity nothing that depends on them can be told.
   struct Seen {
     bool voltage = false, force = false, attitude = true, motion = true;
+    bool trims = false;  // torque trims and command clocks are free in every flight
   };
   Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen);
 
@@ -66,6 +74,8 @@ class Catalogue {
   // The cable length of slung_load, whose force is a history of each flight and never part of effects().
   void set_load_length(double length_m);
   void set_speed_limit(double limit_radps);
+  // Sensor effects and rate biases of one flight, as smoothing takes them out.
+  SensorCorrection sensor_correction(const Eigen::VectorXd& value, int flight) const;
   // Values kept inside their bounds.
   void clamp(Eigen::VectorXd& value) const;
 

@@ -285,18 +285,34 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
     out.flights.push_back({flight.label, i < flights.size() ? "fit" : "holdout", flight.duration_s(), offset[i]});
   }
 
-  Session session(std::move(flights), vehicle, options.jobs);
   // one-sample innovations of smoothed logs tell of the smoothing: half a second tells of the vehicle
-  std::vector<FlightData> held_own_rate;
+  std::vector<FlightData> own_rate, held_own_rate;
   if (reading.common_filter_s > 0.0) {
-    const ReadingOptions own{.linear_hold = reading.linear_hold};
-    session.shoot_with(prepare(logs.fit, vehicle, own, offset, 0));
+    const ReadingOptions own{.linear_hold = reading.linear_hold, .substep_s = 0.005, .as_recorded = true};
+    own_rate = prepare(logs.fit, vehicle, own, offset, 0);
     held_own_rate = prepare(logs.holdout, vehicle, own, offset, logs.fit.size());
   }
-  const Selection selection = select_effects(session, {});
+  Session session(std::move(flights), vehicle, options.jobs, std::move(own_rate));
+  Selection selection = select_effects(session, {});
+  HoldoutTest tested = test_holdout(session, selection, held, held_own_rate, options.jobs);
+  // what does not pay on the held-out flights goes, and the rest is fitted without it
+  std::vector<Rejected> withdrawn;
+  for (int round = 0; round < 3; ++round) {
+    std::vector<int> groups;
+    for (std::size_t i = 0; i < selection.findings.size(); ++i) {
+      const Finding& finding = selection.findings[i];
+      if (finding.calibration || tested.rows == 0.0 || tested.gain[i] > 0.0) continue;
+      groups.push_back(finding.group);
+      withdrawn.push_back({std::string(session.catalogue().groups()[static_cast<std::size_t>(finding.group)].row->name), tested.gain[i],
+                           "fits the flights it was found on, and does not pay on the held-out ones"});
+    }
+    if (groups.empty()) break;
+    selection = withdraw(session, {}, selection, groups);
+    tested = test_holdout(session, selection, held, held_own_rate, options.jobs);
+  }
   const Remainder rest = remainder(session, selection);
-  const HoldoutTest tested = test_holdout(session, selection, std::move(held), std::move(held_own_rate), options.jobs);
   explain(session, selection, tested, out);
+  out.rejected.insert(out.rejected.begin(), withdrawn.begin(), withdrawn.end());
   explain_gust(session, selection, rest, out);
   describe_disturbance(selection, rest, out);
   out.alarms = rest.alarms;

@@ -122,6 +122,11 @@ void explain(const Session& session, const Selection& selection, const HoldoutTe
       effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
       if (equivalent) effect.classmates.push_back(name);
     }
+    // of a moment of inertia in yaw the same is true the other way round
+    if (effect.effect == "inertia" && !effect.parameters.empty()) {
+      const NamedValue& z = effect.parameters.back();
+      if (std::abs(z.value) > std::max(0.05, equivalent_z * z.deviation)) effect.classmates.emplace_back("yaw_torque_ratio");
+    }
     for (const auto& [a, b] : exact_alias)
       if (effect.effect == a && std::find(effect.classmates.begin(), effect.classmates.end(), b) == effect.classmates.end())
         effect.classmates.emplace_back(b);

@@ -261,7 +261,8 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
       volts += last_voltage / static_cast<double>(group);
     }
     if (sample.channels & has_attitude) sample.attitude_WB.coeffs() = attitude.normalized();
-    if (sample.channels & has_position) sample.channels &= ~has_velocity;  // derived from the position
+    // derived from the position
+    if ((sample.channels & has_position) && !options.as_recorded) sample.channels &= ~has_velocity;
     sample.voltage_V = flight.has_voltage ? volts : 0.0;
     if (!flight.samples.empty() && flight.samples.back().attitude_WB.coeffs().dot(sample.attitude_WB.coeffs()) < 0.0)
       sample.attitude_WB.coeffs() *= -1.0;
@@ -272,7 +273,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
     steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);
   flight.sample_s = median(steps);
   flight.read_slower = stride > 1;
-  flight.substeps = static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / 0.0025 - 1e-6)));
+  flight.substeps = static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / options.substep_s - 1e-6)));
   for (std::size_t k = 0; k < flight.samples.size(); ++k)
     flight.samples[k].starts_segment = k == 0 || steps[k - 1] > 1.6 * flight.sample_s;
   flight.start_s = flight.samples.empty() ? 0.0 : flight.samples.front().time_s;
@@ -284,6 +285,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
     for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
       flight.samples[k].saturated = flight.samples[k].saturated || mean[i] >= 0.999 * vehicle.max_speed_radps;
   }
+  flight.as_recorded = options.as_recorded;
   smooth_motion(flight, {});
   return flight;
 }
@@ -291,7 +293,8 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
 void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
   const auto& samples = flight.samples;
   flight.motion.assign(samples.size(), Motion{});
-  const double pose_half_s = std::max(0.095, 2.6 * flight.sample_s), rate_half_s = std::max(0.045, 2.1 * flight.sample_s),
+  const double pose_half_s = std::max(flight.as_recorded ? 0.0 : 0.095, 2.6 * flight.sample_s),
+               rate_half_s = std::max(flight.as_recorded ? 0.0 : 0.045, 2.1 * flight.sample_s),
                acceleration_half_s = std::max(0.105, 3.1 * flight.sample_s);
 
   for (std::size_t begin = 0; begin < samples.size();) {
@@ -328,7 +331,8 @@ void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
         motion.position_W_m = c[0].head<3>();
         motion.velocity_W_mps = c[1].head<3>();
         motion.acceleration_W_mps2 = 2.0 * position.fit<3>(t, acceleration_half_s)[2].head<3>();
-      } else if (velocity.can_fit(5)) {
+      }
+      if (velocity.can_fit(5)) {
         const auto c = velocity.fit<3>(t, pose_half_s);
         motion.velocity_W_mps = c[0].head<3>();
         motion.acceleration_W_mps2 = c[1].head<3>();

@@ -74,6 +74,7 @@ struct FlightData {
   std::vector<Eigen::Matrix<double, 6, 1>> limit_change;
   double sample_s = 0.01;               // median interval
   int substeps = 4;                     // per sample interval, on the instants at which commands were logged
+  bool as_recorded = false;             // the recorded states are the motion
   bool read_slower = false;             // than it was logged: neighbouring innovations are then never quite white
   double start_s = 0.0;
   // seconds by which the pose lags the inertial data in the model of the moment; motion is corrected for it
@@ -83,9 +84,12 @@ struct FlightData {
 struct ReadingOptions {
   std::optional<bool> linear_hold;      // overrides the log when it does not say
   double max_rate_hz = 125.0;           // faster logs are averaged down
+  double substep_s = 0.0025;            // at most
   // Logs that were low-pass filtered, each column differently, are filtered once more and all alike (Gaussian of this
   // standard deviation, s; commands too), and then sampled: what is linear between them stays as it was. 0: not.
   double common_filter_s = 0.0;
+  // The recorded states are the motion: nothing is smoothed over more than a few samples, a recorded velocity counts.
+  bool as_recorded = false;
 };
 
 // Throws DataError when the actuator input cannot be mapped by the vehicle.

@@ -32,8 +32,7 @@ Eigen::VectorXd carry_over(const Catalogue& from, const Eigen::VectorXd& value, 
 HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout,
                          std::vector<FlightData> own_rate, int jobs) {
   HoldoutTest test;
-  Session session(std::move(holdout), fitted.vehicle(), jobs);
-  if (fitted.shoots()) session.shoot_with(std::move(own_rate));
+  Session session(std::move(holdout), fitted.vehicle(), jobs, std::move(own_rate));
   const Catalogue& catalogue = session.catalogue();
   session.noise = selection.noise_selected;
   const Eigen::VectorXd value = carry_over(fitted.catalogue(), selection.value, catalogue);

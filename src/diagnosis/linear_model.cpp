@@ -242,6 +242,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     const int c = out.columns[static_cast<std::size_t>(j)];
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
     if (column.group < 0) {
+      if (column.parameter >= torque_trim) continue;
       for (std::size_t k = 0; k < n; ++k) out.D[k](6 + column.parameter, j) = column.natural;
       continue;
     }

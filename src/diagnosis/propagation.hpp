@@ -48,11 +48,14 @@ struct Evaluator {
   const ForceModel& forces;
   Flow flow;
   RotorSet rotors;
+  Vector3 trim_B_radps2 = Vector3::Zero();  // an angular acceleration that nothing explains
 
   Acceleration operator()(const Point& x, double time_s, double voltage_V, const RotorArray& speed,
                           const RotorArray& acceleration) {
     prepare(x, time_s, voltage_V, speed, acceleration);
-    return forces.acceleration(flow, forces.wrench(flow, rotors, {}));
+    Acceleration a = forces.acceleration(flow, forces.wrench(flow, rotors, {}));
+    a.angular_B_radps2 += trim_B_radps2;
+    return a;
   }
   Vector3 specific_force(const Point& x, double time_s, double voltage_V, const RotorArray& speed,
                          const RotorArray& acceleration, Vector3& angular_acceleration) {

@@ -60,6 +60,20 @@ class Selector {
     return result;
   }
 
+  // fewer groups, fitted anew
+  Selection without(const Selection& before, const std::vector<int>& withdrawn) {
+    Selection result;
+    result.noise_nominal = before.noise_nominal;
+    result.smoothed_nominal = before.smoothed_nominal;
+    std::vector<int> chosen;
+    Eigen::VectorXd value = catalogue_.nominal();
+    for (const Finding& finding : before.findings)
+      if (std::find(withdrawn.begin(), withdrawn.end(), finding.group) == withdrawn.end()) chosen.push_back(finding.group);
+    for (const int c : with_biases(chosen)) value[c] = before.value[c];
+    finish(result, chosen, refine(chosen, value));
+    return result;
+  }
+
  private:
   // a swinging load and a lower speed limit show in the disturbance that the chosen effects leave
   void suspect(const Eigen::VectorXd& value, const std::vector<int>& chosen) {
@@ -92,17 +106,21 @@ class Selector {
   }
 
   double material(double rows, double total_gain) const {
-    return std::max((s_.shoots() ? 4.0 : 1.0) * options_.materiality * rows, options_.relative_materiality * total_gain);
+    return std::max(options_.materiality * rows, options_.relative_materiality * total_gain);
   }
 
   std::vector<int> search(const Grams& grams) const {
     const Eigen::MatrixXd projected = project_out(grams.total(), s_.biases());
     const SubsetSearch search(catalogue_, s_.vehicle(), std::log(grams.rows));
-    const auto by_size = search.run(projected, options_.most_effects, options_.beam);
-    double least = by_size[0].front().loss;
-    for (const auto& subsets : by_size)
-      for (const Subset& subset : subsets) least = std::min(least, subset.loss);
-    return SubsetSearch::choose(by_size, material(grams.rows, by_size[0].front().loss - least)).groups;
+    for (int most = options_.most_effects;; most += 3) {
+      const auto by_size = search.run(projected, most, options_.beam);
+      double least = by_size[0].front().loss;
+      for (const auto& subsets : by_size)
+        for (const Subset& subset : subsets) least = std::min(least, subset.loss);
+      const std::vector<int> groups = SubsetSearch::choose(by_size, material(grams.rows, by_size[0].front().loss - least)).groups;
+      // real vehicles may differ in more ways than a search begins with
+      if (static_cast<int>(groups.size()) < most || most > options_.most_effects) return groups;
+    }
   }
 
   // values of a fit on absolute Grams, SI
@@ -127,7 +145,7 @@ class Selector {
   Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
     const std::vector<int> columns = with_biases(groups);
     for (int step = 0; step < (s_.shoots() ? 6 : 3); ++step) {
-      s_.linearise(value, columns);
+      s_.linearise(value, columns, false);
       const Fit fit = solve(s_.grams().total(), columns);
       double largest = 0.0;
       for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -161,18 +179,24 @@ class Selector {
     return value;
   }
 
-  void finish(Selection& result, std::vector<int> chosen, const Eigen::VectorXd& value) {
-    s_.linearise(value, s_.all_columns());
-    s_.learn_noise(6, with_biases(chosen));
+  void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
+    Eigen::MatrixXd total;
+    for (bool settled = false; !settled;) {
+      s_.linearise(value, s_.all_columns());
+      s_.learn_noise(6, with_biases(chosen));
+      result.grams = absolute(value);
+      total = result.grams.total();
+      result.loss_nominal = solve(total, s_.biases()).loss;
+      const std::size_t before = chosen.size();
+      prune(result, chosen, total, result.loss_nominal);
+      // what stays takes over what went
+      settled = chosen.size() == before || chosen.empty();
+      if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
+    }
     result.noise_selected = s_.noise;
     result.smoothed_selected = s_.smoothed;
-    result.grams = absolute(value);
-    const Eigen::MatrixXd total = result.grams.total();
     result.degrees_of_freedom = result.grams.rows;
-    const double loss_none = solve(total, s_.biases()).loss;
-    result.loss_nominal = loss_none;
 
-    prune(result, chosen, total, loss_none);
     const std::vector<int> columns = with_biases(chosen);
     const Fit fit = solve(total, columns);
     const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
@@ -218,7 +242,7 @@ class Selector {
       double worst_gain = 0.0;
       Eigen::Index at = 0;
       for (const int g : chosen) {
-        const auto size = static_cast<Eigen::Index>(catalogue_.groups()[static_cast<std::size_t>(g)].columns.size());
+        const auto size = static_cast<Eigen::Index>(own_columns(catalogue_, chosen, g).size());
         std::vector<int> rest = chosen;
         std::erase(rest, g);
         const double gain = solve(total, with_biases(rest)).loss - fit.loss;
@@ -344,10 +368,18 @@ class Selector {
 
 }  // namespace
 
+std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group) {
+  std::vector<int> own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
+  // only c_τ k_f / J_z is visible: with yaw_torque_ratio the moment of inertia in yaw stays as it is
+  const int yaw = catalogue.find("yaw_torque_ratio");
+  if (group == catalogue.find("inertia") && std::find(groups.begin(), groups.end(), yaw) != groups.end()) own.pop_back();
+  return own;
+}
+
 std::vector<int> columns_of(const Catalogue& catalogue, const std::vector<int>& groups) {
   std::vector<int> columns;
   for (const int g : groups) {
-    const auto& own = catalogue.groups()[static_cast<std::size_t>(g)].columns;
+    const std::vector<int> own = own_columns(catalogue, groups, g);
     columns.insert(columns.end(), own.begin(), own.end());
   }
   return columns;
@@ -366,5 +398,9 @@ const Finding* Selection::find(int group) const {
 }
 
 Selection select_effects(Session& session, const SelectionOptions& options) { return Selector(session, options).run(); }
+
+Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before, const std::vector<int>& groups) {
+  return Selector(session, options).without(before, groups);
+}
 
 }  // namespace gustlab::diagnosis

@@ -20,31 +20,15 @@ bool any_channel(const std::vector<FlightData>& flights, unsigned channel) {
   return false;
 }
 
-// sensor effects and biases of one flight at given values
-SensorCorrection correction_at(const Catalogue& catalogue, const Eigen::VectorXd& value, int flight) {
-  SensorCorrection correction;
-  for (int c = 0; c < catalogue.size(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    if (column.flight >= 0 && column.flight != flight) continue;
-    if (column.group < 0) {
-      if (column.parameter < 3) correction.rate_bias_B_radps[column.parameter] = value[c];
-      continue;
-    }
-    const std::string_view name = catalogue.groups()[static_cast<std::size_t>(column.group)].row->name;
-    if (name == "attitude_offset") correction.attitude_offset_B_rad[column.parameter] += value[c];
-    if (name == "yaw_offset") correction.attitude_offset_B_rad[2] += value[c];
-    if (name == "pose_delay") correction.pose_delay_s = value[c];
-    if (name == "gyro_scale") correction.rate_scale = value[c];
-  }
-  return correction;
-}
-
 bool same(const SensorCorrection& a, const SensorCorrection& b) {
   return a.attitude_offset_B_rad == b.attitude_offset_B_rad && a.pose_delay_s == b.pose_delay_s &&
          a.rate_bias_B_radps == b.rate_bias_B_radps && a.rate_scale == b.rate_scale;
 }
 
 }  // namespace
+
+// of all flights together, about
+constexpr double most_windows = 600.0;
 
 // a third of what a calm room leaves (measured: below it the two integrators' difference is named)
 constexpr double least_share_of_floor = 0.35;
@@ -87,27 +71,34 @@ NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleMo
   return noise;
 }
 
-Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs)
+Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs, std::vector<FlightData> shooting_flights)
     : noise(initial_noise(flights, vehicle)),
       jobs_(jobs),
       vehicle_(vehicle),
       flights_(std::move(flights)),
       catalogue_(vehicle, static_cast<int>(flights_.size()),
                  {any_voltage(flights_), any_channel(flights_, has_force), any_channel(flights_, has_attitude),
-                  any_channel(flights_, has_position | has_velocity)}),
+                  any_channel(flights_, has_position | has_velocity), !shooting_flights.empty()}),
       linear_(flights_.size()),
       value_(catalogue_.nominal()),
-      corrected_(flights_.size()) {
+      corrected_(flights_.size()),
+      shooting_flights_(std::move(shooting_flights)),
+      shot_(shooting_flights_.size()) {
   for (int c = 0; c < catalogue_.size(); ++c) {
     all_.push_back(c);
     if (catalogue_.columns()[static_cast<std::size_t>(c)].group < 0) biases_.push_back(c);
   }
 }
 
-void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted) {
+void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter) {
   value_ = value;
+  double duration_s = 0.0;
+  for (const FlightData& flight : shooting_flights_) duration_s += flight.duration_s();
+  const double spacing_s = std::max(shooting_horizon_s.back(), duration_s / most_windows);
   for_each_flight([&](std::size_t f) {
-    const SensorCorrection correction = correction_at(catalogue_, value, static_cast<int>(f));
+    if (shoots()) shot_[f] = shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted, spacing_s);
+    if (shoots() && !with_filter) return;
+    const SensorCorrection correction = catalogue_.sensor_correction(value, static_cast<int>(f));
     if (!same(correction, corrected_[f])) {
       smooth_motion(flights_[f], correction);
       corrected_[f] = correction;
@@ -117,9 +108,8 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
     for (std::size_t k = 0; k < linear_[f].size(); ++k)
       for (const int c : biases_) {
         const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-        if (column.flight == static_cast<int>(f)) linear_[f].y[k][6 + column.parameter] -= value[c];
+        if (column.flight == static_cast<int>(f) && column.parameter < torque_trim) linear_[f].y[k][6 + column.parameter] -= value[c];
       }
-    if (shoots()) shot_[f] = shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted);
   });
 }
 
@@ -164,11 +154,6 @@ std::vector<int> Session::present(const std::vector<int>& columns) const {
   return result;
 }
 
-void Session::shoot_with(std::vector<FlightData> flights) {
-  shooting_flights_ = std::move(flights);
-  shot_.resize(shooting_flights_.size());
-}
-
 void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   const std::vector<int> fitted = present(columns);
   Eigen::VectorXd coefficient;
@@ -190,7 +175,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
 }
 
 Grams Session::grams() const {
-  if (shoots()) return shooting_grams(shot_, weights_, catalogue_.size());
+  if (shoots()) return shooting_grams(shot_, weights_, catalogue_, value_);
   std::vector<Whitened> whitened(flights_.size());
   for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], linear_[f], noise); });
   Grams grams;

@@ -11,7 +11,10 @@ namespace gustlab::diagnosis {
 
 class Session {
  public:
-  Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs);
+  // `shooting_flights`: other (less filtered) versions of the same flights; Grams then come from predictions half a
+  // second ahead of these.
+  Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs,
+          std::vector<FlightData> shooting_flights = {});
 
   const Catalogue& catalogue() const { return catalogue_; }
   const VehicleModel& vehicle() const { return vehicle_; }
@@ -23,7 +26,8 @@ class Session {
   double sample_s() const { return flights_.front().sample_s; }
 
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
-  void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted);
+  // Where predictions are fitted, the filter's own part can be left out.
+  void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter = true);
   // A slung load of this length is suspected: its force history becomes a column.
   void suspect_load(double length_m, std::vector<std::vector<Vector3>> force_per_flight);
   // A lower speed limit is suspected: what it changes becomes a column.
@@ -36,8 +40,6 @@ class Session {
   // Innovations with the given columns taken out at these values (natural units, counted from the linearisation).
   std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
 
-  // Grams from predictions half a second ahead of other (less filtered) versions of the same flights.
-  void shoot_with(std::vector<FlightData> flights);
   void take_weights(const Session& other) { weights_ = other.weights_; }
   bool shoots() const { return !shooting_flights_.empty(); }
 

@@ -1,5 +1,6 @@
 #include "diagnosis/shooting.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -12,15 +13,21 @@ namespace {
 constexpr int rows_per_horizon = error_size;
 constexpr auto window_rows = static_cast<Eigen::Index>(shooting_horizon_s.size()) * rows_per_horizon;
 
+// an effect this many times its natural size is not yet absurd
+constexpr double loose_prior = 20.0;
+// standard deviations beyond which a window counts no more; share of each row's noise that is its own
+constexpr double clearly_lost = 3.0, own_share = 0.05;
+
 struct Window {
   std::size_t start;
   std::array<std::size_t, shooting_horizon_s.size()> at;
 };
 
-std::vector<Window> windows_of(const FlightData& flight) {
+std::vector<Window> windows_of(const FlightData& flight, double spacing_s) {
   std::vector<Window> windows;
   const auto length = static_cast<std::size_t>(std::lround(shooting_horizon_s.back() / flight.sample_s));
-  for (std::size_t k = length; k + 2 * length < flight.samples.size(); k += length) {
+  const auto spacing = static_cast<std::size_t>(std::lround(spacing_s / flight.sample_s));
+  for (std::size_t k = length; k + 2 * length < flight.samples.size(); k += spacing) {
     bool whole = true;
     for (std::size_t j = k + 1; j <= k + length; ++j) whole = whole && !flight.samples[j].starts_segment && !flight.samples[j].saturated;
     if (!whole) continue;
@@ -32,13 +39,33 @@ std::vector<Window> windows_of(const FlightData& flight) {
   return windows;
 }
 
+// a flight as the nuisances and sensor effects of the moment read it
+struct Reading {
+  FlightData flight;
+  Vector3 trim_B_radps2 = Vector3::Zero();
+
+  Reading(const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value) : flight(recorded) {
+    double clock_s = 0.0;
+    for (int c = 0; c < catalogue.size(); ++c) {
+      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      if (column.group >= 0 || column.flight != index || column.parameter < torque_trim) continue;
+      if (column.parameter == command_clock) clock_s = value[c];
+      else trim_B_radps2[column.parameter - torque_trim] = value[c];
+    }
+    flight.commands.delay(clock_s);
+    flight.measured_speed.delay(clock_s);
+    smooth_motion(flight, catalogue.sensor_correction(value, index));
+  }
+};
+
 // measured ⊟ predicted at every horizon of every window
-Eigen::MatrixXd residuals(const FlightData& flight, const ForceModel& forces, const RotorHistory& rotors,
+Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, const RotorHistory& rotors,
                           const std::vector<Window>& windows) {
+  const FlightData& flight = reading.flight;
   Eigen::MatrixXd out(window_rows, static_cast<Eigen::Index>(windows.size()));
   const auto count = static_cast<std::size_t>(rotors.substeps);
   const Vector3 arm = forces.vehicle().center_of_mass_B_m;
-  Evaluator evaluate{forces, {}, {}};
+  Evaluator evaluate{forces, {}, {}, reading.trim_B_radps2};
   for (std::size_t w = 0; w < windows.size(); ++w) {
     Point x = center_of_mass(flight.motion[windows[w].start], arm);
     std::size_t k = windows[w].start;
@@ -55,15 +82,21 @@ Eigen::MatrixXd residuals(const FlightData& flight, const ForceModel& forces, co
   return out;
 }
 
+// histories come from scans, a wind from innovations; a lever shows in an accelerometer only
+bool has_no_prediction(std::string_view name) {
+  return name == "slung_load" || name == "saturation" || name == "steady_wind" || name == "imu_lever";
+}
+
 }  // namespace
 
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                 const std::vector<int>& wanted) {
+                 const std::vector<int>& wanted, double spacing_s) {
   ShotFlight shot;
-  const std::vector<Window> windows = windows_of(flight);
-  const ForceModel base = force_model(flight, catalogue, value, flight_index, -1);
-  const RotorHistory rotors = rotor_history(flight, base);
-  const Eigen::MatrixXd r0 = residuals(flight, base, rotors, windows);
+  const std::vector<Window> windows = windows_of(flight, spacing_s);
+  const Reading base(flight, flight_index, catalogue, value);
+  const ForceModel forces = force_model(base.flight, catalogue, value, flight_index, -1);
+  const RotorHistory rotors = rotor_history(base.flight, forces);
+  const Eigen::MatrixXd r0 = residuals(base, forces, rotors, windows);
   for (const int c : wanted) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
     if (column.flight < 0 || column.flight == flight_index) shot.columns.push_back(c);
@@ -77,57 +110,82 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
   for (Eigen::Index j = 0; j + 1 < width; ++j) {
     const int c = shot.columns[static_cast<std::size_t>(j)];
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    // sensor effects and histories are told by innovations, not by shooting
-    if (column.group < 0) continue;
-    const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
-    if (row.place == Place::measurement || row.name == "slung_load" || row.name == "saturation" || row.name == "steady_wind") continue;
-    Eigen::VectorXd moved = value;
+    Eigen::VectorXd to = value;
     const double step = 1e-3 * column.natural;
-    moved[c] += step;
-    const ForceModel model = force_model(flight, catalogue, moved, flight_index, column.group);
-    const Eigen::MatrixXd r = residuals(flight, model, row.place == Place::actuation ? rotor_history(flight, model) : rotors, windows);
+    to[c] += step;
+    Eigen::MatrixXd moved;
+    if (column.group < 0) {
+      if (column.parameter >= force_bias && column.parameter < torque_trim) continue;
+      const Reading reading(flight, flight_index, catalogue, to);
+      moved = residuals(reading, forces, column.parameter == command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
+    } else {
+      const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
+      if (has_no_prediction(row.name)) continue;
+      if (row.place == Place::measurement) {
+        moved = residuals(Reading(flight, flight_index, catalogue, to), forces, rotors, windows);
+      } else {
+        const ForceModel model = force_model(base.flight, catalogue, to, flight_index, column.group);
+        moved = residuals(base, model, row.place == Place::actuation ? rotor_history(base.flight, model) : rotors, windows);
+      }
+    }
     for (std::size_t w = 0; w < windows.size(); ++w)
-      shot.window[w].col(j) = (r0.col(static_cast<Eigen::Index>(w)) - r.col(static_cast<Eigen::Index>(w))) * (column.natural / step);
+      shot.window[w].col(j) = (r0.col(static_cast<Eigen::Index>(w)) - moved.col(static_cast<Eigen::Index>(w))) * (column.natural / step);
   }
   return shot;
 }
 
 ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const std::vector<int>& columns,
                                  const Eigen::VectorXd& coefficient) {
-  // robust: median of the size of what is left
-  std::vector<std::vector<double>> left(static_cast<std::size_t>(window_rows));
+  // what is left, one column per window
+  std::vector<Eigen::VectorXd> left;
   for (const ShotFlight& flight : flights)
     for (const Eigen::MatrixXd& window : flight.window) {
       Eigen::VectorXd r = window.col(window.cols() - 1);
       for (std::size_t j = 0; j < flight.columns.size(); ++j)
         for (std::size_t i = 0; i < columns.size(); ++i)
           if (columns[i] == flight.columns[j]) r -= window.col(static_cast<Eigen::Index>(j)) * coefficient[static_cast<Eigen::Index>(i)];
-      for (Eigen::Index row = 0; row < window_rows; ++row) left[static_cast<std::size_t>(row)].push_back(std::abs(r[row]));
+      left.push_back(std::move(r));
     }
-  ShootingWeights sd(window_rows);
+  // robust size of each row: median
+  Eigen::VectorXd sd(window_rows);
   constexpr std::array<double, 4> least = {1e-4, 1e-3, 1e-3, 1e-2};
+  std::vector<double> values(left.size());
   for (Eigen::Index row = 0; row < window_rows; ++row) {
-    auto& values = left[static_cast<std::size_t>(row)];
+    std::transform(left.begin(), left.end(), values.begin(), [row](const Eigen::VectorXd& r) { return std::abs(r[row]); });
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     if (!values.empty()) std::nth_element(values.begin(), middle, values.end());
     sd[row] = std::max(values.empty() ? 1.0 : *middle / 0.6745, least[static_cast<std::size_t>(row % rows_per_horizon / 3)]);
   }
-  return sd;
+  // an error grows along the horizons: the rows of a window belong together
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Zero(window_rows, window_rows);
+  double count = 0.0;
+  for (const Eigen::VectorXd& r : left) {
+    Eigen::VectorXd z = r.cwiseQuotient(sd);
+    const double size = z.norm() / std::sqrt(static_cast<double>(window_rows));
+    if (size > clearly_lost) z *= clearly_lost / size;
+    correlation += z * z.transpose();
+    count += 1.0;
+  }
+  correlation = (correlation + own_share * count * Eigen::MatrixXd::Identity(window_rows, window_rows)) / ((1.0 + own_share) * std::max(1.0, count));
+  if (count == 0.0) correlation.setIdentity();
+  const Eigen::MatrixXd inverse = correlation.llt().matrixL().solve(Eigen::MatrixXd::Identity(window_rows, window_rows));
+  return inverse * sd.cwiseInverse().asDiagonal();
 }
 
-Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeights& weights, int catalogue_size) {
+Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeights& weights, const Catalogue& catalogue,
+                     const Eigen::VectorXd& value) {
   Grams grams;
+  const int catalogue_size = catalogue.size();
   grams.columns = catalogue_size;
-  const double share = 1.0 / static_cast<double>(shooting_horizon_s.size());
   for (std::size_t f = 0; f < flights.size(); ++f) {
     std::vector<int> at = flights[f].columns;
     at.push_back(catalogue_size);
     for (const Eigen::MatrixXd& window : flights[f].window) {
-      Eigen::MatrixXd z = weights.cwiseInverse().asDiagonal() * window;
+      Eigen::MatrixXd z = weights * window;
       // a window that the model loses altogether weighs no more than one that it loses clearly
       const double size = z.col(z.cols() - 1).norm() / std::sqrt(static_cast<double>(window_rows));
-      if (size > 3.0) z *= std::sqrt(3.0 / size);
-      const Eigen::MatrixXd local = share * (z.transpose() * z);
+      if (size > clearly_lost) z *= std::sqrt(clearly_lost / size);
+      const Eigen::MatrixXd local = z.transpose() * z;
       Eigen::MatrixXd full = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
       for (std::size_t i = 0; i < at.size(); ++i)
         for (std::size_t j = 0; j < at.size(); ++j)
@@ -135,9 +193,22 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
       grams.block.push_back(std::move(full));
       grams.flight.push_back(static_cast<int>(f));
       grams.cluster.push_back(grams.clusters++);
-      grams.rows += rows_per_horizon;
+      grams.rows += static_cast<double>(window_rows);
     }
   }
+  // what is small unless the data say otherwise: one more measurement of each
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
+  for (int c = 0; c < catalogue_size; ++c) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    Eigen::Vector2d row(1.0, -(value[c] - column.nominal) / column.natural);
+    if (column.group >= 0) row /= loose_prior;
+    prior(c, c) += row[0] * row[0];
+    prior(c, catalogue_size) = prior(catalogue_size, c) = row[0] * row[1];
+    prior(catalogue_size, catalogue_size) += row[1] * row[1];
+  }
+  grams.block.push_back(std::move(prior));
+  grams.flight.push_back(0);
+  grams.cluster.push_back(grams.clusters++);
   return grams;
 }
 

@@ -19,15 +19,18 @@ struct ShotFlight {
   std::vector<double> time_s;
 };
 
-// Windows start from the smoothed motion, one every half second, and do not cross gaps.
+// Windows start from the recorded motion, one every `spacing_s`, and do not cross gaps.
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                 const std::vector<int>& wanted);
+                 const std::vector<int>& wanted, double spacing_s);
 
-// Standard deviation of each row (horizon × error component) over all windows, with the columns at `coefficient`.
-using ShootingWeights = Eigen::VectorXd;
+// What whitens the rows of a window (horizon × error component), from what all windows leave with the columns at
+// `coefficient`.
+using ShootingWeights = Eigen::MatrixXd;
 ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const std::vector<int>& columns,
                                  const Eigen::VectorXd& coefficient);
-// Gram matrices, one block per window; a window counts as one innovation per error component.
-Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeights& weights, int catalogue_size);
+// Gram matrices, one block per window; One more block holds what is
+// believed beforehand: nuisances are about their natural size, effects not absurdly large.
+Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeights& weights, const Catalogue& catalogue,
+                     const Eigen::VectorXd& value);
 
 }  // namespace gustlab::diagnosis

@@ -11,7 +11,7 @@ class GyroScale final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("delta", delta_,
-                   {.unit = "-", .help = "relative error of the measured body rate", .min = -0.5, .max = 0.5,
+                   {.unit = "-", .help = "relative error of the measured body rate", .min = -0.1, .max = 0.1,
                     .natural = 0.01});
   }
 
