@@ -47,7 +47,7 @@ def plan(seed, scale, quick, effects):
                 Draw("pair", seed + 300, [(1, ["--kind", "pair", "--strength-factor", "4"])]),
                 Draw("outside", seed + 400, [(1, ["--kind", "outside"])])]
     times = lambda n: max(1, math.ceil(scale * n))
-    singles = [Draw(f"single_{e}", seed + 100 + i, [(times(1), ["--effect", e, "--strength-factor", f"{s:g}"]) for s in STRENGTHS])
+    singles = [Draw(f"single_{e}", seed + 100 + i, [(times(1), ["--effect", e, "--strength-factor", f"{s:g}"]) for s in (STRENGTHS if scale >= 1 else STRENGTHS[::2])])
                for i, e in enumerate(effects)]
     return [Draw("clean", seed + 1, [(times(60), ["--kind", "clean"])]), Draw("scatter", seed + 2, [(times(20), ["--kind", "scatter"])]),
             *singles, Draw("pair", seed + 300, [(times(20), ["--kind", "pair", "--strength-factor", f"{s:g}"]) for s in PAIR_STRENGTHS]),
@@ -114,7 +114,7 @@ def real_flights(flights, gustlab, work, jobs):
 
 def diagnosable(gustlab):
     rows = json.loads(subprocess.run([gustlab, "list", "effects", "--format", "json"], check=True, stdout=subprocess.PIPE, text=True).stdout)
-    return [row["name"] for row in rows if row.get("diagnosable", True)]
+    return [row["name"] for row in rows["effects"] if row["diagnosable"]]
 
 
 def main():

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "config/toml.hpp"
+#include "diagnosis/command_jitter.hpp"
 #include "diagnosis/explain.hpp"
 #include "diagnosis/log_checks.hpp"
 #include "diagnosis/next_flight.hpp"
@@ -25,6 +26,7 @@ constexpr double least_recovered = 0.5;
 constexpr double most_unexplained = 0.12;    // unless clearly most of the held-out error is recovered
 constexpr double clearly_recovered = 0.75;
 constexpr double unproved_confidence = 0.95;
+constexpr double least_tested = 10.0;        // χ² that a finding should save on the held-out flights
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
@@ -219,6 +221,12 @@ void plot_residuals(const Session& session, const Selection& selection, Diagnosi
   }
 }
 
+// every name is only suspected
+void withdraw_all(Diagnosis& out, const std::string& why) {
+  for (const EffectFinding& effect : out.effects) out.rejected.push_back({effect.effect, effect.gain, why});
+  out.effects.clear();
+}
+
 }  // namespace
 
 Diagnosis diagnose(const DiagnoseOptions& options) {
@@ -273,6 +281,17 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   const std::vector<FlightData> raw = prepare(logs.fit, vehicle, {}), raw_held = prepare(logs.holdout, vehicle, {});
   for (LogFinding& finding : check_rotors(raw, vehicle)) out.log_findings.push_back(std::move(finding));
   const std::vector<double> offset = command_offsets(raw, raw_held, vehicle, out.log_findings);
+  // jitter of a faster loop: what depends on it would come out too small, and look like other physics
+  bool jitters = false;
+  for (const FlightData& flight : raw) {
+    const double share = hold_unknown ? command_jitter_share(flight) : 0.0;
+    if (share < most_command_jitter) continue;
+    jitters = true;
+    out.log_findings.push_back({flight.label, "u1…uN", "inconsistent", flight.start_s, flight.start_s + flight.duration_s(),
+                                fmt::format("{:.0f} % of the commanded torque jitters from sample to sample: commands of a faster loop were "
+                                            "sampled, and what the rotors did between is not known; log at the loop's rate, or log means", 100.0 * share),
+                                false, false});
+  }
   if (hold_unknown) {
     reading.linear_hold = linear_is_likelier(logs.fit, vehicle, reading, options.jobs);
     out.notes.push_back(fmt::format("the logs do not say how commands are held between samples: {} is the likelier",
@@ -301,7 +320,8 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
     std::vector<int> groups;
     for (std::size_t i = 0; i < selection.findings.size(); ++i) {
       const Finding& finding = selection.findings[i];
-      if (finding.calibration || tested.rows == 0.0 || tested.gain[i] > 0.0) continue;
+      // what the held-out flights do not excite, they do not refute
+      if (finding.calibration || tested.rows == 0.0 || tested.gain[i] > 0.0 || tested.expected[i] < least_tested) continue;
       groups.push_back(finding.group);
       withdrawn.push_back({std::string(session.catalogue().groups()[static_cast<std::size_t>(finding.group)].row->name), tested.gain[i],
                            "fits the flights it was found on, and does not pay on the held-out ones"});
@@ -319,6 +339,8 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   out.unexplained_share = rest.omnibus_share;
   out.mismatch = locate(session, selection);
   plot_residuals(session, selection, out);
+
+  if (jitters) withdraw_all(out, "only suspected: the commands were sampled from a faster loop");
 
   // proof in the simulator, on flights that were not used
   std::vector<FlightLog> proof;
@@ -342,15 +364,12 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   if (!bound.empty()) out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
   const bool shadow = !bound.empty() || (!rest.alarms.empty() && (verified.recovered < least_recovered ||
                                                 (rest.omnibus_share > most_unexplained && verified.recovered < clearly_recovered)));
-  if (shadow && !out.effects.empty()) {
-    for (const EffectFinding& effect : out.effects)
-      out.rejected.push_back({effect.effect, effect.gain,
-                              fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
-                                          100.0 * rest.omnibus_share, 100.0 * verified.recovered)});
-    out.effects.clear();
-  }
+  if (shadow)
+    withdraw_all(out, fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
+                                  100.0 * rest.omnibus_share, 100.0 * verified.recovered));
 
-  if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;
+  if (jitters) out.verdict = Verdict::insufficient_data;
+  else if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;
   else if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;
   else if (rest.alarms.empty() || rest.omnibus_share < 0.1) out.verdict = Verdict::explained;
   else out.verdict = Verdict::partly_explained;

@@ -118,7 +118,8 @@ void explain(const Session& session, const Selection& selection, const HoldoutTe
     effect.classmates = {effect.effect};
     for (const Rival& rival : finding.rivals) {
       const std::string name = catalogue_name(group_of(rival.group));
-      const bool equivalent = rival.z < equivalent_z;
+      // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
+      const bool equivalent = rival.z < equivalent_z && rival.delta_score < 0.5 * finding.gain;
       effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
       if (equivalent) effect.classmates.push_back(name);
     }
@@ -139,8 +140,6 @@ void explain(const Session& session, const Selection& selection, const HoldoutTe
     effect.confidence = confidence(finding, paid);
     if (finding.calibration) {
       out.calibration.push_back(effect);
-    } else if (holdout.rows > 0.0 && paid <= 0.0) {
-      out.rejected.push_back({effect.effect, paid, "fits the flights it was found on, and does not pay on the held-out ones"});
     } else {
       out.effects.push_back(effect);
     }

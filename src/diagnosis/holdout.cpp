@@ -86,6 +86,7 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
     rest.shift(-fixed);
     return solve(rest.total(), free).loss;
   };
+  const Eigen::MatrixXd projected = project_out(grams.total(), session.biases());
   const std::vector<bool> none(used.size(), false), all(used.size(), true);
   test.loss_selected = loss_without(none);
   test.loss_nominal = loss_without(all);
@@ -93,6 +94,9 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
     std::vector<bool> out = none;
     out[i] = true;
     test.gain.push_back(loss_without(out) - test.loss_selected);
+    Eigen::VectorXd fitted_part = Eigen::VectorXd::Zero(catalogue.size() + 1);
+    for (const int c : used[i]) fitted_part[c] = coefficient[c];
+    test.expected.push_back(fitted_part.dot(projected * fitted_part));
   }
   // values per flight, for the rollouts
   Eigen::VectorXd fixed = Eigen::VectorXd::Zero(catalogue.size());

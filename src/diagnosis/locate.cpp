@@ -316,7 +316,7 @@ Remainder remainder(const Session& session, const Selection& selection) {
   result.gust_like = noise.time_s[0] > 0.25 && noise.time_s[0] < 2.9 && std::sqrt(noise.variance[0]) > 2.2 * floor[0] && !structured;
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     const double ratio = std::sqrt(noise.variance[g]) / floor[g];
-    if (ratio > 2.5 && !(g == 0 && result.gust_like))
+    if (ratio > 2.5 && !(g < 2 && result.gust_like))
       result.alarms.push_back({"floor", fmt::format("{} is disturbed {:.1f} times as much as in a calm room", group_name[g], ratio), 0.001 * ratio});
   }
 

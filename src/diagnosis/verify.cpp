@@ -15,11 +15,13 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double restart_s = 0.5;
+constexpr double most_noises = 10.0;  // no quantity counts for more than this many times its noise
 constexpr double window_s = 4.0;
 
-// share of the recoverable error (before − noise) that is gone, at the horizon of half a second
+// share of the recoverable error (before − noise) that is gone at the horizon of half a second, in units of the noise: what
+// is wrong by little says little
 double recovered_share(const nlohmann::ordered_json& fit) {
-  double sum = 0.0, count = 0.0;
+  double closed = 0.0, open = 0.0;
   for (const std::string_view name : fit_quantity_names) {
     const auto& quantity = fit.at(std::string(name));
     const auto value = [&](const char* kind) {
@@ -27,10 +29,11 @@ double recovered_share(const nlohmann::ordered_json& fit) {
     };
     const double before = value("before"), after = value("after"), noise = value("noise");
     if (!(before > 1.05 * noise)) continue;
-    sum += std::clamp((before - after) / (before - noise), -1.0, 1.0);
-    count += 1.0;
+    const double unit = std::max(noise, 1e-9), recoverable = std::min((before - noise) / unit, most_noises);
+    closed += recoverable * std::clamp((before - after) / (before - noise), -1.0, 1.0);
+    open += recoverable;
   }
-  return count > 0.0 ? sum / count : 1.0;
+  return open > 0.0 ? closed / open : 1.0;
 }
 
 // heading, and the tilt of the body's z axis toward x and y of the world
