@@ -44,8 +44,9 @@ class AdaptiveSindy {
  public:
   void visit(ParameterVisitor& visitor) {
     visitor.texts("terms", term_names_, {.help = "active terms: the union over the three axes of what SINDy identified"});
-    visitor.file("model", model_, {.help = "file that `gustlab identify --out` wrote: its terms instead, and where they start"});
-    visitor.flag("start_at_model", start_at_model_, {.help = "coefficients start at the model's; otherwise at zero"});
+    visitor.file("model", model_, {.help = "file that `gustlab identify --out` wrote: its terms instead"});
+    visitor.flag("start_at_model", start_at_model_,
+                 {.help = "coefficients start at the model's, in N of the vehicle it was identified on; otherwise at zero"});
     residual_.visit(visitor);
   }
 
@@ -90,7 +91,7 @@ class AdaptiveSindy {
  private:
   std::vector<std::string> term_names_{"1", "T sin theta", "T sin phi"};
   InputFile model_;
-  bool start_at_model_ = true;
+  bool start_at_model_ = false;
   ResidualAdaptation residual_;
   std::vector<FeatureTerm> terms_;
   Adaptation::Row phi_;
