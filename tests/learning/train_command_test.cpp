@@ -48,12 +48,13 @@ TEST(ShippedWeights, AreOfTheShippedExperiment) {
   EXPECT_EQ(named, sha256(resolved)) << "train again: gustlab train collect_iris --out configs/daiml.weights";
 }
 
-// GIVEN gusts of seeds that no training saw WHEN daiml flies with its network THEN it beats itself without, and PID
+// GIVEN gusts of seeds that no training saw WHEN daiml flies with its network THEN it beats itself without, of the same gains, and PID
 TEST(ShippedWeights, BeatTheConstantAndPidInGustsOnBothVehicles) {
   for (const char* name : {"table1_iris", "table2_crazyflie"}) {
     const Experiment experiment = read_experiment(
         shipped("experiments/" + std::string(name) + ".toml"),
         {"trajectories=[\"lemniscate\"]", "controllers=[\"pid\",\"constant\",\"daiml\"]", "controller.constant={type=\"daiml\",weights=\"\"}",
+         "controller.daiml.bandwidth_radps=0", "controller.daiml.tilt_limit_deg=30", "controller.daiml.feedforward=true",
          "replicates=4", "first_replicate=51", "duration_s=24"});
     std::array<double, 3> rmse_m{};
     for (const RunSpec& spec : plan(experiment)) {
