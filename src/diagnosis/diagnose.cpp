@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "config/toml.hpp"
+#include "diagnosis/attitude_check.hpp"
 #include "diagnosis/command_jitter.hpp"
 #include "diagnosis/explain.hpp"
 #include "diagnosis/log_checks.hpp"
@@ -95,6 +96,7 @@ void set_aside(std::vector<FlightLog>& logs, const VehicleModel& vehicle, Diagno
   const std::vector<LogFinding> copies = check_copies(logs);
   for (std::size_t i = 0; i < logs.size(); ++i) {
     note(copies, i);
+    if (!away[i]) note(check_attitude(logs[i]), i);
     if (!away[i]) note(check_log(logs[i], vehicle), i);
     if (away[i]) out.flights.push_back({label_of(logs[i].path), "set_aside", 0.0, 0.0});
   }
