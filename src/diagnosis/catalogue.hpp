@@ -87,4 +87,9 @@ class Catalogue {
   std::vector<Column> columns_;
 };
 
+// Columns of one group beside others: of exact aliases only one is free.
+std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group);
+// Columns of several groups.
+std::vector<int> columns_of(const Catalogue& catalogue, const std::vector<int>& groups);
+
 }  // namespace gustlab::diagnosis

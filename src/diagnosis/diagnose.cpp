@@ -26,7 +26,7 @@ namespace {
 constexpr double least_recovered = 0.5;
 constexpr double most_unexplained = 0.12;    // unless clearly most of the held-out error is recovered
 constexpr double clearly_recovered = 0.75;
-constexpr double unproved_confidence = 0.95;
+constexpr double unproved_confidence = calibrated_confidence(0.95);
 constexpr double least_tested = 10.0;        // χ² that a finding should save on the held-out flights
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }

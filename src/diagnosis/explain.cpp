@@ -26,7 +26,9 @@ double with_model_form(double deviation, double value, double nominal) {
   return std::hypot(deviation, model_form * (value - nominal));
 }
 
-// the more often half of the data says the same, and the clearer the rivals lose, the surer
+// The more often half of the data says the same, and the clearer the rivals lose, the surer. Calibrated on 72 findings of
+// independent trials: names that pass every test are right more often than their stability says, and the last few per
+// cent are physics that no catalogue holds.
 double confidence(const Finding& finding, double holdout_gain) {
   double nearest = 20.0;
   for (const Rival& rival : finding.rivals)
@@ -34,7 +36,8 @@ double confidence(const Finding& finding, double holdout_gain) {
   const double stable = std::clamp(finding.inclusion, 0.0, 1.0);
   const double distinct = 1.0 - 0.25 * std::exp(-0.6 * std::max(0.0, nearest - equivalent_z));
   const double paid = holdout_gain > 10.0 ? 1.0 : 0.85;
-  return std::clamp(0.985 * (0.6 + 0.4 * stable) * distinct * paid, 0.05, 0.99);
+  const double agreement = std::clamp(0.985 * (0.6 + 0.4 * stable) * distinct * paid, 0.05, 0.99);
+  return calibrated_confidence(agreement);
 }
 
 std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group, int flight) {

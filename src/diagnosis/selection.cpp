@@ -368,23 +368,6 @@ class Selector {
 
 }  // namespace
 
-std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group) {
-  std::vector<int> own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
-  // only c_τ k_f / J_z is visible: with yaw_torque_ratio the moment of inertia in yaw stays as it is
-  const int yaw = catalogue.find("yaw_torque_ratio");
-  if (group == catalogue.find("inertia") && std::find(groups.begin(), groups.end(), yaw) != groups.end()) own.pop_back();
-  return own;
-}
-
-std::vector<int> columns_of(const Catalogue& catalogue, const std::vector<int>& groups) {
-  std::vector<int> columns;
-  for (const int g : groups) {
-    const std::vector<int> own = own_columns(catalogue, groups, g);
-    columns.insert(columns.end(), own.begin(), own.end());
-  }
-  return columns;
-}
-
 std::vector<int> Selection::groups() const {
   std::vector<int> result;
   for (const Finding& finding : findings) result.push_back(finding.group);

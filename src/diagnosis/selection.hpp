@@ -53,9 +53,4 @@ Selection select_effects(Session& session, const SelectionOptions& options);
 // The same without some groups that did not prove themselves, fitted anew.
 Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before, const std::vector<int>& groups);
 
-// Columns of one group beside others: of exact aliases only one is free.
-std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group);
-// Columns of several groups.
-std::vector<int> columns_of(const Catalogue& catalogue, const std::vector<int>& groups);
-
 }  // namespace gustlab::diagnosis
