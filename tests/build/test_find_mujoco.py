@@ -94,7 +94,7 @@ class FindMuJoCo(unittest.TestCase):
             code, text = self.configure("--fresh", f"-DMUJOCO_ROOT={self.root}/{place}")
             self.assertNotEqual(code, 0)
             self.assertIn(f'Found unsuitable version "{version}", but required is exact version "4.0.1"', text)
-            self.assertIn("Run scripts/setup.sh", text)
+            self.assertIn("unset it to use .venv (scripts/setup.sh), or name a MuJoCo 4.0.1 release", text)
 
 
 if __name__ == "__main__":
