@@ -291,7 +291,7 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
     jitters = true;
     out.log_findings.push_back({flight.label, "u1…uN", "inconsistent", flight.start_s, flight.start_s + flight.duration_s(),
                                 fmt::format("{:.0f} % of the commanded torque jitters from sample to sample: commands of a faster loop were "
-                                            "sampled, and what the rotors did between is not known; log at the loop's rate, or log means", 100.0 * share),
+                                            "sampled, and what the rotors did between is not known; log at the loop's rate", 100.0 * share),
                                 false, false});
   }
   if (hold_unknown) {
