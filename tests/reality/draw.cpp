@@ -18,6 +18,7 @@ using Json = nlohmann::ordered_json;
 enum Stream : std::uint64_t { kWhat = 0, kScatter = 1, kPaths = 2, kAirBefore = 100, kAir = 200 };
 constexpr std::size_t kFlights = kFitFlights + 1;
 constexpr int kAttempts = 16;
+constexpr std::uint64_t kDraws = 16, kRedraw = 1ULL << 32;
 constexpr double kTotalShare = 3e-4;  // of what all effects gain, DIAGNOSIS.md 3.6
 
 struct Concealed {
@@ -35,9 +36,12 @@ bool lost(const std::vector<Flight>& flights) {
 // a trial while it is drawn
 class Draft {
  public:
-  Draft(const Request& request, std::uint64_t index) : request_(request), index_(index) {
-    Rng rng(request.seed, index, kWhat);
-    setting_ = draw_setting(request, rng);
+  // what is concealed, the size and the noise belong to the trial; all else, redrawn, to another lot
+  Draft(const Request& request, std::uint64_t index, std::uint64_t redraws)
+      : request_(request), index_(index + redraws * kRedraw) {
+    Rng trial(request.seed, index, kWhat);
+    setting_ = draw_setting(request, trial);
+    Rng rng = redraws == 0 ? trial : Rng(request.seed, index_, kWhat);
     trial_.vehicle = nominal_vehicle(setting_.large, rng.chance(0.25) || setting_.needs(Need::drag));
     trial_.columns.velocity = rng.chance(0.8);
     trial_.columns.accel = rng.chance(0.35) || setting_.needs(Need::accel);
@@ -52,7 +56,7 @@ class Draft {
 
     base_ = as_nominal(trial_.vehicle);
     base_.surroundings = trial_.surroundings;
-    Rng errors(request.seed, index, kScatter);
+    Rng errors(request.seed, index_, kScatter);
     scatter(base_, setting_.kind == "scatter" ? errors.uniform(0.5, 1.0) : 0.1, errors);
     // what is concealed carries no error of its own
     for (const Concealed& c : concealed_) plant(base_, c.plan.effect, values_at(c.plan, trial_.vehicle, 0, 0));
@@ -61,14 +65,14 @@ class Draft {
     scene_.base.assign(kFitFlights, base_);
   }
 
-  // draws paths until the vehicle flies all of them, ever more gently
-  Trial finish() {
+  // draws paths until the vehicle flies all of them, ever more gently; nothing if it flies none
+  std::optional<Trial> finish() {
     for (int attempt = 0; attempt < kAttempts; ++attempt)
       if (try_to_fly(attempt)) {
         answer();
         return std::move(trial_);
       }
-    throw std::runtime_error("trial " + std::to_string(index_) + " does not fly");
+    return {};
   }
 
  private:
@@ -220,6 +224,14 @@ class Draft {
 
 }  // namespace
 
-Trial draw_trial(const Request& request, std::uint64_t index) { return Draft(request, index).finish(); }
+Trial draw_trial(const Request& request, std::uint64_t index) {
+  for (std::uint64_t redraws = 0; redraws < kDraws; ++redraws)
+    if (auto trial = Draft(request, index, redraws).finish()) {
+      trial->answer["redraws"] = redraws;
+      return std::move(*trial);
+    }
+  throw std::runtime_error("trial " + std::to_string(index) + " does not fly, drawn " + std::to_string(kDraws) +
+                           " times");
+}
 
 }  // namespace reality

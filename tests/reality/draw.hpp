@@ -28,7 +28,8 @@ struct Trial {
 
 constexpr int kFitFlights = 3;
 
-/// Draws trial `index`; the result depends on nothing but the request and the index.
+/// Draws trial `index`; the result depends on nothing but the request and the index. A vehicle that flies none of its
+/// paths is drawn again with the same thing concealed; the answer's `redraws` says how often.
 Trial draw_trial(const Request& request, std::uint64_t index);
 
 }  // namespace reality

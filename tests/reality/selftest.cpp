@@ -164,6 +164,18 @@ void check_information() {
   EXPECT_NEAR(limit.materiality / limit.five_sigma, std::sqrt(0.0025 * measurements(scene) / 25), 1e-9);
 }
 
+// a load on a large vehicle that no pilot carries along any of its sixteen paths: another one is drawn
+void check_redraw() {
+  Request request;
+  request.seed = 41;
+  request.effect = "slung_load";
+  request.factor = 10;
+  request.large = true;
+  const Trial trial = draw_trial(request, 10);
+  EXPECT(trial.answer["redraws"] == 1 && trial.answer["effects"][0]["effect"] == "slung_load");
+  EXPECT(std::none_of(trial.flight.begin(), trial.flight.end(), [](const Flight& f) { return f.lost; }));
+}
+
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -212,6 +224,7 @@ int main() {
   check_readings();
   check_information();
   check_trials();
+  check_redraw();
   std::cout << (failures ? "failed: " : "all good, failures: ") << failures << "\n";
   return failures ? 1 : 0;
 }
