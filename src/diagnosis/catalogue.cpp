@@ -236,7 +236,8 @@ SensorCorrection Catalogue::sensor_correction(const Eigen::VectorXd& value, int 
 void Catalogue::clamp(Eigen::VectorXd& value) const {
   for (int c = 0; c < size(); ++c) {
     const Column& column = columns_[static_cast<std::size_t>(c)];
-    value[c] = std::clamp(value[c], column.min, column.max);
+    // what is not there is not bounded either
+    if (value[c] != column.nominal) value[c] = std::clamp(value[c], column.min, column.max);
   }
 }
 
