@@ -243,9 +243,10 @@ void Catalogue::clamp(Eigen::VectorXd& value) const {
 
 std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group) {
   std::vector<int> own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
-  // only c_τ k_f / J_z is visible: with yaw_torque_ratio the moment of inertia in yaw stays as it is
-  const int yaw = catalogue.find("yaw_torque_ratio");
-  if (group == catalogue.find("inertia") && std::find(groups.begin(), groups.end(), yaw) != groups.end()) own.pop_back();
+  // only c_τ k_f / J_z is visible: with yaw_torque_ratio the moment of inertia in yaw stays as it is, unless a drag at the
+  // hubs or the rotors' own inertia turns against it
+  const auto in = [&](std::string_view label) { return std::find(groups.begin(), groups.end(), catalogue.find(label)) != groups.end(); };
+  if (group == catalogue.find("inertia") && in("yaw_torque_ratio") && !in("rotor_drag") && !in("rotor_inertia")) own.pop_back();
   return own;
 }
 

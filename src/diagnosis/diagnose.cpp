@@ -8,6 +8,7 @@
 
 #include "config/toml.hpp"
 #include "diagnosis/attitude_check.hpp"
+#include "diagnosis/challenge.hpp"
 #include "diagnosis/command_jitter.hpp"
 #include "diagnosis/explain.hpp"
 #include "diagnosis/log_checks.hpp"
@@ -26,8 +27,8 @@ namespace {
 constexpr double least_recovered = 0.5;
 constexpr double most_unexplained = 0.12;    // unless clearly most of the held-out error is recovered
 constexpr double clearly_recovered = 0.75;
+constexpr double surely_even = 0.3;          // a name that is of one size everywhere, to this share of it, is no shadow
 constexpr double unproved_confidence = calibrated_confidence(0.95);
-constexpr double least_tested = 10.0;        // χ² that a finding should save on the held-out flights
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
@@ -223,10 +224,13 @@ void plot_residuals(const Session& session, const Selection& selection, Diagnosi
   }
 }
 
-// every name is only suspected
-void withdraw_all(Diagnosis& out, const std::string& why) {
-  for (const EffectFinding& effect : out.effects) out.rejected.push_back({effect.effect, effect.gain, why});
-  out.effects.clear();
+// names are only suspected, but those that stand
+void withdraw(Diagnosis& out, const std::string& why, const std::function<bool(const EffectFinding&)>& stands = [](const EffectFinding&) { return false; }) {
+  std::erase_if(out.effects, [&](const EffectFinding& effect) {
+    if (stands(effect)) return false;
+    out.rejected.push_back({effect.effect, effect.gain, why});
+    return true;
+  });
 }
 
 }  // namespace
@@ -315,26 +319,10 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   }
   Session session(std::move(flights), vehicle, options.jobs, std::move(own_rate));
   Selection selection = select_effects(session, {});
-  HoldoutTest tested = test_holdout(session, selection, held, held_own_rate, options.jobs);
-  // what does not pay on the held-out flights goes, and the rest is fitted without it
-  std::vector<Rejected> withdrawn;
-  for (int round = 0; round < 3; ++round) {
-    std::vector<int> groups;
-    for (std::size_t i = 0; i < selection.findings.size(); ++i) {
-      const Finding& finding = selection.findings[i];
-      // what the held-out flights do not excite, they do not refute
-      if (finding.calibration || tested.rows == 0.0 || tested.gain[i] > 0.0 || tested.expected[i] < least_tested) continue;
-      groups.push_back(finding.group);
-      withdrawn.push_back({std::string(session.catalogue().groups()[static_cast<std::size_t>(finding.group)].row->name), tested.gain[i],
-                           "fits the flights it was found on, and does not pay on the held-out ones"});
-    }
-    if (groups.empty()) break;
-    selection = withdraw(session, {}, selection, groups);
-    tested = test_holdout(session, selection, held, held_own_rate, options.jobs);
-  }
+  const Challenge challenged = challenge(session, selection, held, held_own_rate, options.jobs);
   const Remainder rest = remainder(session, selection);
-  explain(session, selection, tested, out);
-  out.rejected.insert(out.rejected.begin(), withdrawn.begin(), withdrawn.end());
+  explain(session, selection, challenged, out);
+  out.rejected.insert(out.rejected.begin(), challenged.withdrawn.begin(), challenged.withdrawn.end());
   explain_gust(session, selection, rest, out);
   describe_disturbance(selection, rest, out);
   out.alarms = rest.alarms;
@@ -342,14 +330,14 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   out.mismatch = locate(session, selection);
   plot_residuals(session, selection, out);
 
-  if (jitters) withdraw_all(out, "only suspected: the commands were sampled from a faster loop");
+  if (jitters) withdraw(out, "only suspected: the commands were sampled from a faster loop");
 
   // proof in the simulator, on flights that were not used
   std::vector<FlightLog> proof;
   for (std::size_t i = 0; i < logs.holdout.size(); ++i)
     proof.push_back(with_later_inputs(logs.holdout[i], offset[logs.fit.size() + i]));
   config::Table found = config::Table::parse(augmented_toml(out), "augmented.toml");
-  Verification verified = verify(proof, vehicle, config::read_effects(found), tested.per_flight, options.jobs);
+  Verification verified = verify(proof, vehicle, config::read_effects(found), options.jobs);
   out.fit = std::move(verified.fit);
   out.window_file = verified.window_file;
   out.window = std::move(verified.window);
@@ -367,8 +355,9 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   const bool shadow = !bound.empty() || (!rest.alarms.empty() && (verified.recovered < least_recovered ||
                                                 (rest.omnibus_share > most_unexplained && verified.recovered < clearly_recovered)));
   if (shadow)
-    withdraw_all(out, fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
-                                  100.0 * rest.omnibus_share, 100.0 * verified.recovered));
+    withdraw(out, fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
+                              100.0 * rest.omnibus_share, 100.0 * verified.recovered),
+             [&](const EffectFinding& effect) { return effect.astray < surely_even && bound.empty(); });
 
   if (jitters) out.verdict = Verdict::insufficient_data;
   else if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;
@@ -377,7 +366,7 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   else out.verdict = Verdict::partly_explained;
   suggest_flight(session, selection, options.jobs, out);
   if (out.verdict == Verdict::unexplained || out.verdict == Verdict::partly_explained)
-    offer_residual(session, selection, proof, tested.per_flight, options.jobs, out);
+    offer_residual(session, selection, proof, options.jobs, out);
   out.augmented_toml = augmented_toml(out);
   return out;
 }

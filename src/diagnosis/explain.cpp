@@ -103,7 +103,7 @@ std::string why_not_told(const Session& session, const Selection& selection, con
 
 }  // namespace
 
-void explain(const Session& session, const Selection& selection, const HoldoutTest& holdout, Diagnosis& out) {
+void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   const Catalogue& catalogue = session.catalogue();
   const auto group_of = [&](int g) -> const Group& { return catalogue.groups()[static_cast<std::size_t>(g)]; };
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
@@ -139,8 +139,9 @@ void explain(const Session& session, const Selection& selection, const HoldoutTe
     for (const EffectRow& row : effect_registry())
       if (std::find(effect.classmates.begin(), effect.classmates.end(), row.name) != effect.classmates.end()) ordered.emplace_back(row.name);
     effect.classmates = ordered;
-    const double paid = i < holdout.gain.size() ? holdout.gain[i] : 0.0;
-    effect.confidence = confidence(finding, paid);
+    effect.confidence = confidence(finding, challenge.tested.gain[i]);
+    effect.astray = most_astray(challenge.regimes[i]);
+    if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();
     if (finding.calibration) {
       out.calibration.push_back(effect);
     } else {

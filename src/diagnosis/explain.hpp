@@ -2,12 +2,12 @@
 #pragma once
 
 #include "diagnosis/diagnose.hpp"
-#include "diagnosis/holdout.hpp"
+#include "diagnosis/challenge.hpp"
 
 namespace gustlab::diagnosis {
 
 // Fills effects, calibration, rejected and not_identifiable of a diagnosis.
-void explain(const Session& session, const Selection& selection, const HoldoutTest& holdout, Diagnosis& out);
+void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out);
 // Share of findings that are right, of those whose agreement (0…1: stability, rivals, held-out gain) is as given.
 constexpr double calibrated_confidence(double agreement) { return 0.88 + 0.09 * agreement; }
 // Names `gust` when the flight says so; per axis strength, correlation time and a spectral line.

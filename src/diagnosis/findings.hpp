@@ -31,6 +31,15 @@ struct ConfusableEffect {
   double z = 0.0, delta_score = 0.0;
 };
 
+// How large a finding is, as a share of its value over all flights, where one variable is low, middling and high. The three
+// parts hold equally much information about it.
+struct Regimes {
+  std::string variable;
+  std::vector<double> share, deviation;   // 1: as over all flights; standard errors, robust within clusters
+  double spread = 0.0;                    // standard deviation between the parts beyond their errors
+  double chi_squared = 0.0;               // of the parts against their mean, in standard errors; degrees of freedom: parts − 1
+};
+
 struct EffectFinding {
   std::string effect;      // catalogue name
   std::string place;
@@ -41,6 +50,8 @@ struct EffectFinding {
   std::vector<std::string> classmates;   // itself included
   std::vector<ConfusableEffect> confusable;
   double gain = 0.0;       // rise of the score when it is removed
+  Regimes least_even;      // where its size varies most
+  double astray = 1.0;     // how far from its size it may be in any regime, as a share
 };
 
 struct Rejected {

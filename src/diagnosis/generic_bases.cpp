@@ -197,8 +197,12 @@ Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, con
   return gram;
 }
 
-double gain_of(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
-  const Eigen::MatrixXd gram = gram_with(session, family, columns);
+double gain_of(const Session& session, const BasisFamily& family, std::vector<int> columns, const std::vector<Trim>& trims) {
+  const auto firm = static_cast<Eigen::Index>(columns.size());
+  for (const Trim& trim : trims) columns.push_back(trim.column);
+  Eigen::MatrixXd gram = gram_with(session, family, columns);
+  for (std::size_t i = 0; i < trims.size(); ++i)
+    gram(firm + static_cast<Eigen::Index>(i), firm + static_cast<Eigen::Index>(i)) += 1.0 / (trims[i].deviation * trims[i].deviation);
   std::vector<int> before, after;
   for (int j = 0; j + 1 < gram.cols(); ++j) {
     if (j < static_cast<int>(columns.size())) before.push_back(j);

@@ -64,6 +64,7 @@ void accumulate(const Whitened& whitened, const std::vector<int>& columns, int f
     Eigen::Index count = 0;
     for (std::size_t k = first; k < last; ++k)
       if (whitened.warm[k]) kept.row(count++) = whitened.rows.row(static_cast<Eigen::Index>(k));
+    const double begin_s = whitened.time_s[first];
     first = last;
     if (count == 0) continue;
     const Eigen::MatrixXd local = kept.topRows(count).transpose() * kept.topRows(count);
@@ -73,6 +74,7 @@ void accumulate(const Whitened& whitened, const std::vector<int>& columns, int f
         full(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) = local(i, j);
     grams.block.push_back(std::move(full));
     grams.flight.push_back(flight);
+    grams.time_s.push_back(begin_s);
     if (blocks++ % 2 == 0) last_cluster = grams.clusters++;
     grams.cluster.push_back(last_cluster);
     grams.rows += static_cast<double>(count);

@@ -12,6 +12,7 @@ namespace gustlab::diagnosis {
 struct Grams {
   std::vector<Eigen::MatrixXd> block;
   std::vector<int> flight;          // of each block
+  std::vector<double> time_s;       // at which each block begins
   std::vector<int> cluster;         // blocks of one second belong together
   int clusters = 0;
   double rows = 0.0;                // whitened innovations that count

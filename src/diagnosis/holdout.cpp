@@ -4,7 +4,6 @@
 #include <map>
 #include <tuple>
 
-#include "config/toml.hpp"
 #include "diagnosis/pendulum.hpp"
 
 namespace gustlab::diagnosis {
@@ -97,30 +96,6 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
     Eigen::VectorXd fitted_part = Eigen::VectorXd::Zero(catalogue.size() + 1);
     for (const int c : used[i]) fitted_part[c] = coefficient[c];
     test.expected.push_back(fitted_part.dot(projected * fitted_part));
-  }
-  // values per flight, for the rollouts
-  Eigen::VectorXd fixed = Eigen::VectorXd::Zero(catalogue.size());
-  std::vector<int> free = session.biases();
-  for (const auto& columns : used)
-    for (const int c : columns) {
-      if (catalogue.columns()[static_cast<std::size_t>(c)].flight < 0) fixed[c] = coefficient[c];
-      else free.push_back(c);
-    }
-  Grams rest = grams;
-  rest.shift(-fixed);
-  const Fit fit = solve(rest.total(), free);
-  test.per_flight.resize(session.flights().size());
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(free[i])];
-    if (column.group < 0) continue;
-    auto& specs = test.per_flight[static_cast<std::size_t>(column.flight)];
-    const std::string type(catalogue.groups()[static_cast<std::size_t>(column.group)].row->name);
-    if (specs.empty() || specs.back().type != type) {
-      specs.emplace_back();
-      specs.back().type = specs.back().where = type;
-    }
-    specs.back().values.emplace_back(
-        column.name, config::shortest(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural));
   }
   return test;
 }

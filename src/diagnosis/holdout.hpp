@@ -11,8 +11,6 @@ struct HoldoutTest {
   std::vector<double> gain;     // per finding of the selection: χ² that it saves on the held-out flights
   std::vector<double> expected; // χ² that it would save there if it were just as it was fitted
   double loss_nominal = 0.0, loss_selected = 0.0, rows = 0.0;
-  // values per flight of the effects that were found, as they fit each held-out flight
-  std::vector<std::vector<EffectSpec>> per_flight;
 };
 
 // Shared values stay as they were fitted; only values per flight and sensor biases are fitted to the held-out flights.

@@ -19,6 +19,8 @@ constexpr std::array<const char*, 12> sensor_name = {"position x", "position y",
                                                      "roll rate", "pitch rate", "yaw rate", "specific force x",
                                                      "specific force y", "specific force z"};
 
+constexpr double scatter_share = 0.5;  // build scatter (sd) as a share of a reporting tolerance
+
 double chi_squared_tail(double value, double degrees) {
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees), std::max(value, 0.0)));
 }
@@ -272,9 +274,16 @@ Remainder remainder(const Session& session, const Selection& selection) {
   std::vector<int> columns = columns_of(session.catalogue(), selection.groups());
   columns.insert(columns.end(), session.biases().begin(), session.biases().end());
 
+  // what every vehicle is built with, and no one would name
+  std::vector<Trim> trims;
+  for (int c = 0; c < session.catalogue().size(); ++c) {
+    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    if (column.tolerance > 0.0 && std::find(columns.begin(), columns.end(), c) == columns.end())
+      trims.push_back({c, scatter_share * column.tolerance / column.natural});
+  }
   double worst = 0.0;
   for (const BasisFamily& family : omnibus_bases(session)) {
-    const double gain = gain_of(session, family, columns);
+    const double gain = gain_of(session, family, columns, trims);
     if (!beyond_chance(gain, family.size, rows)) continue;
     worst = std::max(worst, gain);
     result.alarms.push_back({"omnibus", fmt::format("the rest depends on {}", family.name), gain / rows});

@@ -191,7 +191,7 @@ std::vector<Proof> compare(const nlohmann::ordered_json& without, const nlohmann
 }  // namespace
 
 void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout,
-                    const std::vector<std::vector<EffectSpec>>& per_flight, int jobs, Diagnosis& out) {
+                    int jobs, Diagnosis& out) {
   if (out.fit.is_null()) return;
   // what stays beside it: the effects that are written into the augmented vehicle
   const Catalogue& catalogue = session.catalogue();
@@ -225,11 +225,9 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   }
 
   // proof on the held-out flights, with and without
-  std::vector<std::vector<EffectSpec>> own = per_flight;
-  for (auto& specs : own) std::erase_if(specs, [&](const EffectSpec& spec) { return !kept.contains(spec.type); });
   const auto flown = [&](const std::string& residual) {
     config::Table found = config::Table::parse(augmented_toml(out) + residual, "augmented.toml");
-    return verify(holdout, session.vehicle(), config::read_effects(found), own, jobs);
+    return verify(holdout, session.vehicle(), config::read_effects(found), jobs);
   };
   const auto show = [&](Verification&& verified) {
     out.fit = std::move(verified.fit);

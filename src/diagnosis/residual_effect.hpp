@@ -12,6 +12,6 @@ namespace gustlab::diagnosis {
 // disturbance (commands, tilt, rates) never enter: they would explain clean closed-loop flights. When open-loop rollouts on `holdout` become better, fills
 // residual_model and residual_toml of `out`; the `fit` block is then that of the model with it. Linearises the session.
 void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout,
-                    const std::vector<std::vector<EffectSpec>>& per_flight, int jobs, Diagnosis& out);
+                    int jobs, Diagnosis& out);
 
 }  // namespace gustlab::diagnosis

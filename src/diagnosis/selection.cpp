@@ -181,6 +181,7 @@ class Selector {
 
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
+    std::vector<int> tried;
     for (bool settled = false; !settled;) {
       s_.linearise(value, s_.all_columns());
       s_.learn_noise(6, with_biases(chosen));
@@ -191,6 +192,14 @@ class Selector {
       prune(result, chosen, total, result.loss_nominal);
       // what stays takes over what went
       settled = chosen.size() == before || chosen.empty();
+      // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right
+      if (settled && s_.shoots()) {
+        const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
+        const double loss = solve(total, with_biases(chosen)).loss;
+        const int more = search.addition(project_out(total, s_.biases()), chosen, tried, material(result.grams.rows, result.loss_nominal - loss));
+        settled = more < 0;
+        if (!settled) chosen.insert(std::upper_bound(chosen.begin(), chosen.end(), more), more), tried.push_back(more);
+      }
       if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
     }
     result.noise_selected = s_.noise;

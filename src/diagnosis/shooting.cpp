@@ -10,7 +10,9 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr int rows_per_horizon = error_size;
+// Columns that were filtered differently do not agree: a velocity is not quite the derivative of its position. Of the two the
+// faster one is predicted, where it was recorded: velocity (else position), body rate (else attitude).
+constexpr int rows_per_horizon = 6;
 constexpr auto window_rows = static_cast<Eigen::Index>(shooting_horizon_s.size()) * rows_per_horizon;
 
 // an effect this many times its natural size is not yet absurd
@@ -67,16 +69,27 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
   const Vector3 arm = forces.vehicle().center_of_mass_B_m;
   Evaluator evaluate{forces, {}, {}, reading.trim_B_radps2};
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    Point x = center_of_mass(flight.motion[windows[w].start], arm);
+    // a smoothed record is nearer the truth than half a second of open loop: forces see the recorded attitude, torques
+    // the recorded velocity, and neither is charged with the other's errors
+    Point moves = center_of_mass(flight.motion[windows[w].start], arm), turns = moves;
     std::size_t k = windows[w].start;
     for (std::size_t h = 0; h < windows[w].at.size(); ++h) {
       for (; k < windows[w].at[h]; ++k) {
         const Sample& sample = flight.samples[k];
-        x = propagate(evaluate, x, sample.time_s - flight.start_s, flight.samples[k + 1].time_s - sample.time_s, sample.voltage_V,
-                      rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
+        const auto run = [&](const Point& from) {
+          return propagate(evaluate, from, sample.time_s - flight.start_s, flight.samples[k + 1].time_s - sample.time_s, sample.voltage_V,
+                           rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
+        };
+        const Point recorded = center_of_mass(flight.motion[k + 1], arm);
+        moves = run(moves);
+        turns = run(turns);
+        moves.attitude = recorded.attitude, moves.rate = recorded.rate;
+        turns.position = recorded.position, turns.velocity = recorded.velocity;
       }
-      out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, static_cast<Eigen::Index>(w)) =
-          center_of_mass(flight.motion[k], arm).minus(x);
+      const Vector12 missed = center_of_mass(flight.motion[k], arm).minus(Point{moves.position, moves.velocity, turns.attitude, turns.rate});
+      const unsigned seen = flight.samples[k].channels;
+      out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, static_cast<Eigen::Index>(w))
+          << missed.segment<3>(seen & has_velocity ? 3 : 0), missed.segment<3>(seen & has_rate ? 9 : 6);
     }
   }
   return out;
@@ -148,7 +161,7 @@ ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const s
     }
   // robust size of each row: median
   Eigen::VectorXd sd(window_rows);
-  constexpr std::array<double, 4> least = {1e-4, 1e-3, 1e-3, 1e-2};
+  constexpr std::array<double, 2> least = {1e-3, 1e-2};  // m/s and rad/s
   std::vector<double> values(left.size());
   for (Eigen::Index row = 0; row < window_rows; ++row) {
     std::transform(left.begin(), left.end(), values.begin(), [row](const Eigen::VectorXd& r) { return std::abs(r[row]); });
@@ -180,7 +193,8 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
   for (std::size_t f = 0; f < flights.size(); ++f) {
     std::vector<int> at = flights[f].columns;
     at.push_back(catalogue_size);
-    for (const Eigen::MatrixXd& window : flights[f].window) {
+    for (std::size_t w = 0; w < flights[f].window.size(); ++w) {
+      const Eigen::MatrixXd& window = flights[f].window[w];
       Eigen::MatrixXd z = weights * window;
       // a window that the model loses altogether weighs no more than one that it loses clearly
       const double size = z.col(z.cols() - 1).norm() / std::sqrt(static_cast<double>(window_rows));
@@ -192,6 +206,7 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
           full(at[i], at[j]) = local(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       grams.block.push_back(std::move(full));
       grams.flight.push_back(static_cast<int>(f));
+      grams.time_s.push_back(flights[f].time_s[w]);
       grams.cluster.push_back(grams.clusters++);
       grams.rows += static_cast<double>(window_rows);
     }
@@ -208,6 +223,7 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
   }
   grams.block.push_back(std::move(prior));
   grams.flight.push_back(0);
+  grams.time_s.push_back(0.0);
   grams.cluster.push_back(grams.clusters++);
   return grams;
 }

@@ -84,6 +84,21 @@ std::vector<std::vector<Subset>> SubsetSearch::run(const Eigen::MatrixXd& gram, 
   return by_size;
 }
 
+int SubsetSearch::addition(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::vector<int>& passed_over, double material) const {
+  double best = evaluate(gram, groups).score - material;
+  int addition = -1;
+  for (const int g : candidates) {
+    if (std::find(groups.begin(), groups.end(), g) != groups.end()) continue;
+    if (std::find(passed_over.begin(), passed_over.end(), g) != passed_over.end()) continue;
+    std::vector<int> more = groups;
+    more.insert(std::upper_bound(more.begin(), more.end(), g), g);
+    if (!allowed(more)) continue;
+    const Subset subset = evaluate(gram, more);
+    if (subset.score < best) best = subset.score, addition = g;
+  }
+  return addition;
+}
+
 Subset SubsetSearch::choose(const std::vector<std::vector<Subset>>& by_size, double material) {
   Subset best = by_size[0].front();
   for (std::size_t size = 1; size < by_size.size(); ++size) {

@@ -22,6 +22,8 @@ struct SubsetSearch {
   static Subset choose(const std::vector<std::vector<Subset>>& by_size, double material);
   // Loss of one subset; infinite when a coefficient leaves its bounds or a group needs another that is missing.
   Subset evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const;
+  // The group that pays most beside those given, besides what a further effect must gain; −1: none does.
+  int addition(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::vector<int>& passed_over, double material) const;
   bool allowed(const std::vector<int>& groups) const;
 
   const Catalogue& catalogue;

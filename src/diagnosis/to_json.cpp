@@ -34,6 +34,8 @@ ordered_json effects(const std::vector<EffectFinding>& findings) {
     one["confusable_with"] = ordered_json::array();
     for (const ConfusableEffect& c : f.confusable)
       one["confusable_with"].push_back({{"effect", c.effect}, {"equivalent", c.equivalent}, {"z", number(c.z)}, {"delta_score", number(c.delta_score)}});
+    if (!f.least_even.variable.empty())
+      one["least_even"] = {{"variable", f.least_even.variable}, {"share", f.least_even.share}, {"std", f.least_even.deviation}};
     result.push_back(one);
   }
   return result;

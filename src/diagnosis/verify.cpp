@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "config/toml.hpp"
+#include "diagnosis/per_flight.hpp"
 #include "diagnosis/replay.hpp"
 #include "diagnosis/rollout.hpp"
 #include "gustlab/errors.hpp"
@@ -45,7 +46,7 @@ std::array<double, 6> picture(const Vector3& position, const Quaternion& q) {
 
 // the middle of a flight, predicted again and again from recorded states
 std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& vehicle, const std::vector<EffectSpec>& before,
-                                   const std::vector<EffectSpec>& after) {
+                                   const std::vector<EffectSpec>& after, int jobs) {
   const Recording recording(log, vehicle, ReplayOptions{});
   const RecordedMotion& motion = recording.motion;
   const char* names[] = {"position x", "position y", "position z", "roll", "pitch", "yaw"};
@@ -53,8 +54,9 @@ std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& veh
   for (int i = 0; i < 6; ++i) traces.push_back({names[i], i < 3 ? "m" : "rad", {}, {}, {}, {}});
   const std::size_t first = motion.nearest(0.5 * motion.time_s(motion.rows() - 1));
   const auto fly = [&](const std::vector<EffectSpec>& effects, std::vector<double> WindowTrace::*into, bool measured) {
-    Rollout rollout(recording, effects);
-    const auto speeds = rollout.rotor_speeds();
+    const auto speeds = Rollout(recording, effects).rotor_speeds();
+    const PerFlightFit known(recording, effects, speeds, true, jobs);
+    Rollout rollout(recording, known.effects(known.known_by(first)));
     double begun_s = -1e9;
     for (std::size_t row = first; row < motion.rows() && motion.time_s(row) < motion.time_s(first) + window_s; ++row) {
       if (!motion.complete(row) || (row > first && !motion.follows(row - 1))) break;
@@ -106,23 +108,20 @@ FlightLog with_later_inputs(const FlightLog& log, double by_s) {
   return later;
 }
 
-Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& vehicle, const std::vector<EffectSpec>& found,
-                    const std::vector<std::vector<EffectSpec>>& per_flight, int jobs) {
+Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& vehicle, const std::vector<EffectSpec>& found, int jobs) {
   Verification result;
   std::vector<FitErrors> before, after;
   ReplayOptions options;
   options.jobs = jobs;
   const std::vector<EffectSpec> augmented = config::merge_effects(vehicle.effects, found);
-  for (std::size_t f = 0; f < holdout.size(); ++f) {
-    std::vector<EffectSpec> here = augmented;
-    if (f < per_flight.size()) here = config::merge_effects(here, per_flight[f]);
+  for (const FlightLog& log : holdout) {
     try {
-      FitErrors nominal = replay(holdout[f], vehicle, vehicle.effects, options);
-      after.push_back(replay(holdout[f], vehicle, here, options));
+      FitErrors nominal = replay(log, vehicle, vehicle.effects, options);
+      after.push_back(replay(log, vehicle, augmented, options));
       before.push_back(std::move(nominal));
       if (result.window.empty()) {
-        result.window = window_of(holdout[f], vehicle, vehicle.effects, here);
-        result.window_file = holdout[f].path.substr(holdout[f].path.find_last_of('/') + 1);
+        result.window = window_of(log, vehicle, vehicle.effects, augmented, jobs);
+        result.window_file = log.path.substr(log.path.find_last_of('/') + 1);
       }
     } catch (const DataError&) {
       // a log without attitude cannot be flown; what it lacks is said under not_identifiable

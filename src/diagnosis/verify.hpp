@@ -22,9 +22,9 @@ struct Verification {
   std::vector<WindowTrace> window;
 };
 
-// `found`: all that acts after the diagnosis, besides values per flight. Logs: with their command offsets taken out.
-Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& vehicle, const std::vector<EffectSpec>& found,
-                    const std::vector<std::vector<EffectSpec>>& per_flight, int jobs);
+// `found`: all that acts after the diagnosis; values per flight are fitted to what came before each window. Logs: with their
+// command offsets taken out.
+Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& vehicle, const std::vector<EffectSpec>& found, int jobs);
 
 // The log with its actuator inputs read some time later.
 FlightLog with_later_inputs(const FlightLog& log, double by_s);

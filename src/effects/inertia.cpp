@@ -14,7 +14,7 @@ class Inertia final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     const auto axis = [&visitor](std::string_view name, double& delta) {
       visitor.number(name, delta,
-                     {.unit = "-", .help = "relative change of the moment of inertia", .min = -0.9, .max = 10.0,
+                     {.unit = "-", .help = "relative change of the moment of inertia", .min = -0.9, .max = 30.0,
                       .natural = 0.05, .tolerance = 0.05});
     };
     axis("delta_x", delta_.x());

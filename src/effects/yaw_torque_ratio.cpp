@@ -11,7 +11,7 @@ class YawTorqueRatio final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("delta", delta_,
-                   {.unit = "-", .help = "relative change of the reaction torque alone", .min = -10.0, .max = 10.0,
+                   {.unit = "-", .help = "relative change of the reaction torque alone", .min = -100.0, .max = 100.0,
                     .natural = 0.05, .tolerance = 0.05});
   }
 

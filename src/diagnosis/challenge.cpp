@@ -1,0 +1,64 @@
+#include "diagnosis/challenge.hpp"
+
+#include <fmt/format.h>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr int most_rounds = 6;
+constexpr double least_tested = 10.0;   // χ² that a finding should save on the held-out flights
+constexpr double most_spread = 0.15;    // between regimes, as a share of the whole
+constexpr double surely_uneven = 18.0;  // χ² of two degrees of freedom: p = 0.001 over nine variables
+
+// what the held-out flights do not excite, they do not refute
+bool does_not_pay(const HoldoutTest& tested, std::size_t i) {
+  return tested.rows > 0.0 && tested.gain[i] <= 0.0 && tested.expected[i] >= least_tested;
+}
+
+const Regimes* uneven(const std::vector<Regimes>& regimes) {
+  for (const Regimes& r : regimes)
+    if (r.spread > most_spread && r.chi_squared > surely_uneven) return &r;
+  return nullptr;
+}
+
+}  // namespace
+
+Challenge challenge(Session& session, Selection& selection, const std::vector<FlightData>& held,
+                    const std::vector<FlightData>& held_own_rate, int jobs) {
+  Challenge result;
+  for (int round = 0;; ++round) {
+    result.tested = test_holdout(session, selection, held, held_own_rate, jobs);
+    result.regimes.clear();
+    for (const Finding& finding : selection.findings) result.regimes.push_back(regimes(session, selection, finding));
+    std::vector<int> failed;
+    std::size_t widest = 0;
+    double spread = 0.0;
+    const auto withdraw_finding = [&](std::size_t i, double gain, std::string why) {
+      const Group& group = session.catalogue().groups()[static_cast<std::size_t>(selection.findings[i].group)];
+      result.withdrawn.push_back({std::string(group.row->name), gain, std::move(why)});
+      failed.push_back(selection.findings[i].group);
+    };
+    for (std::size_t i = 0; i < selection.findings.size(); ++i) {
+      if (selection.findings[i].calibration) continue;
+      if (does_not_pay(result.tested, i))
+        withdraw_finding(i, result.tested.gain[i], "fits the flights it was found on, and does not pay on the held-out ones");
+      // values of every flight's own catch whatever has a mean
+      const Group& group = session.catalogue().groups()[static_cast<std::size_t>(selection.findings[i].group)];
+      const Regimes* r = group.row->per_flight ? uneven(result.regimes[i]) : nullptr;
+      if (r && r->spread > spread) spread = r->spread, widest = i;
+    }
+    // one at a time: what goes may be what made the others uneven
+    if (failed.empty() && spread > 0.0) {
+      const Regimes& r = *uneven(result.regimes[widest]);
+      withdraw_finding(widest, selection.findings[widest].gain,
+                       fmt::format("only suspected: it is {:.0f}, {:.0f} and {:.0f} % of itself where {} is low, middling and high; physics "
+                                   "would be the same everywhere",
+                                   100.0 * r.share[0], 100.0 * r.share[1], 100.0 * r.share[2], r.variable));
+    }
+    if (failed.empty() || round == most_rounds) return result;
+    selection = withdraw(session, {}, selection, failed);
+  }
+}
+
+}  // namespace gustlab::diagnosis

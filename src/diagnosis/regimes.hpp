@@ -1,0 +1,18 @@
+// Is an effect the same wherever one looks? Physics holds at low and at high speed, in every flight, early and late; the
+// shadow of something that no catalogue holds fits where it was seen and is of another size elsewhere.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/findings.hpp"
+#include "diagnosis/selection.hpp"
+
+namespace gustlab::diagnosis {
+
+// Every variable's regimes of one finding, the widest spread first.
+std::vector<Regimes> regimes(const Session& session, const Selection& selection, const Finding& finding);
+
+// How far from its size over all flights a finding may be in any regime: the largest |share − 1| + 2 standard errors.
+double most_astray(const std::vector<Regimes>& regimes);
+
+}  // namespace gustlab::diagnosis
