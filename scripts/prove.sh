@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# proves the diagnosis on trials it has not seen and writes docs/PROOF.md with its figures; about an hour on two cores.
-# usage: scripts/prove.sh [--quick] [--count X] [--seed 9000] [--flights DIR] [--keep] [--jobs N]   (see scripts/prove/prove.py)
+# proves the diagnosis on trials it has not seen and writes docs/PROOF.md with its figures; see --count, --only.
+# usage: scripts/prove.sh [--quick] [--count X] [--seed 9000] [--flights DIR] [--only SETS] [--jobs N]   (see scripts/prove/prove.py)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

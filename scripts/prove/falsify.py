@@ -8,6 +8,8 @@ import re
 import shutil
 import tomllib
 import xml.etree.ElementTree as xml
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -55,7 +57,10 @@ class VehicleFolder:
         return next((e for e in self.table.get("effect", []) if e["type"] == name), None)
 
     def add_found(self, diagnosis):
-        """Puts what a diagnosis found (totals, calibration included) into the vehicle."""
+        """Puts what a diagnosis found (totals, calibration and turning directions included) into the vehicle."""
+        if any(f["kind"] == "sign" and f["column"] == "rotor.direction" for f in diagnosis["log_findings"]):
+            for rotor in self.table["rotor"]:
+                rotor["direction"] = "cw" if rotor["direction"] == "ccw" else "ccw"
         for found in diagnosis["effects"] + diagnosis.get("calibration", []):
             if found["effect"] in NOT_OF_THE_VEHICLE:
                 continue
@@ -80,31 +85,48 @@ class VehicleFolder:
         self.mjcf.write(folder / self.table["mjcf"], encoding="unicode")
 
 
-def falsifications(vehicle, rotor=2):
-    """{case: (change of the vehicle, what a diagnosis must then name)} of what this vehicle allows."""
-    cases = {"mass_-10%": (lambda v: v.scale_inertial("mass", 0.9), {"effect": "mass", "parameters": {"delta": 1 / 0.9 - 1}}),
-             "center_of_mass_+2mm": (lambda v: v.move_center((0.002, 0, 0)),
-                                     {"effect": "center_of_mass", "parameters": {"x": -0.002, "y": 0.0, "z": 0.0}}),
-             "inertia_-25%": (lambda v: v.scale_inertial("diaginertia", 0.75),
-                              {"effect": "inertia", "parameters": dict.fromkeys(("delta_x", "delta_y", "delta_z"), 1 / 0.75 - 1)})}
+@dataclass(frozen=True)
+class Falsification:
+    """One thing that is wrong on purpose: what it does to the vehicle or the log, and what must then be named."""
+    effect: str
+    totals: dict                          # parameter → its total against the wrong file, from that against the right one
+    change: Callable = lambda vehicle: None
+    rotor: int | None = None
+    pose_delay_s: float = 0.0
 
-    def stronger_rotor(v):
-        v.table["rotor"][rotor - 1]["coefficient"] = 1.08 * v.table["thrust"]["coefficient"]
-    cases[f"rotor_{rotor}_+8%"] = (stronger_rotor, {"effect": "rotor_loss", "parameters": {"rotor": rotor, "loss": 1 - 1 / 1.08}})
 
+def falsifications(vehicle):
+    """{case: Falsification} of what this vehicle allows; drag and lag only where it has them."""
+    same = lambda total: total
+    scaled = lambda by: lambda delta: (1 + delta) / by - 1
+    cases = {}
+    for percent in (-10, 10):
+        by = 1 + percent / 100
+        cases[f"mass_{percent:+}%"] = Falsification("mass", {"delta": scaled(by)}, lambda v, by=by: v.scale_inertial("mass", by))
+    for axis, by_m in (("x", 0.002), ("y", -0.002)):
+        move = [by_m if axis == own else 0.0 for own in "xyz"]
+        totals = {own: lambda total, d=d: total - d for own, d in zip("xyz", move)}
+        cases[f"center_of_mass_{axis}_{1e3 * by_m:+g}mm"] = Falsification("center_of_mass", totals, lambda v, move=move: v.move_center(move))
+    cases["inertia_-25%"] = Falsification("inertia", dict.fromkeys(("delta_x", "delta_y", "delta_z"), scaled(0.75)),
+                                          lambda v: v.scale_inertial("diaginertia", 0.75))
+    for rotor in range(1, len(vehicle.table["rotor"]) + 1):
+        stronger = lambda v, rotor=rotor: v.table["rotor"][rotor - 1].update(coefficient=1.08 * v.table["thrust"]["coefficient"])
+        cases[f"rotor_{rotor}_+8%"] = Falsification("rotor_loss", {"loss": lambda loss: 1 - (1 - loss) / 1.08}, stronger, rotor)
     for name in ("rotor_drag", "motor_lag"):
         own = vehicle.effect(name)
         if own is None:
             continue
         numbers = {key: value for key, value in own.items() if isinstance(value, float)}
+        totals = dict.fromkeys(numbers, same)
 
         def remove(v, name=name):
             v.table["effect"] = [e for e in v.table["effect"] if e["type"] != name]
 
         def halve(v, name=name, numbers=numbers):
             v.effect(name).update({key: 0.5 * value for key, value in numbers.items()})
-        cases[f"{name}_removed"] = (remove, {"effect": name, "parameters": numbers})
-        cases[f"{name}_halved"] = (halve, {"effect": name, "parameters": numbers})
+        cases[f"{name}_removed"] = Falsification(name, totals, remove)
+        cases[f"{name}_halved"] = Falsification(name, totals, halve)
+    cases["pose_15ms_late"] = Falsification("pose_delay", {"delay": lambda total: total + 0.015}, pose_delay_s=0.015)
     return cases
 
 

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """The whole proof: draws concealed trials from the independent reality, diagnoses them, scores, and writes docs/PROOF.md.
 
-    scripts/prove.sh [--quick] [--count X] [--seed 9000] [--jobs 2] [--flights DIR] [--keep] [--work DIR] [--out docs]
+    scripts/prove.sh [--quick] [--count X] [--seed 9000] [--jobs 2] [--flights DIR] [--only NAME,NAME] [--work DIR] [--out docs]
 
-`--count` multiplies the number of trials; `--quick` is a small sample. Trials and answers stay under --work, with their
-SHA-256, which are printed before the first diagnosis. `--keep` goes on where an earlier run stopped.
+`--count` multiplies the number of trials, of each kind and strength at least one; `--quick` is a small sample of every kind.
+Trials and answers stay under --work, with their SHA-256, which are printed before the first diagnosis. What is finished is
+kept: an ended run goes on where it stopped, as long as plan and program are the same. `--only clean,single_mass,real` does
+these sets alone and writes no page, so that several processes can share the work; a last run without it completes the page.
 """
 
 import argparse
@@ -40,48 +42,52 @@ class Draw:
 
 
 def plan(seed, scale, quick, effects):
-    if quick:
-        singles = [Draw(f"single_{e}", seed + 100 + effects.index(e), [(1, ["--effect", e, "--strength-factor", "5"])])
-                   for e in ("rotor_drag", "mass", "rotor_loss", "motor_lag") if e in effects]
-        return [Draw("clean", seed + 1, [(2, ["--kind", "clean"])]), *singles,
-                Draw("pair", seed + 300, [(1, ["--kind", "pair", "--strength-factor", "4"])]),
-                Draw("outside", seed + 400, [(1, ["--kind", "outside"])])]
-    times = lambda n: max(1, math.ceil(scale * n))
-    singles = [Draw(f"single_{e}", seed + 100 + i, [(times(1), ["--effect", e, "--strength-factor", f"{s:g}"]) for s in (STRENGTHS if scale >= 1 else STRENGTHS[::2])])
-               for i, e in enumerate(effects)]
+    times = (lambda n: 1) if quick else (lambda n: max(1, math.ceil(scale * n)))
+    strengths, pair_strengths = ((4.0,), (4.0,)) if quick else (STRENGTHS, PAIR_STRENGTHS)
+    forced = lambda arguments, n, factors: [(times(n), [*arguments, "--strength-factor", f"{f:g}"]) for f in factors]
+    singles = [Draw(f"single_{e}", seed + 100 + i, forced(["--effect", e], 1, strengths))
+               for i, e in enumerate(effects) if not quick or e in ("rotor_drag", "mass", "rotor_loss", "motor_lag")]
     return [Draw("clean", seed + 1, [(times(60), ["--kind", "clean"])]), Draw("scatter", seed + 2, [(times(20), ["--kind", "scatter"])]),
-            *singles, Draw("pair", seed + 300, [(times(20), ["--kind", "pair", "--strength-factor", f"{s:g}"]) for s in PAIR_STRENGTHS]),
+            *singles, Draw("pair", seed + 300, forced(["--kind", "pair"], 20, pair_strengths)),
             Draw("outside", seed + 400, [(times(40), ["--kind", "outside"])]),
             Draw("mixed", seed + 500, [(times(100), ["--kind", "mixed"])])]
 
 
-def draw_sets(sets, reality, work, jobs, keep):
-    """Draws what is not there yet; returns [(name, commands, sha256)]. A set that the reality refuses is left out, and said."""
+def draw_sets(sets, reality, work, jobs):
+    """Draws what is not there yet; returns [(name, commands, sha256)]. A set that the reality refuses ends the proof."""
     (work / "answers").mkdir(parents=True, exist_ok=True)
+    complete = lambda one: work / "answers" / f"{one.name}.jsonl"
     waiting, drawn = {}, []
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         for one in sets:
-            if keep and (work / "answers" / f"{one.name}.jsonl").exists():
-                continue
-            for number, command in enumerate(one.commands(reality, work)):
-                waiting[one.name, number] = pool.submit(subprocess.run, command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            if not complete(one).exists():
+                waiting[one.name] = [pool.submit(subprocess.run, command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                     for command in one.commands(reality, work)]
     for one in sets:
-        answers = work / "answers" / f"{one.name}.jsonl"
-        commands = list(one.commands("reality", Path("WORK")))
-        results = [waiting[key].result() for key in waiting if key[0] == one.name]
+        results = [future.result() for future in waiting.get(one.name, [])]
         failed = next((r for r in results if r.returncode != 0), None)
         if failed is not None:
-            print(f"{one.name}: not drawn: {failed.stderr.strip().splitlines()[0]}", file=sys.stderr)
-            continue
+            sys.exit(f"prove: {one.name} could not be drawn: {failed.stderr.strip().splitlines()[0]}")
         if results:
-            parts = [work / "answers" / f"{one.name}.part{number}" for number in range(len(commands))]
-            answers.write_bytes(b"".join(part.read_bytes() for part in parts))
+            parts = [work / "answers" / f"{one.name}.part{number}" for number in range(len(results))]
+            joined = work / "answers" / f"{one.name}.joined"
+            joined.write_bytes(b"".join(part.read_bytes() for part in parts))
+            joined.rename(complete(one))
             for part in parts:
                 part.unlink()
-        digest = hashlib.sha256(answers.read_bytes()).hexdigest()
+        digest = hashlib.sha256(complete(one).read_bytes()).hexdigest()
         print(f"{one.name} {digest}", flush=True)
-        drawn.append((one.name, [shlex.join(c[:c.index("--out")]) for c in commands], digest))
+        drawn.append((one.name, [shlex.join(c[:c.index("--out")]) for c in one.commands("reality", Path("WORK"))], digest))
     return drawn
+
+
+def same_as_before(work, stamp):
+    """Whether the work folder belongs to this plan and program; a new one does from now on."""
+    path = work / "stamp.json"
+    if not path.exists():
+        work.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(stamp, indent=1) + "\n", encoding="utf-8")
+    return json.loads(path.read_text(encoding="utf-8")) == stamp
 
 
 def timing(gustlab, work, names):
@@ -117,6 +123,10 @@ def diagnosable(gustlab):
     return [row["name"] for row in rows["effects"] if row["diagnosable"]]
 
 
+def sha256_of(path):
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--gustlab", default=str(HOME / "build/release/gustlab"))
@@ -128,29 +138,35 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--flights", type=Path, help="real flights, as docs/DATA.md describes")
-    parser.add_argument("--keep", action="store_true")
+    parser.add_argument("--only", default="", help="these sets alone, comma-separated ('real': the real flights); no page")
     parser.add_argument("--no-baseline", action="store_true")
     options = parser.parse_args()
-    work = options.work
+    work, only = options.work, [name for name in options.only.split(",") if name]
+    stamp = {"seed": options.seed, "count": options.count, "quick": options.quick, "gustlab": sha256_of(options.gustlab),
+             "reality": sha256_of(options.reality)}
+    if not same_as_before(work, stamp):
+        parser.error(f"{work} holds the trials of another plan or program (stamp.json): remove it, or name another --work")
     sets = plan(options.seed, options.count, options.quick, diagnosable(options.gustlab))
-    drawn = draw_sets(sets, options.reality, work, options.jobs, options.keep)
-    if not drawn:
-        print("prove: no set could be drawn", file=sys.stderr)
-        return 4
+    if unknown := set(only) - {one.name for one in sets} - {"real"}:
+        parser.error(f"no set is called {', '.join(sorted(unknown))}: there are {', '.join(one.name for one in sets)} and real")
+    if only:
+        sets = [one for one in sets if one.name in only]
+    drawn = draw_sets(sets, options.reality, work, options.jobs)
     places = [(work / name, work / "answers" / f"{name}.jsonl") for name, _, _ in drawn]
 
     # two diagnoses at a time with one thread each are faster than one with two
     one_thread = ["--jobs", "1"] if options.jobs > 1 else []
-    diagnose_sets(places, "diagnosis", [options.gustlab, "diagnose"], one_thread, options.jobs, options.keep)
-    result = {"score": json.loads(score(places, "diagnosis", options.gustlab, "json")), "baseline": None, "sets": drawn}
+    diagnose_sets(places, "diagnosis", [options.gustlab, "diagnose"], one_thread, options.jobs, keep=True)
     if not options.no_baseline:
         program = [sys.executable, str(Path(__file__).with_name("naive_baseline.py"))]
-        diagnose_sets(places, "baseline", program, ["--gustlab", options.gustlab], options.jobs, options.keep)
-        result["baseline"] = json.loads(score(places, "baseline", options.gustlab, "json"))
+        diagnose_sets(places, "baseline", program, ["--gustlab", options.gustlab], options.jobs, keep=True)
+    real = real_flights(options.flights, options.gustlab, work, options.jobs) if not only or "real" in only else None
+    if only:
+        return 0
+    scored = lambda name: json.loads(score(places, name, options.gustlab, "json"))
     timed = [name for name, _, _ in drawn if name.startswith(("single_", "pair", "clean"))]
-    result["timing"] = timing(options.gustlab, work, timed[:3] if options.quick else timed[:10])
-    result["real"] = real_flights(options.flights, options.gustlab, work, options.jobs)
-    result["quick"] = options.quick
+    result = {"score": scored("diagnosis"), "baseline": None if options.no_baseline else scored("baseline"), "sets": drawn, "real": real,
+              "timing": timing(options.gustlab, work, timed[:3] if options.quick else timed[:10]), "quick": options.quick}
     (work / "proof.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     write_proof(result, options.out)
     print(options.out / "PROOF.md")

@@ -49,10 +49,14 @@ class Bench:
         self.gustlab, self.out = gustlab, out
 
     def diagnose(self, name, fit, holdout, arguments=()):
+        """The diagnosis and its time and memory; a finished one is kept."""
+        path, run = self.out / name / "diagnosis.json", self.out / f"{name}.run.json"
+        if path.exists() and run.exists():
+            return json.loads(path.read_text(encoding="utf-8")), json.loads(run.read_text(encoding="utf-8"))
         command = [self.gustlab, "diagnose", *map(str, fit), *(text for path in holdout for text in ("--holdout", str(path))),
                    "--out", str(self.out / name), *arguments]
         figures = run_measured(command, self.out / f"{name}.messages.txt")
-        path = self.out / name / "diagnosis.json"
+        run.write_text(json.dumps(figures) + "\n", encoding="utf-8")
         return (json.loads(path.read_text(encoding="utf-8")) if figures["exit_code"] == 0 and path.exists() else None), figures
 
     def replay(self, flights, model, vehicle):
@@ -157,18 +161,6 @@ def crazypad(bench, folder):
     return rows
 
 
-def semi_real_sets(folders):
-    sets = []
-    if "nanodrone" in folders:
-        log = lambda name: folders["nanodrone"] / f"train_{name}.csv.gz"
-        sets.append(("nanodrone", [log("random1_run1"), log("random2_run2"), log("multisine_run1"), log("square_run3")], [log("random1_run2")],
-                     HOME / "models" / "crazyflie_brushless" / "vehicle.toml"))
-    if "nanobench" in folders:
-        log = lambda name: next(folders["nanobench"].glob(f"{name}*.csv.gz"))
-        sets.append(("nanobench", [log("B2"), log("B3")], [log("B6")], HOME / "models" / "crazyflie_real" / "vehicle.toml"))
-    return sets
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("flights", type=Path)
@@ -192,10 +184,8 @@ def main():
     if wants("crazypad") and "crazypad" in folders:
         result["cases"] += crazypad(bench, folders["crazypad"])
     if wants("semi_real"):
-        sets = semi_real_sets(folders)
-        if sets:
-            left, scored, _ = semi_real.run(sets, options.out / "semi_real", options.gustlab, options.jobs)
-            result["semi_real"] = {"left": left, "trials": scored["trials"], "not_right": scored["not_right"]}
+        result["semi_real"] = {variant: semi_real.run(folders, options.out / "semi_real", options.gustlab, options.jobs, variant)
+                               for variant in semi_real.VARIANTS}
     print(json.dumps(result, indent=1))
 
 
