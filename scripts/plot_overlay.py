@@ -14,14 +14,16 @@ def draw(options):
         flight = figures.Flight(folder)
         panels.setdefault(flight.name("vehicle", "trajectory"), []).append(flight)
 
-    figure, axes = plt.subplots(1, len(panels), figsize=(2.6 * len(panels), 2.8), squeeze=False)
+    figure, axes = plt.subplots(1, len(panels), figsize=(2.6 * len(panels), 3.0), squeeze=False)
     for axis, (title, flights) in zip(axes[0], panels.items()):
         axis.plot(*flights[0].need("rpx", "rpy"), **REFERENCE)
         for flight in flights:
             axis.plot(*flight.need("px", "py"), label=flight.name("controller"))
         axis.set(xlabel="x / m", ylabel="y / m", title=title)
         axis.set_aspect("equal", adjustable="datalim")
-        axis.legend()
+    # one legend below: inside a panel it would hide paths
+    named = {label: line for axis in axes[0] for line, label in zip(*axis.get_legend_handles_labels())}
+    figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=len(named))
     figures.save(figure, options.out)
 
 

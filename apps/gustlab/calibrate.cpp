@@ -65,6 +65,7 @@ void calibrate_command(const CalibrateArguments& options) {
   const std::string beside = options.calibration.empty() ? calibration_path(path) : options.calibration;
   const Calibration calibration = read_calibration(beside);
   const Published published = read_published(find_resource("experiments/published_tables.toml"));
+  check_folder_can_be_made(options.out);
 
   const std::atomic<bool>& stop = interrupted();
   Progress progress;

@@ -9,6 +9,7 @@
 #include "calibration/calibration.hpp"
 #include "commands.hpp"
 #include "config/resources.hpp"
+#include "gustlab/errors.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -28,11 +29,23 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 3> paper_tab
 constexpr std::string_view proxy_table = "table3";
 
 struct ReproduceArguments {
-  std::string table = "all", out;
+  std::string table = "all", experiment, out;
   int jobs = default_jobs();
 };
 
-// flies what OUT does not hold yet
+// one report: tables of the paper, and the experiments that are flown for them
+struct Report {
+  std::string folder;
+  std::vector<OurTable> tables;  // still without runs
+  std::vector<Experiment> experiments;
+
+  void add(std::string_view table, Experiment experiment, bool all_replicates) {
+    tables.push_back({std::string(table), experiment.name, experiment.vehicle.name, {}, all_replicates});
+    experiments.push_back(std::move(experiment));
+  }
+};
+
+// flies what the folder does not hold yet
 std::vector<ResultRow> fly_table(const Experiment& experiment, const std::string& folder, int jobs) {
   const std::atomic<bool>& stop = interrupted();
   Progress progress;
@@ -42,34 +55,47 @@ std::vector<ResultRow> fly_table(const Experiment& experiment, const std::string
   return read_results(folder).rows;
 }
 
-void reproduce_command(const ReproduceArguments& options) {
-  const Published published = read_published(find_resource("experiments/published_tables.toml"));
-  std::vector<OurTable> tables;
-  std::vector<Calibration> calibrations;
-  std::vector<Experiment> wanted;
-  for (const auto& [table, name] : paper_tables) {
-    if (options.table != "all" && options.table != table) continue;
-    const std::string path = find_experiment(std::string(name));
-    wanted.push_back(read_experiment(path));
-    tables.push_back({std::string(table), std::string(name), wanted.back().vehicle.name, {}});
-    if (const std::string calibration = calibration_path(path); fs::is_regular_file(calibration)) calibrations.push_back(read_calibration(calibration));
-  }
-  for (std::size_t i = 0; i < tables.size(); ++i)
-    tables[i].rows = fly_table(wanted[i], (fs::path(options.out) / tables[i].experiment).string(), options.jobs);
+void write(Report& report, const Published& published, const std::vector<Calibration>& calibrations, int jobs) {
+  const fs::path out(report.folder);
+  for (std::size_t i = 0; i < report.tables.size(); ++i)
+    report.tables[i].rows = fly_table(report.experiments[i], (out / report.tables[i].experiment).string(), jobs);
 
-  const Reproduction reproduction = reproduce(published, tables, [&](const PublishedRow& row, std::size_t metric) {
+  const Reproduction reproduction = reproduce(published, report.tables, [&](const PublishedRow& row, std::size_t metric) {
     if (row.table == proxy_table) return Use::proxy;
     for (const Calibration& calibration : calibrations)
       if (calibration.table == row.table && calibration.fits(row.trajectory, row.controller, metric)) return Use::fitted;
     return Use::predicted;
   });
-  const std::string markdown = to_markdown(reproduction, tables);
-  const fs::path out(options.out);
+  const std::string markdown = to_markdown(reproduction, report.tables);
   make_folder((out / "figures").string());
   write_file((out / "figures" / "ours_against_paper.svg").string(), to_svg(reproduction));
   write_file((out / "reproduction.json").string(), to_json(reproduction));
   write_file((out / "reproduction.md").string(), markdown);
   std::fwrite(markdown.data(), 1, markdown.size(), stdout);
+}
+
+void reproduce_command(const ReproduceArguments& options) {
+  const Published published = read_published(find_resource("experiments/published_tables.toml"));
+  std::vector<Report> reports;
+  std::vector<Calibration> calibrations;
+  if (!options.experiment.empty()) {
+    if (options.table == "all") throw ConfigError("--experiment stands for one table (which of the paper's is it compared with?) name table1, table2 or table3");
+    for (Experiment& variant : read_variants(find_experiment(options.experiment))) {
+      const std::string folder = variant_folder(options.out, variant);
+      reports.push_back({folder, {}, {}});
+      reports.back().add(options.table, std::move(variant), true);
+    }
+  } else {
+    reports.push_back({options.out, {}, {}});
+  }
+  for (const auto& [table, name] : paper_tables) {
+    if (options.table != "all" && options.table != table) continue;
+    const std::string path = find_experiment(std::string(name));
+    if (options.experiment.empty()) reports.front().add(table, read_experiment(path), false);
+    if (const std::string calibration = calibration_path(path); fs::is_regular_file(calibration)) calibrations.push_back(read_calibration(calibration));
+  }
+  check_folder_can_be_made(options.out);
+  for (Report& report : reports) write(report, published, calibrations, options.jobs);
 }
 
 }  // namespace
@@ -80,6 +106,8 @@ void add_reproduce(CLI::App& app) {
   command->add_option("TABLE", options->table, "table1, table2, table3 or all")
       ->check(CLI::IsMember({"table1", "table2", "table3", "all"}))
       ->capture_default_str();
+  command->add_option("--experiment", options->experiment,
+                      "flown in the place of TABLE's own, each of its variants: every replicate counts");
   command->add_option("--out", options->out, "folder of reproduction.json, .md, figures, and of the sweeps, which go on where they stand")->required();
   add_jobs(*command, options->jobs);
   command->callback([options] { reproduce_command(*options); });

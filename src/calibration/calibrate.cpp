@@ -45,8 +45,8 @@ class Objective {
       add_once(controllers, cell.controller);
       const PublishedRow* row = published.find(calibration.table, cell.trajectory, cell.controller);
       if (row == nullptr)
-        throw ConfigError(fmt::format("stage \"{}\": {} has no row {} {} (a target is a cell that was published)", stage.name,
-                                      calibration.table, cell.trajectory, cell.controller));
+        throw ConfigError(fmt::format("{}: {} has no row {} {} (a target is a cell that was published)", cell.where, calibration.table,
+                                      cell.trajectory, cell.controller));
       published_.push_back(row->figures[cell.metric].mean);
     }
     overrides_.push_back("trajectories=" + quoted_list(trajectories));
@@ -125,10 +125,15 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
   const Experiment reported = read_experiment(experiment_path, overrides);
   if (calibration.first_replicate < reported.first_replicate + reported.replicates &&
       reported.first_replicate < calibration.first_replicate + calibration.replicates)
-    throw ConfigError(fmt::format("{}: calibrates on replicates that are reported ({} to {}) move first_replicate", experiment_path,
+    throw ConfigError(fmt::format("{}: calibrates on replicates that are reported ({} to {}) move first_replicate", calibration.where,
                                   reported.first_replicate, reported.first_replicate + reported.replicates - 1));
   std::size_t all = 0, before = 0;
-  for (const CalibrationStage& stage : calibration.stages) all += static_cast<std::size_t>(stage.evaluations);
+  for (const CalibrationStage& stage : calibration.stages) {
+    all += static_cast<std::size_t>(stage.evaluations);
+    const Objective checked(experiment_path, overrides, calibration, stage, published, jobs);
+    for (const OpenParameter& parameter : stage.parameters)
+      check_override(experiment_path, overrides, fmt::format("{}={}", parameter.key, config::shortest(parameter.start)), parameter.where);
+  }
 
   std::vector<std::string> held = overrides;
   std::vector<StageResult> results;

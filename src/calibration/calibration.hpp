@@ -22,12 +22,14 @@ struct OpenParameter {
   double min, max, start;
   bool log = false;  // searched by its logarithm
   std::string unit;
+  std::string where = {};  // file:line:col
 };
 
 // A cell of the paper's table that a stage looks at.
 struct TargetCell {
   std::string trajectory, controller;
   std::size_t metric;  // of published_metrics
+  std::string where = {};  // file:line:col
 };
 
 struct CalibrationStage {
@@ -41,6 +43,7 @@ struct Calibration {
   std::string table;
   std::int64_t first_replicate = 1001, replicates = 10;
   std::vector<CalibrationStage> stages;
+  std::string where = {};  // file:line:col of the replicates
 
   bool fits(std::string_view trajectory, std::string_view controller, std::size_t metric) const;
 };
@@ -58,8 +61,8 @@ struct StageResult {
 };
 
 // Flies the stages; `overrides` are --set pairs that hold throughout. `progress` gets evaluations done and planned. Stops
-// early, with fewer results than stages, when `stop` becomes true. Throws ConfigError when the experiment reports a seed
-// that is calibrated on.
+// early, with fewer results than stages, when `stop` becomes true. Throws ConfigError, before anything flies, when the
+// experiment reports a seed that is calibrated on, has no such key, or the paper no such cell.
 std::vector<StageResult> calibrate(const std::string& experiment_path, const std::vector<std::string>& overrides,
                                    const Calibration& calibration, const Published& published, int jobs,
                                    const std::atomic<bool>& stop,

@@ -22,7 +22,7 @@ std::vector<std::string> need_texts(Table& table, std::string_view key) {
 
 OpenParameter read_parameter(Table& table) {
   OpenParameter parameter{table.need_text("key"), table.need_number("min"), table.need_number("max"), table.need_number("start"),
-                          table.flag("log").value_or(false), table.text("unit").value_or("")};
+                          table.flag("log").value_or(false), table.text("unit").value_or(""), table.where("key")};
   if (!(parameter.min < parameter.max) || parameter.start < parameter.min || parameter.start > parameter.max)
     table.fail("start", "\"min\", \"start\" and \"max\" are out of order", "the search starts inside its range", "");
   if (parameter.log && parameter.min <= 0.0) table.fail("min", "\"min\" has no logarithm", "log = true", "write a number above zero");
@@ -38,7 +38,7 @@ CalibrationStage read_stage(Table& table) {
     for (const std::string& trajectory : need_texts(target, "trajectories"))
       for (const std::string& controller : need_texts(target, "controllers"))
         for (const std::string& metric : need_texts(target, "metrics"))
-          stage.targets.push_back({trajectory, controller, find_published_metric(metric, target.where("metrics"))});
+          stage.targets.push_back({trajectory, controller, find_published_metric(metric, target.where("metrics")), target.where("controllers")});
   for (Table& parameter : table.tables("parameters")) stage.parameters.push_back(read_parameter(parameter));
   if (stage.targets.empty()) table.fail("targets", "\"targets\" is empty", "a stage fits parameters to cells", "");
   if (stage.parameters.empty()) table.fail("parameters", "\"parameters\" is empty", "a stage fits parameters to cells", "");
@@ -66,6 +66,7 @@ Calibration read_calibration(const std::string& path) {
   calibration.table = document.need_text("table");
   calibration.first_replicate = document.integer("first_replicate").value_or(calibration.first_replicate);
   calibration.replicates = document.integer("replicates").value_or(calibration.replicates);
+  calibration.where = document.where(document.has("first_replicate") ? "first_replicate" : "");
   for (Table& table : document.tables("stage")) calibration.stages.push_back(read_stage(table));
   document.finish();
   return calibration;

@@ -86,11 +86,12 @@ Support refit_support(const MatrixXd& coefficients, const LinearConstraints& con
 
 void check(const OptimizerRow& optimizer, const RegressionData& data, const OptimizerOptions& options) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  // before lambda, which may have been searched for with it
+  if (!positive(options.nu)) throw ConfigError("nu must be finite and above 0");
   if (!(options.lambda >= 0.0) || !std::isfinite(options.lambda))
     throw ConfigError("lambda must be finite and at least 0");
   if (!(options.ridge >= 0.0) || !std::isfinite(options.ridge))
     throw ConfigError("ridge must be finite and at least 0");
-  if (!positive(options.nu)) throw ConfigError("nu must be finite and above 0");
   if (!positive(options.tolerance)) throw ConfigError("tolerance must be finite and above 0");
   if (options.max_iterations < 1) throw ConfigError("max_iterations must be at least 1");
   if (options.constraints.empty()) return;

@@ -52,9 +52,15 @@ class Judge {
     switch (claim.kind) {
       case ClaimKind::less:
       case ClaimKind::reduced:
-      case ClaimKind::steadier: return out.push_back(compared(claim));
-      case ClaimKind::runaway: return out.push_back(runaway(claim));
-      case ClaimKind::completion: return out.push_back(completion(claim));
+      case ClaimKind::steadier:
+        if (flown(claim.first) && flown(claim.second)) out.push_back(compared(claim));
+        return;
+      case ClaimKind::runaway:
+        if (!trajectories(claim.first).empty()) out.push_back(runaway(claim));
+        return;
+      case ClaimKind::completion:
+        if (!trajectories(claim.first).empty()) out.push_back(completion(claim));
+        return;
       case ClaimKind::below: return below(claim, out);
     }
   }
@@ -63,6 +69,8 @@ class Judge {
   std::vector<double> values(const ClaimSide& side, std::size_t metric) const {
     return metric_of(counted_runs(published_, *find(side.table), side.trajectory, side.controller), metric);
   }
+
+  bool flown(const ClaimSide& side) const { return !counted_runs(published_, *find(side.table), side.trajectory, side.controller).empty(); }
 
   JudgedClaim compared(const Claim& claim) const {
     const std::vector<double> a = values(claim.first, claim.metric), b = values(claim.second, claim.metric);
@@ -124,7 +132,7 @@ class Judge {
         ++all;
         completed += row.outcome == Outcome::completed;
       }
-    return {fmt::format("{} {} (ours: {} of {})", claim.first.controller, claim.all ? "completes every run" : "crashes every time", completed, all),
+    return {fmt::format("{} {} (ours: {} of {} completed)", claim.first.controller, claim.all ? "completes every run" : "crashes every time", completed, all),
             claim.first.table, completed == (claim.all ? all : 0) ? Verdict::pass : Verdict::fail, JudgedClaim{}.p_value, all, JudgedClaim{}.p_value};
   }
 
@@ -163,6 +171,7 @@ std::vector<ResultRow> counted_runs(const Published& published, const OurTable& 
   for (const PublishedRow& row : published.rows)
     if (row.table == table.table && row.trajectory == trajectory) most = std::max(most, row.figures[0].n);
   if (const PublishedRow* row = published.find(table.table, trajectory, controller)) most = row->figures[0].n;
+  if (table.all_replicates) most = 0;
   std::vector<ResultRow> rows;
   for (const ResultRow& row : table.rows)
     if (row.trajectory == trajectory && row.controller == controller && (most == 0 || rows.size() < most)) rows.push_back(row);

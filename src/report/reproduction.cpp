@@ -53,6 +53,7 @@ Reproduction reproduce(const Published& published, const std::vector<OurTable>& 
     for (const PublishedRow& row : published.rows) {
       if (row.table != table.table) continue;
       const std::vector<ResultRow> runs = counted_runs(published, table, row.trajectory, row.controller);
+      if (runs.empty()) continue;
       std::size_t completed = 0;
       for (const ResultRow& run : runs) completed += run.outcome == Outcome::completed;
       for (std::size_t metric = 0; metric < published_metrics.size(); ++metric)
@@ -99,9 +100,9 @@ std::string to_json(const Reproduction& reproduction) {
 
 std::string to_svg(const Reproduction& reproduction) {
   svg::Chart chart;
-  chart.title = "Ours against the paper's, mean errors in m; lines: equal, ±25 %";
+  chart.title = "Mean errors, ours and the paper's; lines: ±25 %";
   chart.x_label = "paper, m";
-  chart.y_label = "ours, m (blue fitted, orange predicted, grey proxy)";
+  chart.y_label = "ours, m: blue fitted, orange predicted, grey proxy";
   chart.log_x = chart.log_y = true;
   chart.width = 640.0;
   chart.height = 480.0;

@@ -48,6 +48,7 @@ struct OurTable {
   std::string experiment;
   std::string vehicle;
   std::vector<ResultRow> rows;
+  bool all_replicates = false;  // every one counts, not as many as were published
 };
 
 struct Reproduction {
@@ -55,7 +56,8 @@ struct Reproduction {
   std::vector<JudgedClaim> claims;
 };
 
-// Tables that were not flown leave out their cells and claims. Of a cell, as many replicates count as were published.
+// Tables, trajectories and controllers that were not flown leave out their cells and claims. Of a cell, as many replicates
+// count as were published, unless its table says otherwise.
 Reproduction reproduce(const Published& published, const std::vector<OurTable>& tables,
                        const std::function<Use(const PublishedRow&, std::size_t metric)>& use);
 

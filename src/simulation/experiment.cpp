@@ -164,6 +164,8 @@ void FlightOptions::visit(ParameterVisitor& visitor) {
   visitor.number("settle_s", settle_s, {.unit = "s", .help = "samples before it do not count", .min = 0.0});
   visitor.number("offboard_rate_hz", offboard_rate_hz,
                  {.unit = "Hz", .help = "rate at which position, velocity and reference reach the controller; 0: every tick", .min = 0.0});
+  visitor.number("offboard_delay_s", offboard_delay_s,
+                 {.unit = "s", .help = "age at which position and velocity reach the controller, over the same link", .min = 0.0, .max = 1.0});
   visitor.number("max_error_m", max_error_m, {.unit = "m", .help = "farther from the reference: left_envelope", .min = 0.0});
   visitor.number("max_speed_mps", max_speed_mps, {.unit = "m/s", .help = "faster: left_envelope", .min = 0.0});
 }
@@ -195,6 +197,17 @@ Experiment read_experiment(const std::string& path, const std::vector<std::strin
   if (document.need_text("format") != experiment_format)
     document.fail("format", "not an experiment of this program", fmt::format("\"format\" must be \"{}\"", experiment_format), "");
   return make_experiment(document, path);
+}
+
+void check_override(const std::string& path, std::vector<std::string> overrides, const std::string& setting, const std::string& where) {
+  overrides.push_back(setting);
+  try {
+    read_experiment(path, overrides);
+  } catch (const ConfigError& error) {
+    const std::string_view said = error.what();
+    const std::string prefix = "--set " + setting + ": ";
+    throw ConfigError(fmt::format("{}: {}", where, said.starts_with(prefix) ? said.substr(prefix.size()) : said));
+  }
 }
 
 std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides) {

@@ -25,6 +25,7 @@ struct FlightOptions final : Parameterized {
   double step_s = 0.002;           // of the plant; divides the controller's period
   double settle_s = 0.0;           // samples before it do not count
   double offboard_rate_hz = 0.0;   // position, velocity and reference reach the controller at this rate; 0: every tick
+  double offboard_delay_s = 0.0;   // age at which position and velocity reach it
   // the envelope, far beyond any flight that is worth a figure
   double max_error_m = 100.0;      // distance from the reference
   double max_speed_mps = 50.0;
@@ -71,6 +72,8 @@ Experiment read_experiment(const std::string& path, const std::vector<std::strin
 std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides = {});
 // The same from a table that was read already, but for its format; `path` is what relative paths resolve against.
 Experiment make_experiment(config::Table& document, const std::string& path);
+// Whether `setting` could be set above `overrides`, for a file that asks for it at `where`. Throws ConfigError there.
+void check_override(const std::string& path, std::vector<std::string> overrides, const std::string& setting, const std::string& where);
 // A path as given, or a name under experiments/. Throws ConfigError when there is neither.
 std::string find_experiment(const std::string& name_or_path);
 // The keys of an experiment outside its tables, for `gustlab defaults experiment`.

@@ -47,13 +47,31 @@ bool is_finite(const RotorCommand& command) {
   return std::isfinite(sum);
 }
 
-// what is measured aboard now, and the pose and velocity of the last message
-Observation over_link(Observation seen, const Observation& message) {
-  seen.pose_time_s = message.pose_time_s;
-  seen.position_W_m = message.position_W_m;
-  seen.velocity_W_mps = message.velocity_W_mps;
-  return seen;
-}
+// The offboard link: what is measured aboard now, with pose and velocity of the last message that arrived.
+class OffboardLink {
+ public:
+  explicit OffboardLink(const Flight& flight)
+      : period_(flight.ticks_per_offboard), delay_(flight.offboard_delay_ticks), sent_(static_cast<std::size_t>(delay_ / period_) + 2) {}
+
+  Observation over(Observation seen, std::int64_t tick) {
+    if (tick % period_ == 0) message(tick) = {seen.pose_time_s, seen.position_W_m, seen.velocity_W_mps};
+    const Message& arrived = message(std::max<std::int64_t>(0, tick - delay_));
+    seen.pose_time_s = arrived.time_s;
+    seen.position_W_m = arrived.position_W_m;
+    seen.velocity_W_mps = arrived.velocity_W_mps;
+    return seen;
+  }
+
+ private:
+  struct Message {
+    double time_s = 0.0;
+    Vector3 position_W_m = Vector3::Zero(), velocity_W_mps = Vector3::Zero();
+  };
+  Message& message(std::int64_t tick) { return sent_[static_cast<std::size_t>(tick / period_) % sent_.size()]; }
+
+  std::int64_t period_, delay_;
+  std::vector<Message> sent_;
+};
 
 Plant::Options plant_options(const Experiment& experiment, const RunSpec& spec) {
   return {experiment.flight.step_s, static_cast<std::uint64_t>(experiment.seed), spec.replicate};
@@ -89,6 +107,7 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   steps_per_tick = divide(period_s, options.step_s, period_says, "\"step_s\"");
   if (options.offboard_rate_hz > 0.0)
     ticks_per_offboard = divide(1.0 / options.offboard_rate_hz, period_s, "the period of \"offboard_rate_hz\",", period_says);
+  offboard_delay_ticks = std::llround(options.offboard_delay_s / period_s);
   ticks = static_cast<std::int64_t>(std::round(options.duration_s / period_s));
 
   plant.reset(start_state(*trajectory, experiment.vehicle));
@@ -100,8 +119,8 @@ FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder) {
   const bool with_accelerometer = flight.controller->uses_accelerometer() || recorder != nullptr;
   const double max_error_m2 = flight.options.max_error_m * flight.options.max_error_m;
   const double max_speed_m2ps2 = flight.options.max_speed_mps * flight.options.max_speed_mps;
-  Observation late;     // with pose and velocity as they came over the offboard link last
-  Reference reference;  // likewise
+  OffboardLink link(flight);
+  Reference reference;  // as it came over the link last
 
   for (std::int64_t tick = 0; tick < flight.ticks; ++tick) {
     const VehicleState& truth = plant.state();
@@ -109,11 +128,8 @@ FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder) {
     error.add(truth.time_s, truth.position_W_m, here.position_W_m);
 
     const Observation measured = plant.observe(with_accelerometer);
-    const bool message = tick % flight.ticks_per_offboard == 0;
-    if (message) reference = here;
-    if (flight.ticks_per_offboard > 1) late = over_link(measured, message ? measured : late);
-    const RotorCommand command =
-        flight.controller->update(flight.ticks_per_offboard > 1 ? late : measured, reference);
+    if (tick % flight.ticks_per_offboard == 0) reference = here;
+    const RotorCommand command = flight.controller->update(link.over(measured, tick), reference);
     if (!is_finite(command)) return {Outcome::controller_nonfinite, truth.time_s};
     if (recorder != nullptr) recorder->append(flight, measured, here, command);
 

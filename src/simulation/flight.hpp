@@ -39,6 +39,7 @@ struct Flight {
   std::int64_t ticks = 0;                  // updates of the controller
   std::int64_t steps_per_tick = 1;         // of the plant
   std::int64_t ticks_per_offboard = 1;     // between two messages of the offboard link
+  std::int64_t offboard_delay_ticks = 0;   // between the sending of a message and its arrival
 };
 
 struct FlightEnd {

@@ -81,7 +81,7 @@ class Objective {
 
 TunedParameter read_parameter(config::Table table) {
   TunedParameter parameter{table.need_text("name"), table.need_number("min"), table.need_number("max"), table.need_number("start"),
-                           table.flag("log").value_or(false)};
+                           table.flag("log").value_or(false), table.where("name")};
   if (!(parameter.min < parameter.max && parameter.min <= parameter.start && parameter.start <= parameter.max))
     table.fail("start", "\"min\", \"start\" and \"max\" are out of order", "the search starts inside its range", "");
   if (parameter.logarithmic && !(parameter.min > 0.0)) table.fail("min", "\"min\" has no logarithm", "log = true", "write a number above zero");
@@ -94,12 +94,28 @@ bool overlap(std::int64_t first, std::int64_t count, const Tuning& tuning) {
 
 void check_fresh(const std::string& path, const std::vector<std::string>& overrides, const Tuning& tuning) {
   const auto fail = [&](const std::string& whose) {
-    throw ConfigError(fmt::format("{}: tunes on replicates {} to {}, which are {} (what is reported must be fresh) move first_replicate", path,
-                                  tuning.first_replicate, tuning.first_replicate + tuning.replicates - 1, whose));
+    throw ConfigError(fmt::format("{}: tunes on replicates {} to {}, which are {} (what is reported must be fresh) move first_replicate",
+                                  tuning.replicates_where, tuning.first_replicate, tuning.first_replicate + tuning.replicates - 1, whose));
   };
   if (overlap(1, last_table_replicate, tuning)) fail("the tables'");
   for (const Experiment& variant : read_variants(path, overrides))
     if (overlap(variant.first_replicate, variant.replicates, tuning)) fail("those of " + variant.name);
+}
+
+// what the search would stumble over later
+void check_controllers(const std::string& path, const std::vector<std::string>& overrides, const Tuning& tuning) {
+  for (const Tuning::Controller& controller : tuning.controllers) {
+    std::vector<std::string> settings = overrides;
+    const std::string alone = fmt::format("controllers=[\"{}\"]", controller.name);
+    check_override(path, settings, alone, controller.where);
+    settings.push_back(alone);
+    for (const TunedParameter& parameter : controller.parameters)
+      check_override(path, settings, fmt::format("controller.{}.{}={}", controller.name, parameter.name, config::shortest(parameter.start)), parameter.where);
+    settings.push_back(fmt::format("replicates={}", tuning.replicates));
+    if (const std::size_t runs = plan(read_experiment(path, settings)).size(); static_cast<std::size_t>(tuning.flights) < runs)
+      throw ConfigError(fmt::format("{}: a budget of {} flights does not pay for one evaluation of {} ({} flights: replicates times trajectories)",
+                                    tuning.flights_where, tuning.flights, controller.name, runs));
+  }
 }
 
 }  // namespace
@@ -117,6 +133,9 @@ Tuning read_tuning(const std::string& path) {
     if (value < 1) document.fail(key, fmt::format("\"{}\" is not positive", key), "", "");
     return value;
   };
+  const auto where = [&](std::string_view key) { return document.where(document.has(key) ? key : ""); };
+  tuning.flights_where = where("flights");
+  tuning.replicates_where = where("first_replicate");
   tuning.flights = count("flights", tuning.flights);
   tuning.first_replicate = count("first_replicate", tuning.first_replicate);
   tuning.replicates = count("replicates", tuning.replicates);
@@ -124,6 +143,7 @@ Tuning read_tuning(const std::string& path) {
   for (config::Table& table : document.tables("controller")) {
     Tuning::Controller& controller = tuning.controllers.emplace_back();
     controller.name = table.need_text("name");
+    controller.where = table.where("name");
     for (config::Table& parameter : table.tables("parameters")) controller.parameters.push_back(read_parameter(parameter));
     if (controller.parameters.empty()) table.fail("parameters", "\"parameters\" is empty", "there is nothing to tune", "");
   }
@@ -135,6 +155,7 @@ Tuning read_tuning(const std::string& path) {
 std::vector<TuneResult> tune(const std::string& experiment_path, const std::vector<std::string>& overrides, const Tuning& tuning, int jobs,
                              const std::atomic<bool>& stop, const std::function<void(std::size_t done, std::size_t all)>& progress) {
   check_fresh(experiment_path, overrides, tuning);
+  check_controllers(experiment_path, overrides, tuning);
   std::vector<TuneResult> results;
   for (const Tuning::Controller& controller : tuning.controllers) {
     Objective objective(experiment_path, overrides, tuning, controller, jobs);

@@ -14,6 +14,7 @@ struct TunedParameter {
   std::string name;        // of a number of the controller
   double min = 0.0, max = 1.0, start = 0.5;
   bool logarithmic = false;  // searched on a logarithmic scale
+  std::string where = {};    // file:line:col
 };
 
 // NAME.tuning.toml, beside NAME.toml.
@@ -25,8 +26,10 @@ struct Tuning {
   struct Controller {
     std::string name;  // as in the experiment
     std::vector<TunedParameter> parameters;
+    std::string where = {};  // file:line:col
   };
   std::vector<Controller> controllers;
+  std::string flights_where = {}, replicates_where = {};  // file:line:col
 };
 // Throws ConfigError with file:line:col.
 Tuning read_tuning(const std::string& path);
@@ -42,8 +45,9 @@ struct TuneResult {
 };
 
 // NLopt: controlled random search (Kaelo & Ali, JOTA 130, 2006) with half the budget, then Subplex (Rowan 1990) from the best.
-// The same values for any number of threads. Throws ConfigError when replicates are tuned on that the experiment, or one of
-// its variants, reports, or that are among the tables' 1 to 10.
+// The same values for any number of threads. Throws ConfigError, before anything flies, when replicates
+// are tuned on that the experiment, or one of its variants, reports, or that are among the tables' 1 to 10, when the
+// experiment knows no such controller or parameter, or when the budget does not pay for a single evaluation.
 std::vector<TuneResult> tune(const std::string& experiment_path, const std::vector<std::string>& overrides, const Tuning& tuning, int jobs,
                              const std::atomic<bool>& stop, const std::function<void(std::size_t done, std::size_t all)>& progress);
 

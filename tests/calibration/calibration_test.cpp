@@ -94,6 +94,28 @@ TEST(Calibration, SaysWhatIsWrongAndWhere) {
               HasSubstr("\"rms\" is no metric"));
 }
 
+// GIVEN a file that asks for what is not there WHEN calibrating THEN it says where, before anything flies
+TEST(Calibration, SaysWhereItsFileDoesNotFitTheExperiment) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("e.toml", experiment_text);
+  const auto message = [&](const std::string& table, const std::string& controller, const std::string& key) -> std::string {
+    const Calibration asked = read_calibration(folder.write(
+        "c.toml", "format = \"gustlab-calibration/1\"\ntable = \"" + table + "\"\n[[stage]]\nname = \"s\"\n" +
+                      "targets = [{trajectories = [\"hover\"], controllers = [\"" + controller + "\"], metrics = [\"rmse_xy_m\"]}]\n" +
+                      "parameters = [{key = \"" + key + "\", min = 0.005, start = 0.01, max = 0.05}]\n"));
+    const std::atomic<bool> stop = true;
+    try {
+      calibrate(path, {}, asked, published(0.1), 1, stop, [](std::size_t, std::size_t) { ADD_FAILURE() << "flew"; });
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "flew";
+  };
+  EXPECT_THAT(message("u", "pid", "effect.gust.mean_x"), HasSubstr("c.toml:5:53: u has no row hover pid"));
+  EXPECT_THAT(message("t", "pdi", "effect.gust.mean_x"), HasSubstr("c.toml:5:53: t has no row hover pdi"));
+  EXPECT_THAT(message("t", "pid", "effect.gust.man_x"), HasSubstr("c.toml:6:22: unknown key \"man_x\" did you mean \"mean_x\"?"));
+}
+
 // what is shipped is read, and every target of it was published
 TEST(Calibration, ShippedOnesLookAtPublishedCells) {
   const std::string published_path = find_experiment("published_tables");

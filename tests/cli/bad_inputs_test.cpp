@@ -156,6 +156,8 @@ const BadInput bad_inputs[] = {
     {"weights that cannot be written", 4, "v: cannot write (Is a directory)", {"train", "collect_iris", "--out", "v"}},
     {"answers that cannot be written", 4, "v: cannot write (Is a directory)", {"conceal", "w.toml", "--out", "d", "--answers", "v"}, {{"w.toml", "", trials_text}}},
     {"gains in a file", 4, "a.csv: cannot make this folder", {"tune", "fair", "--out", "a.csv"}},
+    {"calibration in a file", 4, "a.csv: cannot make this folder", {"calibrate", "table1_iris", "--out", "a.csv"}},
+    {"one experiment for all tables", 2, "--experiment stands for one table", {"reproduce", "all", "--experiment", "iris_causes", "--out", "out"}},
     {"not a flight's name", 3, "w.toml: not a flight log (its name must end with .csv or .csv.gz)", {"replay", "w.toml"}},
     {"sidecar of something else", 3, "a.meta.toml:1:10: format \"other/1\" is not a flight log's", replay, {{"a.meta.toml", "gustlab-flight/1", "other/1"}}},
     {"unknown actuator", 3, "a.meta.toml:3:12: \"rotor_sped\" is not one of", replay, {{"a.meta.toml", "rotor_speed", "rotor_sped"}}},

@@ -103,6 +103,20 @@ TEST(Reproduction, RunawaysAndCrashesAreCounted) {
   EXPECT_EQ(all.claims[1].verdict, Verdict::fail);
 }
 
+// GIVEN another experiment in a table's place, with one controller fewer WHEN it is reported THEN every run of it counts
+TEST(Reproduction, OtherExperimentsCountEveryRunAndNeedNotFlyEveryController) {
+  OurTable table = ours();
+  table.all_replicates = true;
+  std::erase_if(table.rows, [](const ResultRow& row) { return row.controller == "c"; });
+  const std::vector<Claim> claims{compare(ClaimKind::less, "a", "b"), compare(ClaimKind::less, "a", "c"), compare(ClaimKind::steadier, "c", "a"),
+                                  {ClaimKind::completion, {"table1", "", "c"}, {}, 0, 0.0, true, "", {}}};
+  const Reproduction all = reproduce(published(claims), {table}, [](const PublishedRow&, std::size_t) { return Use::predicted; });
+  EXPECT_EQ(all.cells.size(), 8u);
+  EXPECT_EQ(all.cells[0].ours.n, 10u);
+  ASSERT_EQ(all.claims.size(), 1u);
+  EXPECT_EQ(all.claims[0].n, 10u);
+}
+
 TEST(Reproduction, TablesThatWereNotFlownLeaveOutTheirClaims) {
   Claim other = compare(ClaimKind::less, "a", "b");
   other.first.table = other.second.table = "table2";

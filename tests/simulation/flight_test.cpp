@@ -114,6 +114,24 @@ TEST(Flight, OffboardLinkHoldsPositionAndReferenceButNotTheGyro) {
   }
 }
 
+TEST(Flight, OffboardLinkBringsPosesLate) {
+  const Experiment experiment = read_text_experiment(small_experiment, {"offboard_rate_hz=50", "offboard_delay_s=0.05"});
+  Flight flight(experiment, plan(experiment).front());
+  auto controller = std::make_unique<Recording>(1500.0);
+  Recording& seen = *controller;
+  flight.controller = std::move(controller);
+  flight.options.max_error_m = 1e9;
+  TrackingError error(0.0, 500);
+  fly(flight, error, nullptr);
+  ASSERT_GT(seen.observations.size(), 100u);
+  // sent every 10 ticks of 2 ms, on the way for 25; the gyroscope does not travel
+  for (std::size_t tick = 0; tick < 100; ++tick) {
+    const std::size_t sent = tick < 25 ? 0 : (tick - 25) / 10 * 10;
+    EXPECT_NEAR(seen.observations[tick].pose_time_s, static_cast<double>(sent) * 0.002, 1e-12) << tick;
+    EXPECT_NEAR(seen.observations[tick].inertial_time_s, static_cast<double>(tick) * 0.002, 1e-12);
+  }
+}
+
 // the thrust that a force law subtracts is that between the poses it saw: 40 Hz of poses against its own 50 Hz bias nothing
 TEST(Flight, SeldomPosesDoNotBiasTheMeasuredForce) {
   const RunRecord record = fly_first(R"(

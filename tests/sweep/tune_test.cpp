@@ -76,6 +76,24 @@ TEST_F(Tune, RefusesSeedsThatAreReported) {
   EXPECT_THAT(message({"first_replicate=50"}), testing::ThrowsMessage<ConfigError>(testing::HasSubstr("which are the tables'")));
 }
 
+// GIVEN a file that asks for what the experiment has not WHEN tuning THEN it says where, before anything flies
+TEST_F(Tune, SaysWhereItsFileDoesNotFitTheExperiment) {
+  const auto message = [&](const std::string& from, const std::string& to) -> std::string {
+    std::string text = tuning_text;
+    text.replace(text.rfind(from), from.size(), to);
+    const std::atomic<bool> stop{true};
+    try {
+      tune(experiment_, {}, read_tuning(folder_.write("w.toml", text)), 1, stop, [](std::size_t, std::size_t) { ADD_FAILURE() << "flew"; });
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "flew";
+  };
+  EXPECT_THAT(message("geometric", "geometrik"), testing::HasSubstr("w.toml:10:8: unknown controller \"geometrik\" did you mean \"geometric\"?"));
+  EXPECT_THAT(message("bandwidth_radps", "bandwidth"), testing::HasSubstr("w.toml:11:24: unknown key \"bandwidth\" did you mean"));
+  EXPECT_THAT(message("flights = 24", "flights = 1"), testing::HasSubstr("w.toml:3:11: a budget of 1 flights does not pay for one evaluation of pid (2 flights"));
+}
+
 TEST_F(Tune, SaysWhereItsFileIsWrong) {
   const auto message = [&](const std::string& from, const std::string& to) -> std::string {
     std::string text = tuning_text;
