@@ -23,9 +23,12 @@ def cells(rows, column):
 
 def label(values, completed):
     """mean ± sample standard deviation of the runs; completed/total where not all were"""
-    text = f"{np.mean(values):.3f}"
-    if len(values) > 1:
-        text += f"\n± {np.std(values, ddof=1):.3f}"
+    if not np.isfinite(values).any():
+        text = "–"  # over before the settling was
+    else:
+        text = f"{np.mean(values):.3f}"
+        if len(values) > 1:
+            text += f"\n± {np.std(values, ddof=1):.3f}"
     return text if all(completed) else text + f"\n{sum(completed)}/{len(completed)}"
 
 
