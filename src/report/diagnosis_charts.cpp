@@ -1,6 +1,7 @@
 #include "report/diagnosis_charts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -175,7 +176,7 @@ std::string residual_section(const DiagnosisFigures& figures) {
          "along the flights, against the variable that matters most. A flat blue line at zero means that nothing is left.</p><figure>" +
          legend({{"before", "mean before"}, {"after", "mean after"}}) + "<div class=\"charts\">" + charts +
          "</div><figcaption>Each faint dot is one block of a fit flight, before. Bars: 95 % intervals of the bin means. " +
-         escape(list_in_words(notes, "·")) + ".</figcaption></figure></section>";
+         escape(fmt::format("{}", fmt::join(notes, " · "))) + ".</figcaption></figure></section>";
 }
 
 std::string window_section(const DiagnosisFigures& figures) {
@@ -194,7 +195,7 @@ std::string window_section(const DiagnosisFigures& figures) {
     samples = std::max(samples, trace.time_s.size());
   }
   if (charts.empty()) return "";
-  std::string caption = fmt::format("{}, {} samples, held out; none left out.", escape(figures.window.file), samples);
+  std::string caption = fmt::format("N = {1} samples of {0}, held out; none left out.", escape(figures.window.file), samples);
   if (figures.window.restart_s > 0.0)
     caption += fmt::format(" Predictions start anew from the recorded state every {:g} s.", figures.window.restart_s);
   return "<section><h2>One held-out window</h2><figure>" +

@@ -1,6 +1,7 @@
 #include "report/diagnosis_page.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -45,16 +46,20 @@ std::string header(const Json& diagnosis) {
                      verdict_badge(text(diagnosis, "verdict")));
 }
 
+// one line for what is said alike of several recordings
 std::string log_findings(const Json& diagnosis) {
-  std::string items;
+  std::vector<std::pair<std::string, std::vector<std::string>>> said;
   for (const Json& finding : part(diagnosis, "log_findings")) {
+    const std::string words = fmt::format("<strong>{}</strong>: {}.", escape(capital(plain_label(text(finding, "kind")))), escape(text(finding, "says")));
     std::string place = text(finding, "file");
     if (const std::string column = text(finding, "column"); !column.empty()) place += (place.empty() ? "" : ", ") + column;
     const double from = number(finding, "from_s"), to = number(finding, "to_s");
-    if (std::isfinite(from) && std::isfinite(to)) place += fmt::format(", {:.1f}–{:.1f} s", from, to);
-    items += fmt::format("<li><strong>{}</strong>: {}. <span class=\"soft\">{}</span></li>", escape(capital(plain_label(text(finding, "kind")))),
-                         escape(text(finding, "says")), escape(place));
+    if (std::isfinite(from) && to > from) place += fmt::format(", {:.1f}–{:.1f} s", from, to);
+    const auto same = std::find_if(said.begin(), said.end(), [&](const auto& entry) { return entry.first == words; });
+    (same == said.end() ? said.emplace_back(words, std::vector<std::string>{}) : *same).second.push_back(place);
   }
+  std::string items;
+  for (const auto& [words, places] : said) items += fmt::format("<li>{} <span class=\"soft\">{}</span></li>", words, escape(fmt::format("{}", fmt::join(places, "; "))));
   return items.empty() ? "" : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
 }
 
@@ -71,7 +76,7 @@ std::string region(const Json& where) {
 std::string where(const Json& diagnosis) {
   const Json& mismatch = part(diagnosis, "mismatch");
   if (mismatch.empty()) return "";
-  double full = 0.0;
+  double full = 1.0;
   for (const Json& entry : mismatch)
     if (const double ratio = number(entry, "rms") / number(entry, "noise_rms"); std::isfinite(ratio)) full = std::max(full, ratio);
   std::string rows;
@@ -84,7 +89,8 @@ std::string where(const Json& diagnosis) {
     rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{} {}</td><td class=\"n\">{} {}</td><td class=\"n\">{}</td><td class=\"where\">{}</td></tr>",
                         escape(plain_channel(text(entry, "channel"))), svg::bar(rms / noise, 1.0, full), figure(display.factor * rms),
                         escape(display.unit), figure(display.factor * noise), escape(display.unit), escape(probability(number(entry, "p_value"))),
-                        significant ? (regions.empty() ? "everywhere" : escape(list_in_words(regions))) : "<span class=\"soft\">within noise</span>");
+                        significant ? (regions.empty() ? "everywhere" : escape(list_in_words(regions)))
+                                    : fmt::format("<span class=\"soft\">{}</span>", number(entry, "p_value") < 1e-3 ? "there, but slight" : "within noise"));
   }
   return "<p>The difference between simulation and recording, channel by channel, before anything was added. The dark tick "
          "is what noise alone would leave.</p><div class=\"scroll\"><table><tr><th>channel</th><th>against noise</th><th class=\"n\">rms</th>"
@@ -99,18 +105,22 @@ std::string parameter_row(const std::string& name, const Json& entry, const std:
                      with_half_width(display.factor * value, display.factor * half), escape(display.unit));
 }
 
-std::string parameters(const Json& effect) {
-  std::string rows;
-  const Json &mean = part(effect, "parameters"), &per_flight = part(effect, "per_flight");
-  const bool flights = !per_flight.empty();
-  for (const auto& [name, entry] : mean.items())
-    if (name != "rotor") rows += parameter_row(name, entry, flights ? "mean" : "");
-  if (flights)
-    for (const auto& [flight, values] : per_flight.items())
-      for (const auto& [name, entry] : values.items()) rows += parameter_row(name, entry, flight);
+std::string parameter_table(const char* flight_head, const char* value_head, const std::string& rows) {
   if (rows.empty()) return "";
-  return fmt::format("<div class=\"scroll\"><table><tr><th>parameter</th>{}<th class=\"n\">value ± 95 %</th><th>unit</th></tr>{}</table></div>",
-                     flights ? "<th>flight</th>" : "", rows);
+  return fmt::format("<div class=\"scroll\"><table><tr><th>parameter</th>{}<th class=\"n\">{}</th><th>unit</th></tr>{}</table></div>", flight_head,
+                     value_head, rows);
+}
+
+std::string parameters(const Json& effect) {
+  std::string rows, flight_rows;
+  const Json& per_flight = part(effect, "per_flight");
+  for (const auto& [name, entry] : part(effect, "parameters").items())
+    if (name != "rotor") rows += parameter_row(name, entry, "");
+  for (const auto& [flight, values] : per_flight.items())
+    for (const auto& [name, entry] : values.items()) flight_rows += parameter_row(name, entry, flight);
+  const std::string table = parameter_table("", per_flight.empty() ? "value ± 95 %" : "mean of the flights ± 95 %", rows);
+  if (flight_rows.empty()) return table;
+  return table + "<details><summary>Each flight</summary>" + parameter_table("<th>flight</th>", "value ± 95 %", flight_rows) + "</details>";
 }
 
 // every name that the data cannot tell from this one, itself first
@@ -145,6 +155,17 @@ std::string effect_card(const Json& effect) {
                      paragraph(capital(text(effect, "says")) + (text(effect, "says").empty() ? "" : ".")), parameters(effect), rivals(effect));
 }
 
+// names that were found and taken back for one reason, which belongs to all of them
+std::string suspected(const Json& diagnosis) {
+  constexpr std::string_view mark = "only suspected: ";
+  std::vector<std::string> names;
+  std::string why;
+  for (const Json& entry : part(diagnosis, "rejected"))
+    if (const std::string reason = text(entry, "why"); reason.starts_with(mark)) names.push_back(plain_name(entry)), why = reason.substr(mark.size());
+  if (names.empty()) return "";
+  return paragraph(fmt::format("Suspected, and not named because {}: {}.", why, list_in_words(names)));
+}
+
 std::string what(const Json& diagnosis) {
   std::string cards;
   for (const Json& effect : part(diagnosis, "effects")) cards += effect_card(effect);
@@ -160,7 +181,7 @@ std::string what(const Json& diagnosis) {
              (rows.empty() ? "" : "<div class=\"scroll\"><table><tr><th>channel</th><th>term</th><th class=\"n\">coefficient</th><th>unit</th></tr>" + rows + "</table></div>") +
              "</div>";
   }
-  return cards;
+  return suspected(diagnosis) + cards;
 }
 
 std::string calibration(const Json& diagnosis) {
@@ -199,28 +220,35 @@ std::string disturbance(const Json& diagnosis) {
 std::string remarks(const Json& diagnosis) {
   std::string items;
   for (const Json& alarm : part(diagnosis, "alarms"))
-    items += fmt::format("<li><strong>{}</strong>: {}</li>", escape(capital(plain_label(text(alarm, "kind")))), escape(text(alarm, "says")));
+    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(plain_alarm(text(alarm, "kind"))), escape(text(alarm, "says")));
   for (const Json& note : part(diagnosis, "notes"))
     if (note.is_string()) items += "<li>" + escape(note.get<std::string>()) + "</li>";
   return items.empty() ? "" : "<ul>" + items + "</ul>";
 }
 
-std::string reasons(const Json& list, bool with_score) {
-  std::string rows;
+// effects with the reason that they share, in the order in which the reasons come
+std::vector<std::pair<std::string, std::vector<std::string>>> by_reason(const Json& list) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> groups;
   for (const Json& entry : list) {
-    const double score = number(entry, "delta_score");
-    rows += fmt::format("<tr><td>{}</td><td>{}</td>{}</tr>", escape(plain_name(entry)), escape(text(entry, "why")),
-                        with_score ? fmt::format("<td class=\"n\">{}</td>", figure(score)) : "");
+    const std::string why = text(entry, "why");
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) { return group.first == why; });
+    (same == groups.end() ? groups.emplace_back(why, std::vector<std::string>{}) : *same).second.push_back(plain_name(entry));
   }
-  return rows;
+  return groups;
 }
 
 std::string cannot_tell(const Json& diagnosis) {
-  std::string html;
-  if (const std::string rows = reasons(part(diagnosis, "not_identifiable"), false); !rows.empty())
+  std::string html, rows;
+  for (const auto& [why, names] : by_reason(part(diagnosis, "not_identifiable")))
+    rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>", escape(list_in_words(names)), escape(why));
+  if (!rows.empty())
     html += "<p>These flights do not show enough to say anything, either way, about:</p><div class=\"scroll\"><table><tr><th>effect</th><th>why</th></tr>" +
             rows + "</table></div>";
-  if (const std::string rows = reasons(part(diagnosis, "rejected"), true); !rows.empty())
+  rows.clear();
+  for (const Json& entry : part(diagnosis, "rejected"))
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td></tr>", escape(plain_name(entry)), escape(text(entry, "why")),
+                        figure(number(entry, "delta_score")));
+  if (!rows.empty())
     html += "<details><summary>Looked at and not named</summary><div class=\"scroll\"><table><tr><th>effect</th><th>why not</th><th class=\"n\">score</th></tr>" +
             rows + "</table></div></details>";
   return html;

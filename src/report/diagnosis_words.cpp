@@ -87,7 +87,10 @@ std::vector<std::string> names(const Json& effects, Sort sort) {
     if (sort_of(effect) != sort) continue;
     std::vector<std::string> alike;
     for (const Json& other : part(effect, "class")) alike.push_back(plain_label(other.get<std::string>()));
-    std::string name = alike.size() > 1 ? (sort == Sort::wrong_number ? "" : "either ") + list_in_words(alike, "or") : plain_name(effect);
+    std::string name = alike.size() > 1 && effects.size() == 1 ? (sort == Sort::wrong_number ? "" : "either ") + list_in_words(alike, "or") : plain_name(effect);
+    // in a list, "or" would run into "and"
+    std::erase_if(alike, [&](const std::string& other) { return other == name || other == plain_label(text(effect, "effect")); });
+    if (effects.size() > 1 && !alike.empty()) name += " (or " + list_in_words(alike, "or") + ")";
     // alone, it has room for an explanation
     if (effects.size() == 1 && alike.size() <= 1 && !text(effect, "says").empty()) name += " (" + text(effect, "says") + ")";
     found.push_back(name);
@@ -156,6 +159,14 @@ std::string plain_channel(const std::string& channel) {
   for (const auto& [name, said] : words)
     if (channel == name) return said;
   return plain_label(channel);
+}
+
+std::string plain_alarm(const std::string& kind) {
+  if (kind == "omnibus") return "A pattern is left";
+  if (kind == "whiteness") return "Not just noise";
+  if (kind == "floor") return "Rough air, or more";
+  if (kind == "heteroscedastic") return "Uneven disturbance";
+  return capital(plain_label(kind));
 }
 
 Variable plain_variable(const std::string& variable) {
@@ -247,10 +258,19 @@ std::string one_sentence(const Json& diagnosis) {
   const std::string model = vehicle.empty() ? "The simulation" : "The simulation of " + vehicle;
   const std::string where = where_in_words(diagnosis);
   if (verdict == "consistent") return model + " agrees with these flights: nothing is left beyond noise and calm air.";
-  if (verdict == "insufficient_data") return "These flights cannot tell whether the simulation" + (vehicle.empty() ? "" : " of " + vehicle) + " is right or wrong.";
-  if (verdict == "unexplained")
-    return fmt::format("Something acts on {} that the simulation leaves out{}, and it is none of the effects known here.",
-                       vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")");
+  if (verdict == "insufficient_data") {
+    // the reason, when there is one for all
+    const Json& blind = part(diagnosis, "not_identifiable");
+    const bool one_reason = !blind.empty() && std::all_of(blind.begin(), blind.end(), [&](const Json& entry) { return text(entry, "why") == text(blind[0], "why"); });
+    return "These flights cannot tell whether the simulation" + (vehicle.empty() ? "" : " of " + vehicle) + " is right or wrong" +
+           (one_reason ? ": " + text(blind[0], "why") : "") + ".";
+  }
+  if (verdict == "unexplained") {
+    const std::string gain = part(diagnosis, "residual_model").empty() ? "" : gain_in_words(diagnosis);
+    return fmt::format("Something acts on {} that the simulation leaves out{}, and no effect known here explains enough of it to be named{}.",
+                       vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")",
+                       gain.empty() ? "" : "; with a model that has no name, " + gain);
+  }
 
   std::string sentence = names_in_words(diagnosis);
   if (const std::string gain = gain_in_words(diagnosis); !gain.empty()) sentence += "; " + gain;

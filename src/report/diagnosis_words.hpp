@@ -19,6 +19,7 @@ std::string plain_name(const Json& effect);
 std::string plain_label(const std::string& label);
 // "push to the side" for force_y
 std::string plain_channel(const std::string& channel);
+std::string plain_alarm(const std::string& kind);  // as a heading
 // "airspeed" and "m/s" for airspeed_mps
 struct Variable {
   std::string name, unit;

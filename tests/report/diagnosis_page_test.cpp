@@ -117,11 +117,27 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
   EXPECT_THAT(html, HasSubstr("<code>vx |v|</code></td><td class=\"n\">−0.0120</td>"));
 }
 
+TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["log_findings"] = Json::array();
+  for (const char* file : {"one.csv", "two.csv"})
+    diagnosis["log_findings"].push_back({{"file", file}, {"kind", "filtered"}, {"from_s", 0.0}, {"to_s", 0.0}, {"says", "it was smoothed"}});
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<li><strong>Filtered</strong>: it was smoothed. <span class=\"soft\">one.csv; two.csv</span></li>"));
+}
+
+TEST(DiagnosisPage, ShowsSuspectsWithTheReasonWhyTheyHaveNoName) {
+  Json diagnosis = example_diagnosis();
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), Not(HasSubstr("Suspected")));
+  diagnosis["effects"] = Json::array();
+  diagnosis["rejected"] = {{{"effect", "motor_lag"}, {"why", "only suspected: half of it remains"}}, {{"effect", "mass"}, {"why", "only suspected: half of it remains"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<p>Suspected, and not named because half of it remains: motor lag and mass.</p>"));
+}
+
 TEST(OneSentence, FitsTheVerdict) {
   Json diagnosis = example_diagnosis();
   EXPECT_EQ(report::one_sentence(diagnosis),
-            "The simulation of crazyflie leaves out rotor drag, loss of rotor 3 and steady wind and has the wrong mass or thrust "
-            "scale, and the recording itself has pose delay; the position predicted 0.5 s ahead is then wrong by 0.7 instead of "
+            "The simulation of crazyflie leaves out rotor drag, loss of rotor 3 and steady wind and has the wrong mass (or "
+            "thrust scale), and the recording itself has pose delay; the position predicted 0.5 s ahead is then wrong by 0.7 instead of "
             "3.1 cm, on flights that were not used to find it.");
   while (diagnosis["effects"].size() > 1) diagnosis["effects"].erase(1);
   diagnosis["verdict"] = "partly_explained";
@@ -133,7 +149,9 @@ TEST(OneSentence, FitsTheVerdict) {
   diagnosis["verdict"] = "unexplained";
   EXPECT_EQ(report::one_sentence(diagnosis),
             "Something acts on crazyflie that the simulation leaves out (mostly in the push forward or back, when airspeed is above "
-            "0.6 m/s), and it is none of the effects known here.");
+            "0.6 m/s), and no effect known here explains enough of it to be named.");
+  diagnosis["residual_model"] = {{"terms", Json::array()}};
+  EXPECT_THAT(report::one_sentence(diagnosis), HasSubstr("to be named; with a model that has no name, the position predicted 0.5 s ahead is"));
   diagnosis["verdict"] = "consistent";
   EXPECT_EQ(report::one_sentence(diagnosis),
             "The simulation of crazyflie agrees with these flights: nothing is left beyond noise and calm air.");
