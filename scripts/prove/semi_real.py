@@ -96,6 +96,24 @@ def means(effect, wrong):
     return wrong.effect in effect["class"] or f"{wrong.effect}#{wrong.rotor}" in effect["class"]
 
 
+def pick(effects, wrong):
+    """The finding that names the falsification: itself, or else one with it in its class; and all other findings."""
+    hits = sorted((e for e in effects if means(e, wrong)), key=lambda e: e["effect"] != wrong.effect)
+    return hits[:1], [e for e in effects if not any(e is hit for hit in hits[:1])]
+
+
+def unpaired(found, base):
+    """What is left of both when every name is paired with one of the other: the same name first, then of one class."""
+    found, base = list(found), list(base)
+    for same in (lambda a, b: label(a) == label(b), alike):
+        for effect in list(found):
+            partner = next((b for b in base if same(effect, b)), None)
+            if partner is not None:
+                found.remove(effect)
+                base.remove(partner)
+    return found, base
+
+
 def total(diagnosis, vehicle, wrong, name):
     """(value, std) of a parameter against a file: as named, else as trimmed, else what the file says."""
     for effect in diagnosis["effects"] + diagnosis.get("calibration", []):
@@ -107,10 +125,10 @@ def total(diagnosis, vehicle, wrong, name):
 def judge(case, wrong, base, found, right_file, wrong_file):
     """One row: what is new, what is lost, and the falsified parameters against what they should read."""
     row = {"case": case, "verdict": found["verdict"], "falsified": label_of(wrong), "base": [label(e) for e in base["effects"]], "named": [label(e) for e in found["effects"]]}
-    others = [e for e in found["effects"] if not means(e, wrong)]
-    row["new"] = [label(e) for e in others if not any(alike(e, b) for b in base["effects"])]
-    row["lost"] = [label(b) for b in base["effects"] if not any(alike(e, b) for e in found["effects"])]
-    hits = [e for e in found["effects"] if means(e, wrong)]
+    hits, others = pick(found["effects"], wrong)
+    known, base_others = pick(base["effects"], wrong)
+    new, lost = unpaired(others, base_others)
+    row["new"], row["lost"] = [label(e) for e in new], [label(b) for b in (lost if hits else lost + known)]
     row["as"] = [said(e) for e in hits]
     row["values"], moved = [], True
     for name, then in wrong.totals.items():
@@ -122,7 +140,6 @@ def judge(case, wrong, base, found, right_file, wrong_file):
         close = max(0.25 * abs(wanted - unchanged), 1.96 * math.hypot(before_std, after_std))
         moved = moved and abs(after - wanted) <= close
         row["values"].append({"name": name, "wanted": wanted, "value": after, "std": after_std, "before": before})
-    known = any(means(b, wrong) for b in base["effects"])
     row["right"] = bool(hits) and not row["new"] and (moved or not known)
     row["strictly"] = row["right"] and not row["lost"]
     rejected = wrong.effect + (f" (rotor {wrong.rotor})" if wrong.rotor else "")

@@ -51,6 +51,13 @@ def test_any_other_new_name_is_wrong_and_a_lost_one_is_listed():
     assert without["right"] and without["lost"] == ["rotor_drag"] and not without["strictly"]
 
 
+def test_a_class_excuses_one_name_and_not_a_second():
+    base = diagnosis(finding("rotor_drag", ["quadratic_drag"], at_hover=0.02))
+    assert row("mass_-10%", base, diagnosis(finding("quadratic_drag", ["rotor_drag"], area_xy=0.01), finding("mass", delta=0.111)))["strictly"]
+    both = diagnosis(*base["effects"], finding("quadratic_drag", area_xy=0.01), finding("mass", delta=0.111))
+    assert row("mass_-10%", base, both)["new"] == ["quadratic_drag"]
+
+
 def test_what_was_named_before_must_move_by_the_falsification():
     base = diagnosis(finding("inertia", delta_x=0.5, delta_y=0.5, delta_z=0.2))
     assert row("inertia_-25%", base, diagnosis(finding("inertia", delta_x=1.0, delta_y=1.0, delta_z=0.6)))["right"]
