@@ -27,7 +27,9 @@ namespace {
 constexpr double least_recovered = 0.5;
 constexpr double most_unexplained = 0.12;    // unless clearly most of the held-out error is recovered
 constexpr double clearly_recovered = 0.75;
-constexpr double surely_even = 0.3;          // a name that is of one size everywhere, to this share of it, is no shadow
+// a name is no shadow when it is of one size everywhere (to this share of it), explains more than anything that is left
+// could, and with the others half of the variance of one disturbance (what smoothing left of it says nothing)
+constexpr double surely_even = 0.3, clearly_more = 2.0, half_gone = 0.7;
 constexpr double unproved_confidence = calibrated_confidence(0.95);
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
@@ -224,6 +226,14 @@ void plot_residuals(const Session& session, const Selection& selection, Diagnosi
   }
 }
 
+// of the four disturbances, how much the findings leave of the one that they explain best
+double least_disturbance_left(const Selection& selection) {
+  double least = 1.0;
+  for (std::size_t g = 0; g < disturbance_groups; ++g)
+    least = std::min(least, std::sqrt(selection.noise_selected.variance[g] / selection.noise_nominal.variance[g]));
+  return least;
+}
+
 // names are only suspected, but those that stand
 void withdraw(Diagnosis& out, const std::string& why, const std::function<bool(const EffectFinding&)>& stands = [](const EffectFinding&) { return false; }) {
   std::erase_if(out.effects, [&](const EffectFinding& effect) {
@@ -357,7 +367,10 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   if (shadow)
     withdraw(out, fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
                               100.0 * rest.omnibus_share, 100.0 * verified.recovered),
-             [&](const EffectFinding& effect) { return effect.astray < surely_even && bound.empty(); });
+             [&](const EffectFinding& effect) {
+               return bound.empty() && effect.astray < surely_even && effect.gain > clearly_more * rest.omnibus_gain &&
+                      (session.shoots() || least_disturbance_left(selection) < half_gone);
+             });
 
   if (jitters) out.verdict = Verdict::insufficient_data;
   else if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;

@@ -289,6 +289,7 @@ Remainder remainder(const Session& session, const Selection& selection) {
     result.alarms.push_back({"omnibus", fmt::format("the rest depends on {}", family.name), gain / rows});
   }
   const double explained = std::max(0.0, selection.loss_nominal - selection.loss_selected);
+  result.omnibus_gain = worst;
   result.omnibus_share = worst > 0.0 ? worst / (worst + explained) : 0.0;
 
   // autocorrelation of the whitened innovations over 25 lags

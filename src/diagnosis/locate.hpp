@@ -33,6 +33,7 @@ struct Alarm {
 
 struct Remainder {
   std::vector<Alarm> alarms;
+  double omnibus_gain = 0.0;    // χ² of the family that still finds most
   double omnibus_share = 0.0;   // of all structure, what the omnibus test still finds
   bool gust_like = false;       // horizontal floor raised, slowly varying, and no dependence on the state explains it
 };

@@ -17,6 +17,8 @@ namespace {
 
 // worth a column: share of the disturbance, squared standard deviations
 constexpr double least_load_share = 0.01, least_limit_gain = 30.0;
+// a mean over an interval, stamped at its end, reads 0.62 samples late when the hold is not known (measured)
+constexpr double unknown_hold_samples = 0.7;
 
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
@@ -277,10 +279,10 @@ class Selector {
     for (const int c : catalogue_.groups()[static_cast<std::size_t>(g)].columns) {
       const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
       double tolerance = column.tolerance;
-      // a lag or delay below 0.6 sample is a convention of the log, unless it tells how commands are held
+      // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
       const bool timing = column.unit == "s" && column.tolerance > 0.0;
       const bool told = std::all_of(s_.flights().begin(), s_.flights().end(), [](const FlightData& f) { return f.hold_known; });
-      if (timing && !told) tolerance = std::max(tolerance, 0.6 * s_.sample_s());
+      if (timing && !told) tolerance = std::max(tolerance, unknown_hold_samples * s_.sample_s());
       if (tolerance == 0.0 || std::abs(value[c] - column.nominal) >= tolerance) return false;
     }
     return true;
