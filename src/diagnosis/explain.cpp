@@ -119,12 +119,15 @@ void explain(const Session& session, const Selection& selection, const Challenge
       for (std::size_t f = 0; f < session.flights().size(); ++f)
         effect.per_flight.emplace_back(session.flights()[f].label, values_of(catalogue, selection, group, static_cast<int>(f)));
     effect.classmates = {effect.effect};
+    // what may as well be a trim of another name is not missing physics
+    bool calibration = finding.calibration;
     for (const Rival& rival : finding.rivals) {
       const std::string name = catalogue_name(group_of(rival.group));
       // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
       const bool equivalent = rival.z < equivalent_z && rival.delta_score < 0.5 * finding.gain;
       effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
       if (equivalent) effect.classmates.push_back(name);
+      calibration = calibration || (equivalent && rival.below_tolerance);
     }
     // of a moment of inertia in yaw the same is true the other way round
     if (effect.effect == "inertia" && !effect.parameters.empty()) {
@@ -142,7 +145,7 @@ void explain(const Session& session, const Selection& selection, const Challenge
     effect.confidence = confidence(finding, challenge.tested.gain[i]);
     effect.astray = most_astray(challenge.regimes[i]);
     if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();
-    if (finding.calibration) {
+    if (calibration) {
       out.calibration.push_back(effect);
     } else {
       out.effects.push_back(effect);

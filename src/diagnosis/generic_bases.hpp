@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnosis/session.hpp"
+#include "diagnosis/trims.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -21,11 +22,6 @@ std::vector<BasisFamily> channel_bases(const Session& session);
 
 // Gram matrix of [these columns of the catalogue, the family, z], whitened under the session's noise, over all flights.
 Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
-// A column that is small beforehand: standard deviation in its natural unit.
-struct Trim {
-  int column;
-  double deviation;
-};
 // What a family gains beyond the given columns (always free with them) and small values of the trims.
 double gain_of(const Session& session, const BasisFamily& family, std::vector<int> columns, const std::vector<Trim>& trims = {});
 

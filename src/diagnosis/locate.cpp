@@ -274,13 +274,7 @@ Remainder remainder(const Session& session, const Selection& selection) {
   std::vector<int> columns = columns_of(session.catalogue(), selection.groups());
   columns.insert(columns.end(), session.biases().begin(), session.biases().end());
 
-  // what every vehicle is built with, and no one would name
-  std::vector<Trim> trims;
-  for (int c = 0; c < session.catalogue().size(); ++c) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
-    if (column.tolerance > 0.0 && std::find(columns.begin(), columns.end(), c) == columns.end())
-      trims.push_back({c, scatter_share * column.tolerance / column.natural});
-  }
+  const std::vector<Trim> trims = trims_beside(session, columns, scatter_share);
   double worst = 0.0;
   for (const BasisFamily& family : omnibus_bases(session)) {
     const double gain = gain_of(session, family, columns, trims);

@@ -9,6 +9,7 @@
 #include "diagnosis/limit_scan.hpp"
 #include "diagnosis/pendulum.hpp"
 #include "diagnosis/subset_search.hpp"
+#include "diagnosis/trims.hpp"
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
@@ -17,8 +18,6 @@ namespace {
 
 // worth a column: share of the disturbance, squared standard deviations
 constexpr double least_load_share = 0.01, least_limit_gain = 30.0;
-// a mean over an interval, stamped at its end, reads 0.62 samples late when the hold is not known (measured)
-constexpr double unknown_hold_samples = 0.7;
 
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
@@ -71,6 +70,7 @@ class Selector {
     Eigen::VectorXd value = catalogue_.nominal();
     for (const Finding& finding : before.findings)
       if (std::find(withdrawn.begin(), withdrawn.end(), finding.group) == withdrawn.end()) chosen.push_back(finding.group);
+    drop_unfelt(chosen);
     for (const int c : with_biases(chosen)) value[c] = before.value[c];
     finish(result, chosen, refine(chosen, value));
     return result;
@@ -125,13 +125,17 @@ class Selector {
     }
   }
 
-  // values of a fit on absolute Grams, SI
-  Eigen::VectorXd coefficients(const Grams& grams, const std::vector<int>& groups) const {
-    const std::vector<int> columns = with_biases(groups);
-    const Fit fit = solve(grams.total(), columns);
+  Eigen::VectorXd value_at(const std::vector<int>& columns, const Fit& fit) const {
     Eigen::VectorXd value = catalogue_.nominal();
     for (std::size_t i = 0; i < columns.size(); ++i)
       value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] * natural_[columns[i]];
+    return value;
+  }
+
+  // values of a fit on absolute Grams, SI
+  Eigen::VectorXd coefficients(const Grams& grams, const std::vector<int>& groups) const {
+    const std::vector<int> columns = with_biases(groups);
+    Eigen::VectorXd value = value_at(columns, solve(grams.total(), columns));
     // a wind that was tried with a drag of natural size means more with a smaller one
     const int wind = catalogue_.find("steady_wind"), drag = catalogue_.find("rotor_drag");
     if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
@@ -212,13 +216,10 @@ class Selector {
     const Fit fit = solve(total, columns);
     const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
     result.loss_selected = fit.loss;
-    result.value = catalogue_.nominal();
+    result.value = value_at(columns, fit);
     result.deviation = Eigen::VectorXd::Zero(catalogue_.size());
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      result.value[columns[i]] += fit.coefficient[k] * natural_[columns[i]];
-      result.deviation[columns[i]] = std::sqrt(std::max(0.0, covariance(k, k))) * natural_[columns[i]];
-    }
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      result.deviation[columns[i]] = std::sqrt(std::max(0.0, covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)))) * natural_[columns[i]];
     catalogue_.clamp(result.value);
     for (const int g : chosen) {
       Finding finding;
@@ -226,7 +227,7 @@ class Selector {
       std::vector<int> rest = chosen;
       std::erase(rest, g);
       finding.gain = solve(total, with_biases(rest)).loss - fit.loss;
-      finding.calibration = below_tolerance(result.value, g) || imitated_by_scatter(total, chosen, g);
+      finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
       result.findings.push_back(finding);
     }
     rivals(result, chosen, fit);
@@ -240,6 +241,11 @@ class Selector {
                                        std::log(result.grams.rows) *
                                            static_cast<double>(columns_of(catalogue_, {g}).size()));
     }
+  }
+
+  // a wind is felt only with a drag
+  void drop_unfelt(std::vector<int>& chosen) const {
+    if (!SubsetSearch(catalogue_, s_.vehicle(), 0.0).allowed(chosen)) std::erase(chosen, catalogue_.find("steady_wind"));
   }
 
   // backward: what is not material or not significant goes, the weakest first
@@ -272,47 +278,8 @@ class Selector {
       }
       if (worst < 0) return;
       std::erase(chosen, worst);
+      drop_unfelt(chosen);
     }
-  }
-
-  bool below_tolerance(const Eigen::VectorXd& value, int g) const {
-    for (const int c : catalogue_.groups()[static_cast<std::size_t>(g)].columns) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-      double tolerance = column.tolerance;
-      // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
-      const bool timing = column.unit == "s" && column.tolerance > 0.0;
-      const bool told = std::all_of(s_.flights().begin(), s_.flights().end(), [](const FlightData& f) { return f.hold_known; });
-      if (timing && !told) tolerance = std::max(tolerance, unknown_hold_samples * s_.sample_s());
-      if (tolerance == 0.0 || std::abs(value[c] - column.nominal) >= tolerance) return false;
-    }
-    return true;
-  }
-
-  // could small build tolerances of everything together look like this effect?
-  bool imitated_by_scatter(const Eigen::MatrixXd& total, const std::vector<int>& chosen, int g) const {
-    const Group& group = catalogue_.groups()[static_cast<std::size_t>(g)];
-    if (catalogue_.columns()[static_cast<std::size_t>(group.columns.front())].tolerance == 0.0) return false;
-    Eigen::MatrixXd soft = total;
-    std::vector<int> trims;
-    for (int c = 0; c < catalogue_.size(); ++c) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-      const bool in = column.group >= 0 && std::find(chosen.begin(), chosen.end(), column.group) != chosen.end() && column.group != g;
-      if (column.tolerance == 0.0 || in) continue;
-      const double sd = options_.trim_share * column.tolerance / column.natural;
-      soft(c, c) += 1.0 / (sd * sd);
-      trims.push_back(c);
-    }
-    std::vector<int> rest = chosen;
-    std::erase(rest, g);
-    std::vector<int> without = with_biases(rest);
-    without.insert(without.end(), trims.begin(), trims.end());
-    Eigen::MatrixXd free = soft;
-    for (const int c : group.columns) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-      if (column.tolerance == 0.0) without.push_back(c);
-      else free(c, c) = total(c, c);
-    }
-    return solve(soft, without).loss - solve(free, without).loss < options_.trim_cost;
   }
 
   // replace each selected effect by every other, one at a time
@@ -335,7 +302,7 @@ class Selector {
         const double mean = sums.mean();
         const double sd = std::sqrt((sums.array() - mean).square().sum() / std::max(1.0, static_cast<double>(sums.size()) - 1.0));
         finding.rivals.push_back({other, sums.sum() / (std::sqrt(static_cast<double>(sums.size())) * sd + 1e-9),
-                                  replaced.loss - fit.loss});
+                                  replaced.loss - fit.loss, below_tolerance(s_, value_at(columns, replaced), other)});
       }
       std::stable_sort(finding.rivals.begin(), finding.rivals.end(),
                        [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });

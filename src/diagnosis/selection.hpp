@@ -24,6 +24,7 @@ struct Rival {
   int group = -1;
   double z = 0.0;            // paired block differences
   double delta_score = 0.0;
+  bool below_tolerance = false;   // in its place it would be a trim
 };
 
 struct Finding {
