@@ -51,6 +51,7 @@ Challenge challenge(Session& session, Selection& selection, const std::vector<Fl
     // one at a time: what goes may be what made the others uneven
     if (failed.empty() && spread > 0.0) {
       const Regimes& r = *uneven(result.regimes[widest]);
+      result.uneven = true;
       withdraw_finding(widest, selection.findings[widest].gain,
                        fmt::format("only suspected: it is {:.0f}, {:.0f} and {:.0f} % of itself where {} is low, middling and high; physics "
                                    "would be the same everywhere",

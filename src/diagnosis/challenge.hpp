@@ -13,6 +13,7 @@ struct Challenge {
   HoldoutTest tested;                          // of the findings that are left
   std::vector<std::vector<Regimes>> regimes;   // of each of them, the widest spread first
   std::vector<Rejected> withdrawn;
+  bool uneven = false;                         // one of them for being uneven
 };
 
 // Findings that fail are withdrawn and the rest is fitted anew, until what is left stands. `held_own_rate`: the held-out

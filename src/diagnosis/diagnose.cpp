@@ -330,10 +330,10 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   Session session(std::move(flights), vehicle, options.jobs, std::move(own_rate));
   Selection selection = select_effects(session, {});
   const Challenge challenged = challenge(session, selection, held, held_own_rate, options.jobs);
-  const Remainder rest = remainder(session, selection);
+  const Remainder rest = remainder(session, selection, challenged.uneven);
   explain(session, selection, challenged, out);
   out.rejected.insert(out.rejected.begin(), challenged.withdrawn.begin(), challenged.withdrawn.end());
-  explain_gust(session, selection, rest, out);
+  if (rest.gust_like) explain_gust(session, rest.gust, out);
   describe_disturbance(selection, rest, out);
   out.alarms = rest.alarms;
   out.unexplained_share = rest.omnibus_share;

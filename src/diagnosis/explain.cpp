@@ -169,26 +169,29 @@ void explain(const Session& session, const Selection& selection, const Challenge
   }
 }
 
-void explain_gust(const Session& session, const Selection& selection, const Remainder& rest, Diagnosis& out) {
-  if (!rest.gust_like) return;
+void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out) {
   const EffectRow* row = find_effect("gust");
-  const NoiseModel& noise = selection.noise_selected;
   const double mass = session.vehicle().mass_kg;
   EffectFinding effect;
   effect.effect = "gust";
   effect.place = to_string(row->place);
   effect.says = row->says;
   effect.classmates = {"gust"};
-  // standard error of a variance from as many independent pieces as the flight has correlation times
+  // standard error of a variance from as many independent pieces as the flights have correlation times
   double duration_s = 0.0;
   for (const FlightData& flight : session.flights()) duration_s += flight.duration_s();
-  const double pieces = std::max(4.0, 2.0 * duration_s / (2.0 * noise.time_s[0]));
-  const double sigma = mass * std::sqrt(noise.variance[0]), sigma_z = mass * std::sqrt(noise.variance[1]);
+  const double pieces = std::max(4.0, duration_s / parts.time_s);
+  const double sigma = mass * parts.horizontal_mps2, sigma_z = mass * parts.vertical_mps2;
   effect.parameters = {{"sigma_xy", "N", sigma, sigma / std::sqrt(2.0 * pieces) + model_form * sigma},
                        {"sigma_z", "N", sigma_z, sigma_z / std::sqrt(pieces) + model_form * sigma_z},
-                       {"correlation_time", "s", noise.time_s[0], noise.time_s[0] * std::sqrt(2.0 / pieces)}};
+                       {"correlation_time", "s", parts.time_s, parts.time_s * std::sqrt(2.0 / pieces)}};
+  if (parts.line_mps2 > 0.0) {
+    effect.parameters.push_back({"line_amplitude", "N", mass * parts.line_mps2, mass * std::hypot(parts.line_deviation_mps2, model_form * parts.line_mps2)});
+    effect.parameters.push_back({"line_frequency", "rad/s", parts.line_radps, parts.line_deviation_radps});
+  }
   effect.confidence = 0.9;
   effect.gain = 0.0;
+  effect.astray = 0.0;
   out.effects.push_back(effect);
 }
 

@@ -11,7 +11,7 @@ void explain(const Session& session, const Selection& selection, const Challenge
 // Share of findings that are right, of those whose agreement (0…1: stability, rivals, held-out gain) is as given.
 constexpr double calibrated_confidence(double agreement) { return 0.88 + 0.09 * agreement; }
 // Names `gust` when the flight says so; per axis strength, correlation time and a spectral line.
-void explain_gust(const Session& session, const Selection& selection, const Remainder& rest, Diagnosis& out);
+void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out);
 // `[[effect]]` tables of everything found, totals, calibration included.
 std::string augmented_toml(const Diagnosis& diagnosis);
 

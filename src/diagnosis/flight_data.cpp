@@ -290,11 +290,13 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   return flight;
 }
 
+double rate_half_window_s(const FlightData& flight) { return std::max(flight.as_recorded ? 0.0 : 0.045, 2.1 * flight.sample_s); }
+
 void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
   const auto& samples = flight.samples;
   flight.motion.assign(samples.size(), Motion{});
   const double pose_half_s = std::max(flight.as_recorded ? 0.0 : 0.095, 2.6 * flight.sample_s),
-               rate_half_s = std::max(flight.as_recorded ? 0.0 : 0.045, 2.1 * flight.sample_s),
+               rate_half_s = rate_half_window_s(flight),
                acceleration_half_s = std::max(0.105, 3.1 * flight.sample_s);
 
   for (std::size_t begin = 0; begin < samples.size();) {

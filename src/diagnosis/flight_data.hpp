@@ -102,5 +102,7 @@ struct SensorCorrection {
   double rate_scale = 0.0;
 };
 void smooth_motion(FlightData& flight, const SensorCorrection& correction);
+// Half the window over which body rates are smoothed, s.
+double rate_half_window_s(const FlightData& flight);
 
 }  // namespace gustlab::diagnosis

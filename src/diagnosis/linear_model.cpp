@@ -62,6 +62,26 @@ Vector12 innovation(const Sample& sample, const Measured& m) {
   return y;
 }
 
+// The body's angular acceleration at every sample: slowly as the smoothed rates say it, quickly as the model says it, whose own
+// slow part is taken out with the weights that a local slope of the rates has.
+std::vector<Vector3> angular_acceleration(const FlightData& flight, const std::vector<Vector3>& modelled) {
+  const auto half = static_cast<std::ptrdiff_t>(std::floor(rate_half_window_s(flight) / flight.sample_s));
+  const auto size = static_cast<std::ptrdiff_t>(modelled.size());
+  std::vector<Vector3> result(modelled.size());
+  for (std::ptrdiff_t k = 0; k < size; ++k) {
+    Vector3 sum = Vector3::Zero();
+    double weights = 0.0;
+    for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, k - half); j <= std::min(size - 1, k + half); ++j) {
+      const double weight = 1.0 - static_cast<double>((j - k) * (j - k)) / static_cast<double>(half * (half + 1));
+      sum += weight * modelled[static_cast<std::size_t>(j)];
+      weights += weight;
+    }
+    const auto at = static_cast<std::size_t>(k);
+    result[at] = flight.motion[at].angular_acceleration_B_radps2 + modelled[at] - sum / weights;
+  }
+  return result;
+}
+
 RotorArray mean_of(const RotorArray* values, int count) {
   RotorArray mean{};
   for (int s = 0; s < count; ++s)
@@ -118,6 +138,16 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
   for (std::size_t k = 0; k < n; ++k) x[k] = center_of_mass(flight.motion[k], arm);
   Evaluator evaluate{forces, {}, {}};
 
+  // an accelerometer away from the middle feels how the body turns
+  std::vector<Vector3> turning(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    turning[k] = flight.motion[k].angular_acceleration_B_radps2;
+    if (with_force && out.torque_known)
+      evaluate.specific_force(x[k], flight.samples[k].time_s - flight.start_s, flight.samples[k].voltage_V, rotors.at_sample[k],
+                              rotors.acceleration[k * count], turning[k]);
+  }
+  if (with_force && out.torque_known) turning = angular_acceleration(flight, turning);
+
   // finite-difference steps of the error state
   constexpr std::array<double, 4> steps = {1e-4, 1e-3, 1e-4, 1e-3};
   for (std::size_t k = 0; k < n; ++k) {
@@ -147,7 +177,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
         Eigen::Vector3i::Constant((c & has_attitude) != 0).cast<bool>(),
         Eigen::Vector3i::Constant((c & has_rate) != 0).cast<bool>(),
         Eigen::Vector3i::Constant((c & has_force) != 0).cast<bool>();
-    Vector3 angular = flight.motion[k].angular_acceleration_B_radps2, modelled;
+    Vector3 modelled;
     Vector3 force = Vector3::Zero();
     if (with_force) {
       force = evaluate.specific_force(x[k], t, sample.voltage_V, rotors.at_sample[k], rise[0], modelled);
@@ -158,7 +188,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
                                                               rotors.at_sample[k], rise[0], modelled) - force) / step;
         }
     }
-    out.y[k] = innovation(sample, predict_sensors(forces, flight.motion[k], x[k], t, force, angular));
+    out.y[k] = innovation(sample, predict_sensors(forces, flight.motion[k], x[k], t, force, turning[k]));
   }
 
   // a slung load is a force history
@@ -224,8 +254,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       Vector3 modelled, force = Vector3::Zero();
       if (with_force)
         force = at.specific_force(x[k], t, sample.voltage_V, history.at_sample[k], history.acceleration[k * count], modelled);
-      result.y[k] = innovation(sample, predict_sensors(model, flight.motion[k], x[k], t, force,
-                                                       flight.motion[k].angular_acceleration_B_radps2));
+      result.y[k] = innovation(sample, predict_sensors(model, flight.motion[k], x[k], t, force, turning[k]));
     }
   };
   Column0 base, moved;

@@ -268,7 +268,7 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection) {
   return result;
 }
 
-Remainder remainder(const Session& session, const Selection& selection) {
+Remainder remainder(const Session& session, const Selection& selection, bool shadow) {
   Remainder result;
   const double rows = selection.degrees_of_freedom;
   std::vector<int> columns = columns_of(session.catalogue(), selection.groups());
@@ -317,7 +317,9 @@ Remainder remainder(const Session& session, const Selection& selection) {
   constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
   const NoiseModel& noise = selection.noise_selected;
   const bool structured = worst > 0.0;
-  result.gust_like = noise.time_s[0] > 0.25 && noise.time_s[0] < 2.9 && std::sqrt(noise.variance[0]) > 2.2 * floor[0] && !structured;
+  result.gust = gust_parts(session, selection.smoothed_selected);
+  const bool slow = noise.time_s[0] > 0.25 && noise.time_s[0] < 2.9 && std::sqrt(noise.variance[0]) > 2.2 * floor[0];
+  result.gust_like = !shadow && !structured && (slow || result.gust.line_mps2 > 0.0);
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     const double ratio = std::sqrt(noise.variance[g]) / floor[g];
     if (ratio > 2.5 && !(g < 2 && result.gust_like))

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/gust_parts.hpp"
 #include "diagnosis/selection.hpp"
 
 namespace gustlab::diagnosis {
@@ -35,13 +36,15 @@ struct Remainder {
   std::vector<Alarm> alarms;
   double omnibus_gain = 0.0;    // χ² of the family that still finds most
   double omnibus_share = 0.0;   // of all structure, what the omnibus test still finds
-  bool gust_like = false;       // horizontal floor raised, slowly varying, and no dependence on the state explains it
+  bool gust_like = false;       // horizontal floor raised and slowly varying, or with a line, and no dependence on the state explains it
+  GustParts gust;
 };
 
 // At the nominal vehicle, under the noise of the selected model. Linearises the session there.
 std::vector<Mismatch> locate(Session& session, const Selection& selection);
 // At the selected model; the session must be linearised there.
-Remainder remainder(const Session& session, const Selection& selection);
+// `shadow`: a force of every flight's own was withdrawn, so what is left is no gust.
+Remainder remainder(const Session& session, const Selection& selection, bool shadow);
 
 // Per half second: the smoothed wrench (body axes, N and N m) and what it might depend on.
 struct Blocks {
