@@ -319,7 +319,10 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   const bool structured = worst > 0.0;
   result.gust = gust_parts(session, selection.smoothed_selected);
   const bool slow = noise.time_s[0] > 0.25 && noise.time_s[0] < 2.9 && std::sqrt(noise.variance[0]) > 2.2 * floor[0];
-  result.gust_like = !shadow && !structured && (slow || result.gust.line_mps2 > 0.0);
+  // a line below a calm room's disturbance may be the flown figure's own
+  const bool line = result.gust.line_mps2 > floor[0];
+  if (!line) result.gust.line_mps2 = 0.0;
+  result.gust_like = !shadow && !structured && (slow || line);
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     const double ratio = std::sqrt(noise.variance[g]) / floor[g];
     if (ratio > 2.5 && !(g < 2 && result.gust_like))
