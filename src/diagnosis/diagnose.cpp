@@ -323,7 +323,7 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   // one-sample innovations of smoothed logs tell of the smoothing: half a second tells of the vehicle
   std::vector<FlightData> own_rate, held_own_rate;
   if (reading.common_filter_s > 0.0) {
-    const ReadingOptions own{.linear_hold = reading.linear_hold, .substep_s = 0.005, .as_recorded = true};
+    const ReadingOptions own{.linear_hold = reading.linear_hold, .substep_s = 0.01, .as_recorded = true};
     own_rate = prepare(logs.fit, vehicle, own, offset, 0);
     held_own_rate = prepare(logs.holdout, vehicle, own, offset, logs.fit.size());
   }

@@ -137,10 +137,11 @@ void explain(const Session& session, const Selection& selection, const Challenge
     for (const auto& [a, b] : exact_alias)
       if (effect.effect == a && std::find(effect.classmates.begin(), effect.classmates.end(), b) == effect.classmates.end())
         effect.classmates.emplace_back(b);
-    // the class in catalogue order, each name once; the effect is its first
-    std::vector<std::string> ordered;
+    // what fits best first, the others in catalogue order, each name once
+    std::vector<std::string> ordered = {effect.effect};
     for (const EffectRow& row : effect_registry())
-      if (std::find(effect.classmates.begin(), effect.classmates.end(), row.name) != effect.classmates.end()) ordered.emplace_back(row.name);
+      if (row.name != effect.effect && std::find(effect.classmates.begin(), effect.classmates.end(), row.name) != effect.classmates.end())
+        ordered.emplace_back(row.name);
     effect.classmates = ordered;
     effect.confidence = confidence(finding, challenge.tested.gain[i]);
     effect.astray = most_astray(challenge.regimes[i]);

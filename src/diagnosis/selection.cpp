@@ -5,6 +5,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "diagnosis/limit_scan.hpp"
 #include "diagnosis/pendulum.hpp"
@@ -39,7 +40,7 @@ class Selector {
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
-    const int rounds = s_.shoots() ? 8 : 4;
+    constexpr int rounds = 4;
     for (int round = 0; round < rounds; ++round) {
       if (round > 0) s_.linearise(value, s_.all_columns());
       if (round == 1 && !chosen.empty()) {
@@ -187,7 +188,7 @@ class Selector {
 
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
-    std::vector<int> tried;
+    std::set<std::vector<int>> visited;
     for (bool settled = false; !settled;) {
       s_.linearise(value, s_.all_columns());
       s_.learn_noise(6, with_biases(chosen));
@@ -202,9 +203,10 @@ class Selector {
       if (settled && s_.shoots()) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, with_biases(chosen)).loss;
-        const int more = search.addition(project_out(total, s_.biases()), chosen, tried, material(result.grams.rows, result.loss_nominal - loss));
-        settled = more < 0;
-        if (!settled) chosen.insert(std::upper_bound(chosen.begin(), chosen.end(), more), more), tried.push_back(more);
+        visited.insert(chosen);
+        const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited, material(result.grams.rows, result.loss_nominal - loss));
+        settled = better.empty();
+        if (!settled) chosen = better;
       }
       if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
     }

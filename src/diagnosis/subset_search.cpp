@@ -84,19 +84,29 @@ std::vector<std::vector<Subset>> SubsetSearch::run(const Eigen::MatrixXd& gram, 
   return by_size;
 }
 
-int SubsetSearch::addition(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::vector<int>& passed_over, double material) const {
+std::vector<int> SubsetSearch::improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::set<std::vector<int>>& visited,
+                                        double material) const {
   double best = evaluate(gram, groups).score - material;
-  int addition = -1;
+  std::vector<int> better;
+  const auto try_groups = [&](std::vector<int> changed) {
+    std::sort(changed.begin(), changed.end());
+    if (visited.contains(changed) || !allowed(changed)) return;
+    const double score = evaluate(gram, changed).score;
+    if (score < best) best = score, better = std::move(changed);
+  };
   for (const int g : candidates) {
     if (std::find(groups.begin(), groups.end(), g) != groups.end()) continue;
-    if (std::find(passed_over.begin(), passed_over.end(), g) != passed_over.end()) continue;
     std::vector<int> more = groups;
-    more.insert(std::upper_bound(more.begin(), more.end(), g), g);
-    if (!allowed(more)) continue;
-    const Subset subset = evaluate(gram, more);
-    if (subset.score < best) best = subset.score, addition = g;
+    more.push_back(g);
+    try_groups(more);
+    // an exchange costs no further effect, but should pay as much
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      std::vector<int> changed = groups;
+      changed[i] = g;
+      try_groups(changed);
+    }
   }
-  return addition;
+  return better;
 }
 
 Subset SubsetSearch::choose(const std::vector<std::vector<Subset>>& by_size, double material) {

@@ -1,6 +1,7 @@
 // Best subsets of groups on one Gram matrix from which all that is always free has been projected out.
 #pragma once
 
+#include <set>
 #include <vector>
 
 #include "diagnosis/gram.hpp"
@@ -22,8 +23,9 @@ struct SubsetSearch {
   static Subset choose(const std::vector<std::vector<Subset>>& by_size, double material);
   // Loss of one subset; infinite when a coefficient leaves its bounds or a group needs another that is missing.
   Subset evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const;
-  // The group that pays most beside those given, besides what a further effect must gain; −1: none does.
-  int addition(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::vector<int>& passed_over, double material) const;
+  // One group more, or one for another, where that pays most: at least what a further effect must gain. Empty: nothing does.
+  std::vector<int> improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::set<std::vector<int>>& visited,
+                            double material) const;
   bool allowed(const std::vector<int>& groups) const;
 
   const Catalogue& catalogue;
