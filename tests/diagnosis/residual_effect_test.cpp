@@ -4,28 +4,16 @@
 #include <map>
 
 #include "config/toml.hpp"
-#include "diagnosis/diagnose.hpp"
-#include "simulation/concealed_trials.hpp"
-#include "support/temporary_folder.hpp"
+#include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
 
 using ::testing::IsEmpty;
 
-// three flights of a Crazyflie in calm but not still air
-Diagnosis diagnose_trial(const TemporaryFolder& folder, const std::string& concealed) {
-  const TrialsFile file = read_trials_file(folder.write("trials.toml", R"(
-format = "gustlab-trials/1"
-name = "strange"
-vehicle = "crazyflie"
-trajectories = ["lemniscate", "multisine", "circle"]
-controllers = ["geometric"]
-fit = ["lemniscate", "multisine"]
-holdout = ["circle"]
-sensors = ["pose", "gyroscope"]
-duration_s = 14.0
-step_s = 0.002
+Diagnosis diagnose_trial(const std::string& concealed) {
+  const TemporaryFolder folder;
+  return diagnose(test::fly_trial(folder, {.fit = {"lemniscate", "multisine"}, .holdout = {"circle"}, .tables = R"(
 [trajectory.circle]
 start = "reference"
 ramp_s = 2.0
@@ -34,30 +22,11 @@ period_s = 6.0
 period_s = 6.0
 [trajectory.multisine]
 yaw_amplitude_rad = 0.8
-[[effect]]
-type = "measurement_noise"
-position_sd = 0.0005
-attitude_sd = 0.002
-rate_sd = 0.01
-[[effect]]
-type = "gust"
-sigma_xy = 0.002
-sigma_z = 0.002
-correlation_time = 0.15
-[[trial]]
-name = "one"
-effects = [)" + concealed + "]\n"));
-  fly_concealed_trials(file, folder.file("flights"), 2);
-  DiagnoseOptions options;
-  options.fit = {folder.file("flights") + "/one/fit_1.csv", folder.file("flights") + "/one/fit_2.csv"};
-  options.holdout = {folder.file("flights") + "/one/holdout_1.csv"};
-  options.jobs = 2;
-  return diagnose(options);
+)", .concealed = concealed}));
 }
 
 TEST(ResidualEffect, DescribesAForceAcrossTheMotionAndFliesIt) {
-  const TemporaryFolder folder;
-  const Diagnosis d = diagnose_trial(folder, R"({type = "sindy_residual", frame = "body", terms = ["vx_B", "vy_B"], fx = [0, -0.02], fy = [0.02, 0], fz = [0, 0]})");
+  const Diagnosis d = diagnose_trial(R"({type = "sindy_residual", frame = "body", terms = ["vx_B", "vy_B"], fx = [0, -0.02], fy = [0.02, 0], fz = [0, 0]})");
   EXPECT_THAT(d.effects, IsEmpty());
   EXPECT_EQ(d.verdict, Verdict::unexplained);
   ASSERT_FALSE(d.residual_model.is_null()) << to_json(d).dump(1);
@@ -75,8 +44,7 @@ TEST(ResidualEffect, DescribesAForceAcrossTheMotionAndFliesIt) {
 }
 
 TEST(ResidualEffect, OffersNothingWhereNothingIsMissing) {
-  const TemporaryFolder folder;
-  const Diagnosis d = diagnose_trial(folder, "");
+  const Diagnosis d = diagnose_trial("");
   EXPECT_TRUE(d.residual_model.is_null());
   EXPECT_FALSE(to_json(d).contains("residual_model"));
 }

@@ -1,0 +1,114 @@
+// What the diagnosis owes every row of the registry: planted in flights that excite it it is found, and alone; planted below
+// its reporting tolerance it is not named. A sample of the rows by default, all of them with GUSTLAB_EVERY_EFFECT=1.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "contract/effects_flight.hpp"
+#include "support/trials.hpp"
+
+namespace gustlab::test {
+namespace {
+
+using ::testing::IsEmpty;
+
+// in a room whose ground, ceiling and one wall are come close to
+constexpr const char* room = R"(
+[environment]
+ground_z_m = 0.0
+ceiling_z_m = 2.0
+walls = [[1.0, 0.0, -1.0, 0.0]]
+[trajectory.lemniscate]
+period_s = 4.0
+[trajectory.multisine]
+center_m = [0, 0, 1]
+yaw_amplitude_rad = 1.2
+yaw_frequency_hz = 0.25
+[trajectory.waypoints]
+points_m = [0,0,1, 0.5,0,0.07, -0.5,0,0.07, 0.92,0,0.9, 0.92,0.3,1.1, 0.5,-0.4,1.92, -0.3,0,1.92, 0,0,0.1, 0.93,0.5,0.5]
+speed_mps = 0.8
+[trajectory.circle]
+radius_m = 0.7
+ramp_s = 2.0
+period_s = 4.0
+start = "reference"
+)";
+
+// what the vehicle file says of an effect
+Values nominal_values(const VehicleModel& vehicle, std::string_view name) {
+  Values values;
+  for (const EffectSpec& spec : vehicle.effects)
+    if (spec.type == name)
+      for (const auto& [key, value] : spec.values) values[key] = std::stod(value);
+  return values;
+}
+
+// totals of an effect that is `sizes` natural sizes away from the vehicle file
+Values strong_values(const EffectRow& row, const VehicleModel& vehicle, double sizes) {
+  if (row.name == "gust") return {{"sigma_xy", 0.03}, {"sigma_z", 0.01}, {"correlation_time", 1.0}};
+  // bites in the quick parts of these flights
+  if (row.name == "saturation") return {{"max_speed", 1.12 * vehicle.hover_speed_radps()}};
+  Values values = natural_values(row, vehicle);
+  for (auto& [name, value] : values) value *= sizes;
+  for (const auto& [name, value] : nominal_values(vehicle, row.name)) values[name] += value;
+  if (row.name == "slung_load") values["length"] /= sizes;
+  if (row.name == "battery_sag") values.erase("exponent");  // these logs have no voltage
+  if (row.name == "rotor_loss") values["rotor"] = 3;
+  return values;
+}
+
+// half of each tolerance away from the vehicle file; empty: none is declared
+Values small_values(const EffectRow& row, const VehicleModel& vehicle) {
+  Values values;
+  for (const Declared& parameter : parameters_of(*row.make()))
+    if (parameter.info.tolerance > 0.0) values[parameter.name] = 0.5 * parameter.info.tolerance * scale_of(parameter.info.scale, vehicle);
+  if (values.empty()) return values;
+  for (const auto& [name, value] : nominal_values(vehicle, row.name)) values[name] += value;
+  if (row.name == "rotor_loss") values["rotor"] = 3;
+  return values;
+}
+
+diagnosis::Diagnosis diagnose_with(const EffectRow& row, const Values& values) {
+  std::string text = fmt::format("{{type = \"{}\"", row.name);
+  for (const auto& [name, value] : values) text += fmt::format(", {} = {:.9g}", name, value);
+  const TemporaryFolder folder;
+  return diagnosis::diagnose(fly_trial(folder, {.fit = {"lemniscate", "multisine", "waypoints"}, .holdout = {"circle"},
+                                                .sensors = {"pose", "velocity", "gyroscope", "accelerometer"}, .duration_s = 16.0,
+                                                .tables = room, .concealed = text + "}"}));
+}
+
+class DiagnosisContract : public ::testing::TestWithParam<std::string_view> {
+ protected:
+  const EffectRow& row = *find_effect(GetParam());
+  const VehicleModel vehicle = crazyflie();
+};
+
+TEST_P(DiagnosisContract, FindsWhatIsPlantedAndNothingElse) {
+  const diagnosis::Diagnosis d = diagnose_with(row, strong_values(row, vehicle, 3.0));
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  const diagnosis::EffectFinding& found = d.effects.front();
+  EXPECT_TRUE(found.effect == row.name || std::count(found.classmates.begin(), found.classmates.end(), row.name) == 1)
+      << found.effect << " was named for " << row.name;
+}
+
+TEST_P(DiagnosisContract, DoesNotNameWhatIsBelowItsTolerance) {
+  const Values values = small_values(row, vehicle);
+  if (values.empty()) GTEST_SKIP() << "has no tolerance";
+  EXPECT_THAT(diagnose_with(row, values).effects, IsEmpty());
+}
+
+std::vector<std::string_view> tested_effects() {
+  if (const char* every = std::getenv("GUSTLAB_EVERY_EFFECT"); every == nullptr || *every == '\0')
+    return {"quadratic_drag", "ground_effect", "rotor_loss"};
+  std::vector<std::string_view> names;
+  for (const EffectRow& row : effect_registry())
+    if (row.diagnosable) names.push_back(row.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, DiagnosisContract, ::testing::ValuesIn(tested_effects()),
+                         [](const auto& tested) { return std::string(tested.param); });
+
+}  // namespace
+}  // namespace gustlab::test
