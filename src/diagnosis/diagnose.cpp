@@ -150,14 +150,18 @@ std::vector<double> command_offsets(const std::vector<FlightData>& fit, const st
   std::vector<std::optional<double>> delay;
   for (const FlightData* f : all) delay.push_back(torque_delay_s(*f, vehicle));
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& d : delay)
-    if (d) least = std::min(least, *d);
+  std::size_t promptest = 0;
+  for (std::size_t i = 0; i < delay.size(); ++i)
+    if (delay[i] && *delay[i] < least) least = *delay[i], promptest = i;
   std::vector<double> offset(all.size(), 0.0);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!delay[i] || *delay[i] - least <= 0.6 * all[i]->sample_s) continue;
-    // a controller that answers sensor noise moves the correlation's peak, not the likelihood's
+    // a controller that answers sensor noise moves the correlation's peak, not the likelihood's; a lag that all flights share
+    // moves both, but then the promptest flight likes its commands later, too
     const double later_s = *delay[i] - least;
-    if (misfit(*all[i], vehicle, later_s) > misfit(*all[i], vehicle, 0.0) - 100.0) continue;
+    const auto gain = [&](const FlightData& flight) { return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, later_s); };
+    const double own = gain(*all[i]);
+    if (own < 100.0 || gain(*all[promptest]) > 0.25 * own) continue;
     offset[i] = later_s;
     findings.push_back({all[i]->label, "u1…uN", "delay", all[i]->start_s, all[i]->start_s + all[i]->duration_s(),
                         fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: commands are read that much later", 1e3 * offset[i]),
