@@ -48,8 +48,13 @@ class RotorSetter final : public ParameterVisitor {
 bool has_no_column(std::string_view name) { return name == "gust"; }
 bool needs_attitude(std::string_view name) {
   constexpr std::string_view fixed_in_world[] = {"steady_wind", "constant_force", "wall_effect", "slung_load", "attitude_offset",
-                                                 "yaw_offset", "pose_delay"};
+                                                 "yaw_offset", "pose_delay", "gyro_scale"};
   return std::find(std::begin(fixed_in_world), std::end(fixed_in_world), name) != std::end(fixed_in_world);
+}
+bool needs_torque(std::string_view name) {
+  constexpr std::string_view turns_only[] = {"flapping_torque", "center_of_mass", "inertia", "rotor_loss", "yaw_torque_ratio",
+                                             "rotor_inertia", "gyro_scale"};
+  return std::find(std::begin(turns_only), std::end(turns_only), name) != std::end(turns_only);
 }
 bool needs_motion(std::string_view name) {
   constexpr std::string_view of_motion[] = {"rotor_drag", "quadratic_drag", "axial_inflow", "translational_lift",
@@ -79,7 +84,7 @@ double scale_of(Scale scale, const VehicleModel& vehicle) {
   return 1.0;
 }
 
-Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen) : vehicle_(vehicle) {
+Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen) : vehicle_(vehicle), seen_(seen) {
   const auto add = [&](const EffectRow& row, int rotor) {
     Group group;
     group.label = rotor > 0 ? fmt::format("{}#{}", row.name, rotor) : std::string(row.name);
@@ -87,9 +92,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     group.rotor = rotor;
     group.nominal = std::any_of(vehicle.effects.begin(), vehicle.effects.end(),
                                 [&](const EffectSpec& spec) { return spec.type == row.name; });
-    // columns that were filtered differently differ in amplitude as if a sensor had another scale
-    group.candidate = row.diagnosable && !has_no_column(row.name) && !(seen.trims && row.name == "gyro_scale") && (seen.attitude || !needs_attitude(row.name)) &&
-                      (seen.motion || !needs_motion(row.name));
+    group.candidate = row.diagnosable && !has_no_column(row.name) && why_left_out(row).empty();
     if (!group.candidate && !group.nominal) return;
     if (row.name == "gust" || row.name == "measurement_noise") return;
     const auto effect = make(group);
@@ -100,6 +103,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       // the battery is described by its voltage where there is one, otherwise by time
       if (row.name == "battery_sag" && (number.name == "rate") == seen.voltage) continue;
       if (row.name == "slung_load" && number.name != "mass") continue;
+      if (row.name == "motor_lag" && p == 1 && *number.value < 0.0) continue;
       Column column;
       column.group = index;
       column.parameter = static_cast<int>(p);
@@ -157,6 +161,16 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     }
 }
 
+std::string Catalogue::why_left_out(const EffectRow& row) const {
+  if (!seen_.attitude && needs_attitude(row.name)) return "no attitude in the logs";
+  if (!seen_.motion && needs_motion(row.name)) return "neither position nor velocity in the logs";
+  if (!seen_.torque && needs_torque(row.name)) return "these logs tell no torque";
+  if (!seen_.torque && !seen_.motion && row.name == "mass") return "these logs tell thrust per mass only: see thrust_scale";
+  // columns that were filtered differently differ in amplitude as if a sensor had another scale
+  if (seen_.trims && row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
+  return {};
+}
+
 std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
   std::unique_ptr<Effect> effect;
   for (const EffectSpec& spec : vehicle_.effects)
@@ -167,7 +181,7 @@ std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
     effect->visit(setter);
   }
   // a lag that is alike up and down becomes two equal numbers, so that both can be fitted
-  if (group.row->name == "motor_lag") {
+  if (group.row->name == "motor_lag" && seen_.motion) {
     const auto numbers = numbers_of(*effect);
     if (*numbers[1].value < 0.0) *numbers[1].value = *numbers[0].value;
   }

@@ -56,15 +56,20 @@ double scale_of(Scale scale, const VehicleModel& vehicle);
 class Catalogue {
  public:
   // battery_sag is fitted by voltage where that was seen, otherwise by time. `flights`: how many, for values per flight.
-  // Without attitude nothing fixed in the world, without position or velocity nothing that depends on them can be told.
+  // Without attitude nothing fixed in the world, without position or velocity nothing that depends on them can be told,
+  // and without torque nothing that only turns the vehicle. Without velocity, a speed that falls more slowly than it
+  // rises cannot be told from thrust that is lost in a climb: motor_lag then has one time constant.
   struct Seen {
     bool voltage = false, force = false, attitude = true, motion = true;
+    bool torque = true;
     bool trims = false;  // torque trims and command clocks are free in every flight
   };
   Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen);
 
   const std::vector<Group>& groups() const { return groups_; }
   const std::vector<Column>& columns() const { return columns_; }
+  // why an effect of the registry is not among the candidates; empty when it is
+  std::string why_left_out(const EffectRow& row) const;
   int size() const { return static_cast<int>(columns_.size()); }
   Eigen::VectorXd nominal() const;
   int find(std::string_view label) const;  // group index or −1
@@ -83,6 +88,7 @@ class Catalogue {
   std::unique_ptr<Effect> make(const Group& group) const;
 
   VehicleModel vehicle_;
+  Seen seen_;
   std::vector<Group> groups_;
   std::vector<Column> columns_;
 };

@@ -25,7 +25,7 @@ const Regimes* uneven(const std::vector<Regimes>& regimes) {
 }  // namespace
 
 Challenge challenge(Session& session, Selection& selection, const std::vector<FlightData>& held,
-                    const std::vector<FlightData>& held_own_rate, int jobs) {
+                    const std::vector<FlightData>& held_own_rate, double least_included, int jobs) {
   Challenge result;
   for (int round = 0;; ++round) {
     result.tested = test_holdout(session, selection, held, held_own_rate, jobs);
@@ -43,6 +43,8 @@ Challenge challenge(Session& session, Selection& selection, const std::vector<Fl
       if (selection.findings[i].calibration) continue;
       if (does_not_pay(result.tested, i))
         withdraw_finding(i, result.tested.gain[i], "fits the flights it was found on, and does not pay on the held-out ones");
+      else if (selection.findings[i].inclusion < least_included)
+        withdraw_finding(i, result.tested.gain[i], "only suspected: not every part of the flights says so, and there is no pose to verify it on");
       // values of every flight's own catch whatever has a mean
       const Group& group = session.catalogue().groups()[static_cast<std::size_t>(selection.findings[i].group)];
       const Regimes* r = group.row->per_flight ? uneven(result.regimes[i]) : nullptr;

@@ -17,8 +17,8 @@ struct Challenge {
 };
 
 // Findings that fail are withdrawn and the rest is fitted anew, until what is left stands. `held_own_rate`: the held-out
-// flights as they were logged, when the fit was by shooting.
+// flights as they were logged, when the fit was by shooting. `least_included`: share of halves of the data that must name it.
 Challenge challenge(Session& session, Selection& selection, const std::vector<FlightData>& held,
-                    const std::vector<FlightData>& held_own_rate, int jobs);
+                    const std::vector<FlightData>& held_own_rate, double least_included, int jobs);
 
 }  // namespace gustlab::diagnosis

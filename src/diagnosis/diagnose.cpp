@@ -9,6 +9,7 @@
 #include "config/toml.hpp"
 #include "diagnosis/attitude_check.hpp"
 #include "diagnosis/challenge.hpp"
+#include "diagnosis/clock_checks.hpp"
 #include "diagnosis/command_jitter.hpp"
 #include "diagnosis/explain.hpp"
 #include "diagnosis/log_checks.hpp"
@@ -31,6 +32,7 @@ constexpr double clearly_recovered = 0.75;
 // could, and with the others half of the variance of one disturbance (what smoothing left of it says nothing)
 constexpr double surely_even = 0.3, clearly_more = 2.0, half_gone = 0.7;
 constexpr double unproved_confidence = calibrated_confidence(0.95);
+constexpr double least_included = 0.9;       // share of halves of the data that must name what no rollout can prove
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
@@ -185,10 +187,10 @@ bool linear_is_likelier(const std::vector<FlightLog>& logs, const VehicleModel& 
   return score[true] < score[false];
 }
 
-bool turning_is_recorded(const std::vector<FlightLog>& logs) {
+bool is_recorded(const std::vector<FlightLog>& logs, std::initializer_list<const char*> any_of) {
   std::ptrdiff_t seen = 0;
   for (const FlightLog& log : logs)
-    for (const char* name : {"qw", "wx"})
+    for (const char* name : any_of)
       if (const auto* column = log.find(name)) seen += std::count_if(column->begin(), column->end(), [](double v) { return std::isfinite(v); });
   return seen > 100;
 }
@@ -247,9 +249,8 @@ void withdraw(Diagnosis& out, const std::string& why, const std::function<bool(c
   });
 }
 
-}  // namespace
-
-Diagnosis diagnose(const DiagnoseOptions& options) {
+// forces_only: torques are not told
+Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   Diagnosis out;
   Flights logs;
   logs.fit = read_all(options.fit, out);
@@ -269,7 +270,7 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
     logs.fit.pop_back();
     out.notes.push_back(fmt::format("no flight was held out by the user: {} is", label_of(logs.holdout.front().path)));
   }
-  if (!turning_is_recorded(logs.fit)) {
+  if (!is_recorded(logs.fit, {"qw", "wx"})) {
     const std::vector<FlightData> fit = prepare(logs.fit, vehicle, {}), held = prepare(logs.holdout, vehicle, {}), normal = prepare(logs.reference, vehicle, {});
     for (const auto& [role, used] : {std::pair{"reference", &normal}, {"fit", &fit}, {"holdout", &held}})
       for (const FlightData& flight : *used) out.flights.push_back({flight.label, role, flight.duration_s(), 0.0});
@@ -288,6 +289,7 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
 
   // logs that were smoothed before they were written tell less than their rate
   ReadingOptions reading;
+  reading.forces_only = forces_only;
   for (const FlightLog& log : logs.fit)
     if (filtered(log)) {
       reading.max_rate_hz = 25.0;
@@ -295,11 +297,21 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
       out.log_findings.push_back({label_of(log.path), "px…wz", "filtered", log.time_s.front(), log.time_s.back(),
                                   "the recording was low-pass filtered before it was written: all columns are filtered once more alike and read at 25 Hz", false, false});
     }
+  const bool attitude = is_recorded(logs.fit, {"qw"});
+  if (forces_only)
+    out.notes.emplace_back("the torques are not what the model says, and without a pose the moments that depend on the velocity cannot "
+                           "be told: only forces are judged");
   const bool hold_unknown = std::any_of(logs.fit.begin(), logs.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });
 
   // rotor order, directions and time offsets are judged at the logs' own rate
   const std::vector<FlightData> raw = prepare(logs.fit, vehicle, {}), raw_held = prepare(logs.holdout, vehicle, {});
   for (LogFinding& finding : check_rotors(raw, vehicle)) out.log_findings.push_back(std::move(finding));
+  // on another clock than the motion, commands tell forces alone
+  if (clocks_apart(raw, vehicle, out.log_findings) | clocks_apart(raw_held, vehicle, out.log_findings)) {
+    reading.forces_only = true;
+    for (auto* flights : {&logs.fit, &logs.holdout})
+      for (FlightLog& log : *flights) log = attitude ? with_total_thrust(std::move(log), vehicle) : std::move(log);
+  }
   const std::vector<double> offset = command_offsets(raw, raw_held, vehicle, out.log_findings);
   // jitter of a faster loop: what depends on it would come out too small, and look like other physics
   bool jitters = false;
@@ -333,8 +345,11 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   }
   Session session(std::move(flights), vehicle, options.jobs, std::move(own_rate));
   Selection selection = select_effects(session, {});
-  const Challenge challenged = challenge(session, selection, held, held_own_rate, options.jobs);
+  const bool unproved = forces_only && !attitude;
+  const Challenge challenged = challenge(session, selection, held, held_own_rate, unproved ? least_included : 0.0, options.jobs);
   const Remainder rest = remainder(session, selection, challenged.uneven);
+  // moments that depend on the velocity are not told without it, and would be charged to what can be
+  if (!attitude && !forces_only && !rest.alarms.empty()) return diagnose_with(options, true);
   explain(session, selection, challenged, out);
   out.rejected.insert(out.rejected.begin(), challenged.withdrawn.begin(), challenged.withdrawn.end());
   if (rest.gust_like) explain_gust(session, rest.gust, out);
@@ -358,7 +373,7 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
 
   // an alarm remains: what was named may be the shadow of something unknown, unless it recovers most of what can be
   // what cannot be proved by rollouts is named only when nearly every half of the data names it
-  if (out.fit.is_null())
+  if (out.fit.is_null() && !forces_only)
     std::erase_if(out.effects, [&](const EffectFinding& effect) {
       if (effect.confidence >= unproved_confidence) return false;
       out.rejected.push_back({effect.effect, effect.gain, "only suspected: no pose to verify it on"});
@@ -387,5 +402,9 @@ Diagnosis diagnose(const DiagnoseOptions& options) {
   out.augmented_toml = augmented_toml(out);
   return out;
 }
+
+}  // namespace
+
+Diagnosis diagnose(const DiagnoseOptions& options) { return diagnose_with(options, false); }
 
 }  // namespace gustlab::diagnosis

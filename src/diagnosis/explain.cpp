@@ -84,10 +84,6 @@ std::string why_not_told(const Session& session, const Selection& selection, con
     return "no walls in the logs (environment.walls)";
   if (name == "imu_lever" && !any([](const FlightData& f) { return !f.samples.empty() && (f.samples[f.samples.size() / 2].channels & has_force); }))
     return "no accelerometer in the logs";
-  const bool torque = any([](const FlightData& f) { return !f.collective_only; });
-  constexpr std::string_view torque_only[] = {"inertia", "yaw_torque_ratio", "rotor_inertia", "flapping_torque", "rotor_loss", "gyro_scale"};
-  if (!torque && std::find(std::begin(torque_only), std::end(torque_only), name) != std::end(torque_only))
-    return "the logs know the total thrust only, no torque";
   // the strength that five standard deviations would need, against a typical one
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   double best = 1e300;
@@ -137,6 +133,7 @@ void explain(const Session& session, const Selection& selection, const Challenge
     for (const auto& [a, b] : exact_alias)
       if (effect.effect == a && std::find(effect.classmates.begin(), effect.classmates.end(), b) == effect.classmates.end())
         effect.classmates.emplace_back(b);
+    if (effect.effect == "thrust_scale" && !catalogue.why_left_out(*find_effect("mass")).empty()) effect.classmates.emplace_back("mass");
     // what fits best first, the others in catalogue order, each name once
     std::vector<std::string> ordered = {effect.effect};
     for (const EffectRow& row : effect_registry())
@@ -161,6 +158,8 @@ void explain(const Session& session, const Selection& selection, const Challenge
     out.rejected.push_back({group.rotor > 0 ? fmt::format("{} (rotor {})", group.row->name, group.rotor) : catalogue_name(group), others[i].first,
                             others[i].first > 0.0 ? "gains less than the materiality of a further effect" : "no gain"});
   }
+  for (const EffectRow& row : effect_registry())
+    if (const std::string why = catalogue.why_left_out(row); row.diagnosable && !why.empty()) out.not_identifiable.push_back({std::string(row.name), why});
   std::string last;
   for (const Group& group : catalogue.groups()) {
     if (!group.candidate || group.row->name == last) continue;

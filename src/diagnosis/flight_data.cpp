@@ -182,7 +182,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   if (seen.ground_z_m) flight.vehicle.environment.ground_z_m = seen.ground_z_m;
   if (seen.ceiling_z_m) flight.vehicle.environment.ceiling_z_m = seen.ceiling_z_m;
   if (!seen.walls.empty()) flight.vehicle.environment.walls = seen.walls;
-  flight.collective_only = log.meta.actuator == ActuatorKind::collective_thrust;
+  flight.collective_only = options.forces_only || log.meta.actuator == ActuatorKind::collective_thrust;
   flight.hold_known = log.meta.hold != Hold::unknown;
   const bool linear = log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
 
@@ -261,6 +261,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
       volts += last_voltage / static_cast<double>(group);
     }
     if (sample.channels & has_attitude) sample.attitude_WB.coeffs() = attitude.normalized();
+    if (options.forces_only && (sample.channels & has_position)) sample.channels &= ~(has_rate | has_force);
     // derived from the position
     if ((sample.channels & has_position) && !options.as_recorded) sample.channels &= ~has_velocity;
     sample.voltage_V = flight.has_voltage ? volts : 0.0;

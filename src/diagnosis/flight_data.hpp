@@ -66,7 +66,7 @@ struct FlightData {
   std::vector<Motion> motion;           // per sample
   CommandRecord commands;               // mapped to rotor speed
   CommandRecord measured_speed;         // rotor* columns, when there
-  bool collective_only = false;         // torques unknown
+  bool collective_only = false;         // torques unknown, or not to be told
   bool has_voltage = false;
   bool hold_known = false;
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
@@ -90,6 +90,7 @@ struct ReadingOptions {
   double common_filter_s = 0.0;
   // The recorded states are the motion: nothing is smoothed over more than a few samples, a recorded velocity counts.
   bool as_recorded = false;
+  bool forces_only = false;             // torques are not told, and with a pose inertial data are not used
 };
 
 // Throws DataError when the actuator input cannot be mapped by the vehicle.

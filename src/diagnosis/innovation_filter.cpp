@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/direct_forces.hpp"
+
 namespace gustlab::diagnosis {
 
 namespace {
@@ -101,6 +103,7 @@ void propagate(const Transition& t, Matrix18& P) {
 
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
                 const std::vector<Eigen::MatrixXd>* extra, const Eigen::VectorXd* shift, bool with_columns) {
+  if (flight.forces_alone) return whiten_forces(data, flight, noise, extra, shift, with_columns);
   const std::size_t n = flight.size();
   const Eigen::Index own = with_columns ? static_cast<Eigen::Index>(flight.columns.size()) : 0;
   const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
@@ -170,6 +173,7 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
 }
 
 Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen::VectorXd& shift) {
+  if (flight.forces_alone) return smooth_forces(flight, shift);
   const std::size_t n = flight.size();
   struct Step {
     Vector18 x;                 // after the measurements of this sample

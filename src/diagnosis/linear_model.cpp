@@ -131,6 +131,9 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
                                                [](const Sample& s) { return (s.channels & has_force) != 0; });
   out.center_of_mass_B_m = arm;
   out.torque_known = !flight.collective_only;
+  out.forces_alone = flight.collective_only && std::none_of(flight.samples.begin(), flight.samples.end(), [](const Sample& s) {
+    return (s.channels & (has_position | has_velocity | has_attitude)) != 0;
+  });
   out.F.resize(n), out.b.resize(n), out.interval_s.resize(n), out.starts.resize(n), out.measured.resize(n);
   out.y.resize(n), out.R_WB.resize(n), out.force_rows.resize(n);
 

@@ -35,6 +35,7 @@ struct LinearFlight {
   std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
   Vector3 center_of_mass_B_m = Vector3::Zero();
   bool torque_known = true;
+  bool forces_alone = false;                         // neither a pose nor torques: see direct_forces.hpp
   std::size_t size() const { return b.size(); }
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/clock_checks.hpp"
 #include "diagnosis/flight_data.hpp"
 
 namespace gustlab::diagnosis {
@@ -127,25 +128,37 @@ class Checker {
     }
   }
 
-  // rows before take-off and after landing: rotors that cannot carry the weight
+  // rows before take-off, after landing and of a stop between: rotors that cannot carry the weight
   void ground() {
     const auto u = inputs("u"), measured = inputs("rotor");
     const auto& speed = measured.empty() ? u : measured;
     if (speed.empty() || (measured.empty() && (log_.meta.actuator == ActuatorKind::throttle))) return;
     const double hover = vehicle_.hover_speed_radps();
+    constexpr double shortest_stop_s = 1.0;
     std::vector<bool> off(log_.rows(), false);
+    std::vector<double> thrusts(log_.rows());
     const FlightData data = prepare_flight(log_, vehicle_, {.linear_hold = false, .max_rate_hz = 1e6});
     const CommandRecord& record = data.measured_speed.empty() ? data.commands : data.measured_speed;
-    std::size_t count = 0;
-    double thrust_sum = 0.0;
     for (std::size_t k = 0; k < log_.rows(); ++k) {
       const RotorArray mean = record.mean(log_.time_s[k] - 0.15, log_.time_s[k] + 0.15);
       double thrust = 0.0;
       for (int i = 0; i < vehicle_.rotor_count; ++i)
         thrust += std::pow(mean[static_cast<std::size_t>(i)] / hover, 2) / vehicle_.rotor_count;
       off[k] = thrust < 0.35;
-      count += off[k] ? 1 : 0;
-      thrust_sum += off[k] ? 0.0 : thrust;
+      thrusts[k] = thrust;
+    }
+    // in between, a moment of falling is flight
+    std::size_t count = 0;
+    double thrust_sum = 0.0;
+    for (std::size_t first = 0, last = 0; first < off.size(); first = last) {
+      for (last = first; last < off.size() && off[last] == off[first];) ++last;
+      const bool inside = first > 0 && last < off.size();
+      if (off[first] && inside && log_.time_s[last] - log_.time_s[first] < shortest_stop_s)
+        std::fill(off.begin() + static_cast<std::ptrdiff_t>(first), off.begin() + static_cast<std::ptrdiff_t>(last), false);
+      for (std::size_t k = first; k < last; ++k) {
+        count += off[k] ? 1 : 0;
+        thrust_sum += off[k] ? 0.0 : thrusts[k];
+      }
     }
     if (count > 0) {
       add("*", "out_of_range", 0, log_.rows(),
@@ -270,8 +283,12 @@ class Checker {
           wrong = true;
         }
       }
-      if (wrong) drop("wx", "wy", "wz");
-      else rate_offsets(data, *wx, *wy, *wz);
+      std::vector<Vector3> rate;
+      for (std::size_t k = 0; k < log_.rows(); ++k) rate.emplace_back((*wx)[k], (*wy)[k], (*wz)[k]);
+      const std::vector<LogFinding> delays = wrong ? std::vector<LogFinding>{} : rate_delays(data, rate);
+      found_.insert(found_.end(), delays.begin(), delays.end());
+      if (wrong || !delays.empty()) drop("wx", "wy", "wz");
+      if (!delays.empty()) drop("ax", "ay", "az");
     }
     if (const auto *ax = column("ax"), *ay = column("ay"), *az = column("az"); ax && ay && az) {
       std::vector<double> size;
@@ -298,42 +315,6 @@ class Checker {
       }
     }
     velocity_frame();
-  }
-
-  // seconds by which the gyro lags the attitude, per stretch of five seconds: one that jumps makes the gyro useless
-  void rate_offsets(const FlightData& data, const std::vector<double>& wx, const std::vector<double>& wy, const std::vector<double>& wz) {
-    const auto length = static_cast<std::size_t>(5.0 / step_s_);
-    const int most = static_cast<int>(std::lround(0.2 / step_s_));
-    std::vector<double> offset;
-    for (std::size_t first = 0; first + length <= data.samples.size(); first += length) {
-      double best = -1.0;
-      int at = 0;
-      double energy = 0.0;
-      for (int lag = -most; lag <= most; ++lag) {
-        double xy = 0.0, xx = 0.0, yy = 0.0;
-        for (std::size_t k = first; k < first + length; ++k) {
-          const auto j = static_cast<std::int64_t>(k) + lag;
-          if (j < 0 || j >= static_cast<std::int64_t>(wx.size())) continue;
-          const auto i = static_cast<std::size_t>(j);
-          const Vector3 gyro(wx[i], wy[i], wz[i]);
-          if (!gyro.allFinite()) continue;
-          const Vector3& rate = data.motion[k].body_rate_B_radps;
-          xy += gyro.head<2>().dot(rate.head<2>());
-          xx += gyro.head<2>().squaredNorm();
-          yy += rate.head<2>().squaredNorm();
-        }
-        const double r = xy / std::sqrt(xx * yy + 1e-300);
-        if (r > best) best = r, at = lag, energy = yy / static_cast<double>(length);
-      }
-      if (best > 0.8 && energy > 0.05) offset.push_back(at * step_s_);
-    }
-    if (offset.size() < 2) return;
-    const auto [low, high] = std::minmax_element(offset.begin(), offset.end());
-    if (*high - *low > std::max(0.03, 3.1 * step_s_)) {
-      add("wx…wz", "delay", 0, log_.rows(),
-          fmt::format("the gyro's time against the attitude jumps between {:.0f} and {:.0f} ms: the gyro is not used", 1e3 * *low, 1e3 * *high));
-      drop("wx", "wy", "wz");
-    }
   }
 
   void velocity_frame() {

@@ -1,5 +1,6 @@
 #include "diagnosis/propagation.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gustlab::diagnosis {
@@ -90,6 +91,16 @@ RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
       mean = actuation.mean_speed_radps;
       for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (actuation.end_speed_radps[i] - speed[i]) / h;
       speed = actuation.end_speed_radps;
+    }
+  }
+  // a sample that is the mean of a group of rows saw the mean speed of that time, not the speed at its middle
+  if (flight.read_slower) {
+    const std::size_t half = std::max<std::size_t>(1, count / 2);
+    for (std::size_t k = 1; k < n; ++k) {
+      if (flight.samples[k].starts_segment) continue;
+      history.at_sample[k] = {};
+      for (std::size_t s = k * count - half; s < k * count + half; ++s)
+        for (std::size_t i = 0; i < max_rotors; ++i) history.at_sample[k][i] += history.mean[s][i] / static_cast<double>(2 * half);
     }
   }
   return history;
