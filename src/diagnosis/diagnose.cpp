@@ -35,7 +35,6 @@ constexpr double unproved_confidence = calibrated_confidence(0.95);
 constexpr double least_included = 0.9;       // share of halves of the data that must name what no rollout can prove
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
-
 // rows of a log between two times
 FlightLog part_of(const FlightLog& log, double from_s, double to_s) {
   FlightLog part = log;
@@ -71,9 +70,7 @@ bool filtered(const FlightLog& log) {
   return seen > 0 && told == seen;
 }
 
-struct Flights {
-  std::vector<FlightLog> fit, holdout, reference;
-};
+struct Flights { std::vector<FlightLog> fit, holdout, reference; };
 
 // a log that cannot be read is set aside, and said
 std::vector<FlightLog> read_all(const std::vector<std::string>& paths, Diagnosis& out) {
@@ -298,9 +295,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
                                   "the recording was low-pass filtered before it was written: all columns are filtered once more alike and read at 25 Hz", false, false});
     }
   const bool attitude = is_recorded(logs.fit, {"qw"});
-  if (forces_only)
-    out.notes.emplace_back("the torques are not what the model says, and without a pose the moments that depend on the velocity cannot "
-                           "be told: only forces are judged");
+  if (forces_only) out.notes.emplace_back("the torques are not what the model says, and no pose says why: only forces are judged");
   const bool hold_unknown = std::any_of(logs.fit.begin(), logs.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });
 
   // rotor order, directions and time offsets are judged at the logs' own rate
@@ -310,7 +305,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   if (clocks_apart(raw, vehicle, out.log_findings) | clocks_apart(raw_held, vehicle, out.log_findings)) {
     reading.forces_only = true;
     for (auto* flights : {&logs.fit, &logs.holdout})
-      for (FlightLog& log : *flights) log = attitude ? with_total_thrust(std::move(log), vehicle) : std::move(log);
+      for (FlightLog& log : *flights) log = with_total_thrust(std::move(log), vehicle);
   }
   const std::vector<double> offset = command_offsets(raw, raw_held, vehicle, out.log_findings);
   // jitter of a faster loop: what depends on it would come out too small, and look like other physics

@@ -140,47 +140,5 @@ TEST(Diagnose, SetsAFlightWithImpossibleInputsAsideAndGoesOn) {
   EXPECT_THAT(names(d), IsEmpty());
 }
 
-// the columns read some time later, in stretches of a few seconds: as from a clock that jumps
-void jump(const std::string& path, std::initializer_list<const char*> names) {
-  FlightLog log = read_flight_log(path);
-  constexpr int late_rows[] = {0, 8, -5};
-  for (LogColumn& column : log.columns) {
-    if (std::find(names.begin(), names.end(), column.name) == names.end()) continue;
-    const std::vector<double> before = column.values;
-    const auto rows = static_cast<std::int64_t>(before.size());
-    for (std::int64_t k = 0; k < rows; ++k)
-      column.values[static_cast<std::size_t>(k)] =
-          before[static_cast<std::size_t>(std::clamp<std::int64_t>(k - late_rows[k / 500 % 3], 0, rows - 1))];
-  }
-  write_flight_log(log, path);
-}
-
-std::vector<double> starts_of_delays(const Diagnosis& d, const std::string& column) {
-  std::vector<double> result;
-  for (const LogFinding& f : d.log_findings)
-    if (f.kind == "delay" && f.column == column) result.push_back(f.from_s);
-  return result;
-}
-
-TEST(Diagnose, JudgesForcesAloneWhenTheOnboardClockJumps) {
-  const TemporaryFolder folder;
-  const auto paths = fly_trials(folder, "[[effect]]\ntype = \"rotor_drag\"\nat_hover = 0.025\n");
-  for (const std::string& path : paths) jump(path, {"wx", "wy", "wz", "u1", "u2", "u3", "u4"});
-  const Diagnosis d = diagnose_trials(paths);
-  EXPECT_GE(starts_of_delays(d, "wx…az").size(), 2u) << to_json(d).dump(1);
-  EXPECT_THAT(names(d), ElementsAre("rotor_drag")) << to_json(d).dump(1);
-  EXPECT_TRUE(std::any_of(d.not_identifiable.begin(), d.not_identifiable.end(), [](const auto& n) { return n.effect == "inertia"; }));
-}
-
-TEST(Diagnose, GoesOnWithThePoseWhenOnlyTheGyrosClockJumps) {
-  const TemporaryFolder folder;
-  const auto paths = fly_trials(folder, "[[effect]]\ntype = \"rotor_loss\"\nrotor = 3\nloss = 0.06\n");
-  jump(paths[0], {"wx", "wy", "wz"});
-  const Diagnosis d = diagnose_trials(paths);
-  EXPECT_GE(starts_of_delays(d, "wx…az").size(), 2u) << to_json(d).dump(1);
-  EXPECT_TRUE(starts_of_delays(d, "u1…uN").empty());
-  ASSERT_THAT(names(d), ElementsAre("rotor_loss")) << to_json(d).dump(1);
-}
-
 }  // namespace
 }  // namespace gustlab::diagnosis
