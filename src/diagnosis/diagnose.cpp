@@ -21,7 +21,6 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-
 namespace {
 
 // beyond these a finding is only suspected (DIAGNOSIS.md §3.7)
