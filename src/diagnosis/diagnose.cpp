@@ -11,6 +11,7 @@
 #include "diagnosis/challenge.hpp"
 #include "diagnosis/clock_checks.hpp"
 #include "diagnosis/command_jitter.hpp"
+#include "diagnosis/command_offsets.hpp"
 #include "diagnosis/explain.hpp"
 #include "diagnosis/log_checks.hpp"
 #include "diagnosis/next_flight.hpp"
@@ -123,49 +124,6 @@ std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const Vehicl
     flights.back().measured_speed.delay(offset[first + i]);
   }
   return flights;
-}
-
-// −2 log likelihood of one flight, its commands read some time later, each with the noise that fits it best
-double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
-  flight.commands.delay(later_s);
-  flight.measured_speed.delay(later_s);
-  std::vector<FlightData> one;
-  one.push_back(std::move(flight));
-  Session session(std::move(one), vehicle, 1);
-  session.linearise(session.value(), session.biases());
-  session.learn_noise(5, session.biases());
-  const Fit fit = solve(session.grams().total(), session.biases());
-  return session.innovations(session.biases(), fit.coefficient).front().minus_two_log_likelihood;
-}
-
-// Commands of some flights are stamped earlier than those of others: how much later each must be read so that all agree
-// with the promptest. A delay that all share is physics, and stays.
-std::vector<double> command_offsets(const std::vector<FlightData>& fit, const std::vector<FlightData>& held,
-                                    const VehicleModel& vehicle, std::vector<LogFinding>& findings) {
-  std::vector<const FlightData*> all;
-  for (const FlightData& f : fit) all.push_back(&f);
-  for (const FlightData& f : held) all.push_back(&f);
-  std::vector<std::optional<double>> delay;
-  for (const FlightData* f : all) delay.push_back(torque_delay_s(*f, vehicle));
-  double least = std::numeric_limits<double>::infinity();
-  std::size_t promptest = 0;
-  for (std::size_t i = 0; i < delay.size(); ++i)
-    if (delay[i] && *delay[i] < least) least = *delay[i], promptest = i;
-  std::vector<double> offset(all.size(), 0.0);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!delay[i] || *delay[i] - least <= 0.6 * all[i]->sample_s) continue;
-    // a controller that answers sensor noise moves the correlation's peak, not the likelihood's; a lag that all flights share
-    // moves both, but then the promptest flight likes its commands later, too
-    const double later_s = *delay[i] - least;
-    const auto gain = [&](const FlightData& flight) { return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, later_s); };
-    const double own = gain(*all[i]);
-    if (own < 100.0 || gain(*all[promptest]) > 0.25 * own) continue;
-    offset[i] = later_s;
-    findings.push_back({all[i]->label, "u1…uN", "delay", all[i]->start_s, all[i]->start_s + all[i]->duration_s(),
-                        fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: commands are read that much later", 1e3 * offset[i]),
-                        false, false});
-  }
-  return offset;
 }
 
 // was the command held or interpolated? the likelier of the two, when no log says so
