@@ -50,12 +50,12 @@ bool is_finite(const RotorCommand& command) {
 // The offboard link: what is measured aboard now, with pose and velocity of the last message that arrived.
 class OffboardLink {
  public:
-  explicit OffboardLink(const Flight& flight)
-      : period_(flight.ticks_per_offboard), delay_(flight.offboard_delay_ticks), sent_(static_cast<std::size_t>(delay_ / period_) + 2) {}
+  explicit OffboardLink(Flight& flight)
+      : period_(flight.ticks_per_offboard), delay_(flight.offboard_delay_ticks), sent_(flight.link_messages) {}
 
   Observation over(Observation seen, std::int64_t tick) {
     if (tick % period_ == 0) message(tick) = {seen.pose_time_s, seen.position_W_m, seen.velocity_W_mps};
-    const Message& arrived = message(std::max<std::int64_t>(0, tick - delay_));
+    const LinkMessage& arrived = message(std::max<std::int64_t>(0, tick - delay_));
     seen.pose_time_s = arrived.time_s;
     seen.position_W_m = arrived.position_W_m;
     seen.velocity_W_mps = arrived.velocity_W_mps;
@@ -63,14 +63,10 @@ class OffboardLink {
   }
 
  private:
-  struct Message {
-    double time_s = 0.0;
-    Vector3 position_W_m = Vector3::Zero(), velocity_W_mps = Vector3::Zero();
-  };
-  Message& message(std::int64_t tick) { return sent_[static_cast<std::size_t>(tick / period_) % sent_.size()]; }
+  LinkMessage& message(std::int64_t tick) { return sent_[static_cast<std::size_t>(tick / period_) % sent_.size()]; }
 
   std::int64_t period_, delay_;
-  std::vector<Message> sent_;
+  std::vector<LinkMessage>& sent_;
 };
 
 Plant::Options plant_options(const Experiment& experiment, const RunSpec& spec) {
@@ -108,6 +104,7 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   if (options.offboard_rate_hz > 0.0)
     ticks_per_offboard = divide(1.0 / options.offboard_rate_hz, period_s, "the period of \"offboard_rate_hz\",", period_says);
   offboard_delay_ticks = std::llround(options.offboard_delay_s / period_s);
+  link_messages.resize(static_cast<std::size_t>(offboard_delay_ticks / ticks_per_offboard) + 2);
   ticks = static_cast<std::int64_t>(std::round(options.duration_s / period_s));
 
   plant.reset(start_state(*trajectory, experiment.vehicle));

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "gustlab/controller.hpp"
 #include "gustlab/trajectory.hpp"
@@ -28,6 +29,12 @@ struct RunRecord {
 class FlightRecorder;
 
 // Everything that one run owns; no two runs share anything that changes.
+// A pose as it was sent over the offboard link.
+struct LinkMessage {
+  double time_s = 0.0;
+  Vector3 position_W_m = Vector3::Zero(), velocity_W_mps = Vector3::Zero();
+};
+
 struct Flight {
   // Throws ConfigError when the parts do not fit together.
   Flight(const Experiment& experiment, const RunSpec& spec);
@@ -40,6 +47,7 @@ struct Flight {
   std::int64_t steps_per_tick = 1;         // of the plant
   std::int64_t ticks_per_offboard = 1;     // between two messages of the offboard link
   std::int64_t offboard_delay_ticks = 0;   // between the sending of a message and its arrival
+  std::vector<LinkMessage> link_messages;  // ring of those that are under way
 };
 
 struct FlightEnd {
