@@ -61,10 +61,9 @@ bool needs_motion(std::string_view name) {
                                             "flapping_torque", "ground_effect", "ceiling_effect", "wall_effect", "slung_load"};
   return std::find(std::begin(of_motion), std::end(of_motion), name) != std::end(of_motion);
 }
-// effects whose column is a history that a scan found; they never fly in the linearised model
-bool is_history(std::string_view name) { return name == "slung_load" || name == "saturation"; }
-
 }  // namespace
+
+bool is_history(std::string_view name) { return name == "slung_load" || name == "saturation"; }
 
 std::vector<Number> numbers_of(Parameterized& effect) {
   NumberCollector collector;

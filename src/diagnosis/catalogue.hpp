@@ -50,6 +50,9 @@ struct Number {
 };
 std::vector<Number> numbers_of(Parameterized& effect);
 
+// Whether an effect's column is a history that a scan found; such an effect never flies in the linearised model.
+bool is_history(std::string_view effect);
+
 // What a parameter's natural size and tolerance are multiplied with for a vehicle.
 double scale_of(Scale scale, const VehicleModel& vehicle);
 

@@ -5,14 +5,8 @@
 
 namespace gustlab::diagnosis {
 
-namespace {
-
-constexpr int first_force_row = 9;
-
-}  // namespace
-
 Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                       const std::vector<Eigen::MatrixXd>* extra, const Eigen::VectorXd* shift, bool with_columns) {
+                       const std::vector<Pushes>* extra, const Eigen::VectorXd* shift, bool with_columns) {
   const Eigen::Index own = with_columns ? static_cast<Eigen::Index>(flight.columns.size()) : 0;
   const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
   Whitened out;
@@ -24,8 +18,7 @@ Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const
       if (!flight.measured[k][r]) continue;
       auto row = out.rows.row(row_index);
       if (own > 0) row.head(own) = flight.D[k].row(r);
-      // a push is an acceleration in W times the interval
-      if (more > 0) row.segment(own, more) = flight.R_WB[k].col(axis).transpose() * (*extra)[k].middleRows<3>(3) / flight.interval_s[k];
+      if (more > 0) row.segment(own, more) = felt((*extra)[k], flight.R_WB[k]).row(axis);
       row[own + more] = flight.y[k][r] - (shift ? flight.D[k].row(r).dot(*shift) : 0.0);
       const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(axis)]);
       const double variance = noise.variance[g] * std::max(1.0, 2.0 * noise.time_s[g] / flight.interval_s[k]);

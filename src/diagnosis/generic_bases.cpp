@@ -67,19 +67,16 @@ BasisFamily family(const std::string& name, const Session& session, const std::v
   result.size = static_cast<int>(terms.size());
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
-    std::vector<Eigen::MatrixXd> columns(flight.samples.size());
+    std::vector<Pushes> columns(flight.samples.size());
     for (std::size_t k = 0; k < columns.size(); ++k) {
-      Eigen::MatrixXd& B = columns[k];
-      B.setZero(12, result.size);
-      const double dt = session.linear()[f].interval_s[k];
+      Pushes& push = columns[k];
+      push.setZero(6, result.size);
       const Matrix3 R = flight.motion[k].attitude_WB.toRotationMatrix();
       for (int j = 0; j < result.size; ++j) {
         const Term& term = terms[static_cast<std::size_t>(j)];
         const double value = term.size * term.function(look[f][k]);
-        const Vector3 push = value * (term.kind == Term::force_B ? Vector3(R.col(term.axis)) : Vector3(Vector3::Unit(term.axis)));
-        const int row = term.kind == Term::torque_B ? 6 : 0;
-        B.block<3, 1>(row, j) = 0.5 * dt * dt * push;
-        B.block<3, 1>(row + 3, j) = dt * push;
+        push.block<3, 1>(term.kind == Term::torque_B ? 3 : 0, j) =
+            value * (term.kind == Term::force_B ? Vector3(R.col(term.axis)) : Vector3(Vector3::Unit(term.axis)));
       }
     }
     result.columns.push_back(std::move(columns));

@@ -9,10 +9,10 @@
 
 namespace gustlab::diagnosis {
 
-// A family of columns per flight: 12 × m per sample, to be appended to the filter's own.
+// A family of columns per flight: m pushes per sample, to be appended to the filter's own.
 struct BasisFamily {
   std::string name;
-  std::vector<std::vector<Eigen::MatrixXd>> columns;   // [flight][sample]
+  std::vector<std::vector<Pushes>> columns;   // [flight][sample]
   int size = 0;
 };
 // force of position, force and torque of body velocity, of time, and torque of past commands

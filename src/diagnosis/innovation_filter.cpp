@@ -102,7 +102,7 @@ void propagate(const Transition& t, Matrix18& P) {
 }  // namespace
 
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<Eigen::MatrixXd>* extra, const Eigen::VectorXd* shift, bool with_columns) {
+                const std::vector<Pushes>* extra, const Eigen::VectorXd* shift, bool with_columns) {
   if (flight.forces_alone) return whiten_forces(data, flight, noise, extra, shift, with_columns);
   const std::size_t n = flight.size();
   const Eigen::Index own = with_columns ? static_cast<Eigen::Index>(flight.columns.size()) : 0;
@@ -137,6 +137,7 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
         e += v * X.row(at);
       }
       if (own > 0) e.head(own) += flight.D[k].row(r);
+      if (more > 0 && r >= first_force_row) e.segment(own, more) += felt((*extra)[k], flight.R_WB[k]).row(r - first_force_row);
       double y = flight.y[k][r];
       if (shift) y -= flight.D[k].row(r).dot(*shift);
       e[width - 1] = y - e[width - 1];
@@ -162,7 +163,7 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
     next.topRows<12>().noalias() = t.A.topRows<12>() * X;
     next.bottomRows<6>() = t.A.diagonal().tail<6>().asDiagonal() * X.bottomRows<6>();
     if (own > 0) next.topLeftCorner(12, own) += flight.B[k];
-    if (more > 0) next.block(0, own, 12, more) += (*extra)[k];
+    if (more > 0) next.block(0, own, 12, more) += moved_by((*extra)[k], flight.interval_s[k]);
     next.col(width - 1).head<12>() += flight.b[k];
     if (shift) next.col(width - 1).head<12>() += flight.B[k] * *shift;
     X.swap(next);

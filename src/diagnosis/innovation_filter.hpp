@@ -33,9 +33,9 @@ struct Whitened {
   double minus_two_log_likelihood = 0.0;
 };
 
-// `extra`: further columns (12 × m per sample, B only), appended before y.
+// `extra`: further columns (m pushes per sample), appended before y.
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<Eigen::MatrixXd>* extra = nullptr, const Eigen::VectorXd* shift = nullptr,
+                const std::vector<Pushes>* extra = nullptr, const Eigen::VectorXd* shift = nullptr,
                 bool with_columns = true);
 
 // Sufficient statistics of one flight for EM, and the smoothed disturbance.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "diagnosis/propagation.hpp"
 
@@ -104,7 +105,7 @@ std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceMode
 
 }  // namespace
 
-std::vector<Eigen::Matrix<double, 6, 1>> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+std::vector<Push> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                                                       const Eigen::VectorXd& value, double limit_radps) {
   FlightData limited;
   limited = flight;
@@ -113,10 +114,17 @@ std::vector<Eigen::Matrix<double, 6, 1>> limit_change(const FlightData& flight, 
   const ForceModel bound = force_model(limited, catalogue, value, flight_index, -1);
   const auto before = mid_interval(flight, free, rotor_history(flight, free));
   const auto after = mid_interval(limited, bound, rotor_history(limited, bound));
-  std::vector<Eigen::Matrix<double, 6, 1>> change(before.size());
+  std::vector<Push> change(before.size());
   for (std::size_t k = 0; k < change.size(); ++k)
     change[k] << after[k].linear_W_mps2 - before[k].linear_W_mps2, after[k].angular_B_radps2 - before[k].angular_B_radps2;
   return change;
+}
+
+Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const Pushes& push, double interval_s) {
+  Eigen::Matrix<double, 12, Eigen::Dynamic> moved(12, push.cols());
+  moved << 0.5 * interval_s * interval_s * push.topRows<3>(), interval_s * push.topRows<3>(),
+      0.5 * interval_s * interval_s * push.bottomRows<3>(), interval_s * push.bottomRows<3>();
+  return moved;
 }
 
 void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
@@ -194,35 +202,29 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     out.y[k] = innovation(sample, predict_sensors(forces, flight.motion[k], x[k], t, force, turning[k]));
   }
 
-  // a slung load is a force history
-  const int load = catalogue.find("slung_load");
-  const int load_column = load >= 0 && !flight.load_force_W_mps2.empty()
-                              ? catalogue.groups()[static_cast<std::size_t>(load)].columns.front() : -1;
-  const auto load_push = [&](std::size_t k) {
-    const double dt = out.interval_s[k];
-    const Vector3 a = flight.load_force_W_mps2[k] / forces.vehicle().mass_kg;
-    Vector12 push;
-    push << 0.5 * dt * dt * a, dt * a, Vector3::Zero(), Vector3::Zero();
-    return push;
+  // a slung load and a lower speed limit are histories: accelerations per unit of their first column
+  struct History {
+    int column;
+    std::function<Push(std::size_t)> push;
   };
-  if (load_column >= 0 && value[load_column] != 0.0)
-    for (std::size_t k = 0; k < n; ++k)
-      if (!out.b[k].isZero(0.0)) out.b[k] += value[load_column] * load_push(k);
-
-  // so is a lower speed limit
-  const int limit = catalogue.find("saturation");
-  const auto limit_push = [&](std::size_t k) {
-    const double dt = out.interval_s[k];
-    const Vector3 linear = flight.limit_change[k].head<3>(), angular = flight.limit_change[k].tail<3>();
-    Vector12 push;
-    push << 0.5 * dt * dt * linear, dt * linear, 0.5 * dt * dt * angular, dt * angular;
-    return push;
+  std::vector<History> histories;
+  const auto add_history = [&](std::string_view name, bool suspected, std::function<Push(std::size_t)> push) {
+    const int g = catalogue.find(name);
+    if (!suspected || g < 0 || catalogue.groups()[static_cast<std::size_t>(g)].columns.empty()) return;
+    histories.push_back({catalogue.groups()[static_cast<std::size_t>(g)].columns.front(), std::move(push)});
   };
-  const double limited = limit >= 0 && !flight.limit_change.empty() && !catalogue.groups()[static_cast<std::size_t>(limit)].columns.empty()
-                             ? value[catalogue.groups()[static_cast<std::size_t>(limit)].columns.front()] : 0.0;
-  if (limited != 0.0)
-    for (std::size_t k = 0; k < n; ++k)
-      if (!out.b[k].isZero(0.0)) out.b[k] += limited * limit_push(k);
+  add_history("slung_load", !flight.load_force_W_mps2.empty(), [&](std::size_t k) {
+    Push push;
+    push << flight.load_force_W_mps2[k] / forces.vehicle().mass_kg, Vector3::Zero();
+    return push;
+  });
+  add_history("saturation", !flight.limit_change.empty(), [&](std::size_t k) { return flight.limit_change[k]; });
+  for (const History& history : histories)
+    for (std::size_t k = 0; k < n && value[history.column] != 0.0; ++k) {
+      const Push push = value[history.column] * history.push(k);
+      if (!out.b[k].isZero(0.0)) out.b[k] += moved_by(push, out.interval_s[k]);
+      out.y[k].tail<3>() -= felt(push, out.R_WB[k]);
+    }
 
   // columns: those wanted that act in this flight
   out.columns.clear();
@@ -279,15 +281,14 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       continue;
     }
     const Group& group = catalogue.groups()[static_cast<std::size_t>(column.group)];
-    if (group.row->name == "saturation") {
-      for (std::size_t k = 0; k < flight.limit_change.size(); ++k) out.B[k].col(j) = limit_push(k);
-      continue;
-    }
-    if (group.row->name == "slung_load") {
-      if (c == load_column)
-        for (std::size_t k = 0; k < n; ++k) out.B[k].col(j) = column.natural * load_push(k);
-      continue;
-    }
+    const auto history = std::find_if(histories.begin(), histories.end(), [c](const History& h) { return h.column == c; });
+    if (history != histories.end())
+      for (std::size_t k = 0; k < n; ++k) {
+        const Push push = column.natural * history->push(k);
+        out.B[k].col(j) = moved_by(push, out.interval_s[k]);
+        out.D[k].col(j).tail<3>() = felt(push, out.R_WB[k]);
+      }
+    if (is_history(group.row->name)) continue;
     Eigen::VectorXd from = value, to = value;
     const double step = 1e-3 * column.natural;
     to[c] += step;
@@ -304,10 +305,11 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     const bool moves_rotors = group.row->place == Place::actuation;
     evaluate_all(model, moves_rotors ? rotor_history(flight, model) : rotors, moved);
     for (std::size_t k = 0; k < n; ++k) {
-      const double dt = out.interval_s[k], unit = column.natural / step;
-      const Vector3 linear = (moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2) * unit;
-      const Vector3 angular = (moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2) * unit;
-      out.B[k].col(j) << 0.5 * dt * dt * linear, dt * linear, 0.5 * dt * dt * angular, dt * angular;
+      const double unit = column.natural / step;
+      Push push;
+      push << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
+          moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2;
+      out.B[k].col(j) = moved_by(unit * push, out.interval_s[k]);
       out.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
     }
   }

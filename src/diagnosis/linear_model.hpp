@@ -18,9 +18,18 @@ namespace gustlab::diagnosis {
 inline constexpr int error_size = 12;     // δp δv δϑ δω
 inline constexpr int state_size = 18;     // and d
 inline constexpr int row_count = 12;      // position, attitude, rate, specific force
+inline constexpr int first_force_row = 9;
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
+// accelerations, a column each: linear in W, angular in B
+using Push = Eigen::Matrix<double, 6, 1>;
+using Pushes = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+// Γ: what pushes over one interval do to the error state.
+Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const Pushes& push, double interval_s);
+// What an accelerometer feels of them: rows of the specific force in B.
+inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const Pushes& push, const Matrix3& R_WB) { return R_WB.transpose() * push.topRows<3>(); }
 
 struct LinearFlight {
   std::vector<Matrix12> F;
@@ -53,7 +62,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
                const std::vector<int>& wanted, LinearFlight& out);
 
 // What a lower speed limit would change along a flight: linear acceleration in W, angular in B, per sample.
-std::vector<Eigen::Matrix<double, 6, 1>> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+std::vector<Push> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                                                       const Eigen::VectorXd& value, double limit_radps);
 
 }  // namespace gustlab::diagnosis

@@ -131,7 +131,7 @@ double unmatched(const Eigen::MatrixXd& gram, const std::vector<int>& columns, c
 // histories that a scan would have to find do not fly here, and some effects need surroundings or sensors that are not there
 bool can_show(std::string_view name, const FlightData& like, unsigned seen) {
   const Environment& around = like.vehicle.environment;
-  if (name == "slung_load" || name == "saturation" || name == "gust") return false;
+  if (is_history(name) || name == "gust") return false;
   if (name == "ground_effect") return around.ground_z_m.has_value();
   if (name == "ceiling_effect") return around.ceiling_z_m.has_value();
   if (name == "wall_effect") return !around.walls.empty();

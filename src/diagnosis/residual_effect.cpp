@@ -72,7 +72,7 @@ BasisFamily family_of(const Session& session, const Library& library) {
   family.size = static_cast<int>(library.columns.size());
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
-    std::vector<Eigen::MatrixXd> samples(flight.samples.size());
+    std::vector<Pushes> samples(flight.samples.size());
     for (std::size_t k = 0; k < samples.size(); ++k) {
       const Motion& m = flight.motion[k];
       const Matrix3 R = m.attitude_WB.toRotationMatrix();
@@ -80,15 +80,13 @@ BasisFamily family_of(const Session& session, const Library& library) {
       input.position_W_m = m.position_W_m;
       input.velocity_W_mps = m.velocity_W_mps;
       set_angles(input, R);
-      samples[k].setZero(12, family.size);
-      const double dt = session.linear()[f].interval_s[k];
+      samples[k].setZero(6, family.size);
       for (int j = 0; j < family.size; ++j) {
         const Column& column = library.columns[static_cast<std::size_t>(j)];
-        const int axis = column.channel % 3, row = column.channel < 3 ? 0 : 6;
+        const int axis = column.channel % 3;
         const bool turned = column.channel < 3 && !library.world;
-        const Vector3 push = column.term.value(input) * (turned ? Vector3(R.col(axis)) : Vector3(Vector3::Unit(axis)));
-        samples[k].block<3, 1>(row, j) = 0.5 * dt * dt * push;
-        samples[k].block<3, 1>(row + 3, j) = dt * push;
+        samples[k].block<3, 1>(column.channel < 3 ? 0 : 3, j) =
+            column.term.value(input) * (turned ? Vector3(R.col(axis)) : Vector3(Vector3::Unit(axis)));
       }
     }
     family.columns.push_back(std::move(samples));

@@ -97,7 +97,7 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
 
 // histories come from scans, a wind from innovations; a lever shows in an accelerometer only
 bool has_no_prediction(std::string_view name) {
-  return name == "slung_load" || name == "saturation" || name == "steady_wind" || name == "imu_lever";
+  return is_history(name) || name == "steady_wind" || name == "imu_lever";
 }
 
 }  // namespace
