@@ -218,9 +218,9 @@ std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int fl
   return result;
 }
 
-void Catalogue::set_load_length(double length_m) {
+void Catalogue::set_swing(const Swing& swing) {
   for (Group& group : groups_)
-    if (group.row->name == "slung_load") group.length_m = length_m;
+    if (group.row->name == "slung_load") group.swing = swing;
 }
 
 void Catalogue::set_speed_limit(double limit_radps) {

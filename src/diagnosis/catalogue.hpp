@@ -30,6 +30,11 @@ enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_cl
 // Crazyflie's centre of mass), and a logger's clocks, s.
 inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02;
 
+// How a load swings: length of its cable, and damping ratio of small swings.
+struct Swing {
+  double length_m = 0.0, damping = 0.0;
+};
+
 // All numbers of one effect (of one rotor, for rotor_loss): selected or left out together.
 struct Group {
   std::string label;     // rotor_drag, rotor_loss#3
@@ -37,7 +42,7 @@ struct Group {
   int rotor = 0;         // rotor_loss: 1…N
   bool nominal = false;  // part of the vehicle file
   bool candidate = true; // false: part of the nominal model, with nothing to fit
-  double length_m = 0.0; // slung_load: cable length, found by a scan
+  Swing swing;           // slung_load: found by a scan
   double limit_radps = 0.0;  // saturation: speed limit, found by a scan; its column is a switch near one
   std::vector<int> columns;
 };
@@ -79,8 +84,8 @@ class Catalogue {
 
   // The effects that fly in one flight at given values: those of non-zero strength, and `also` (a group) in any case.
   std::vector<NamedEffect> effects(const Eigen::VectorXd& value, int flight, int also = -1) const;
-  // The cable length of slung_load, whose force is a history of each flight and never part of effects().
-  void set_load_length(double length_m);
+  // The swing of slung_load, whose force is a history of each flight and never part of effects().
+  void set_swing(const Swing& swing);
   void set_speed_limit(double limit_radps);
   // Sensor effects and rate biases of one flight, as smoothing takes them out.
   SensorCorrection sensor_correction(const Eigen::VectorXd& value, int flight) const;

@@ -43,7 +43,7 @@ double confidence(const Finding& finding, double holdout_gain) {
 std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group, int flight) {
   std::vector<NamedValue> values;
   if (group.rotor > 0) values.push_back({"rotor", "-", static_cast<double>(group.rotor), 0.0});
-  if (group.row->name == "slung_load") values.push_back({"length", "m", group.length_m, 0.03 * group.length_m});
+  if (group.row->name == "slung_load") values.push_back({"length", "m", group.swing.length_m, 0.03 * group.swing.length_m});
   if (group.row->name == "saturation") return {{"max_speed", "rad/s", group.limit_radps, 0.01 * group.limit_radps}};
   // mean over flights of values per flight
   std::vector<std::pair<int, std::vector<int>>> by_parameter;

@@ -52,11 +52,11 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
     session.linearise(catalogue.nominal(), {});
     session.learn_noise(1, {});
     session.noise = selection.noise_selected;
-    const PendulumScan scan{group.length_m, 1.0, selection.value[group.columns.front()]};
+    const PendulumScan scan{group.swing, 1.0, selection.value[group.columns.front()]};
     std::vector<std::vector<Vector3>> force;
     for (std::size_t f = 0; f < session.flights().size(); ++f)
       force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, scan));
-    session.suspect_load(group.length_m, std::move(force));
+    session.suspect_load(group.swing, std::move(force));
   }
   const int limit = fitted.catalogue().find("saturation");
   if (limit >= 0 && selection.find(limit))

@@ -9,21 +9,22 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double damping_ps = 0.15;   // of the swing; air drag of a small load
+// light loads swing for many periods (aluminium on a thread), hooks that rub and bluff loads for few
+constexpr double least_damping = 0.003, most_damping = 0.15;
 
 // lateral pendulum in an accelerated frame: driven part (from rest) and its two free swings, as horizontal force per kg
-struct Swing {
+struct SwingForce {
   std::vector<Eigen::Vector2d> driven;
   std::vector<double> free_position, free_rate;   // alike in x and y
 };
 
-Swing swing(const FlightData& flight, double length_m, double gravity) {
+SwingForce swing_force(const FlightData& flight, const Swing& swing, double gravity) {
   const std::size_t n = flight.samples.size();
-  Swing result;
+  SwingForce result;
   result.driven.resize(n), result.free_position.resize(n), result.free_rate.resize(n);
   Eigen::Vector2d r = Eigen::Vector2d::Zero(), rate = r;
   Eigen::Vector2d h(1.0, 0.0), dh(0.0, 1.0);   // two free solutions
-  const double natural = std::sqrt(gravity / length_m);
+  const double length_m = swing.length_m, natural = std::sqrt(gravity / length_m), damping_ps = 2.0 * swing.damping * natural;
   for (std::size_t k = 0; k < n; ++k) {
     const Vector3& a = flight.motion[k].acceleration_W_mps2;
     const double stiffness = (gravity + a.z()) / length_m;
@@ -40,15 +41,15 @@ Swing swing(const FlightData& flight, double length_m, double gravity) {
   return result;
 }
 
-// one flight's regression at one length: load mass, drag, trim per axis, free swing per axis
+// one flight's regression at one swing: load mass, drag, trim per axis, free swing per axis
 struct Regression {
   Eigen::MatrixXd X;
   Eigen::VectorXd y;
 };
 constexpr int shared = 2, own = 6;   // load, drag | trim x y, swing x (2) y (2)
 
-Regression regression(const FlightData& flight, const Smoothed& smoothed, double mass_kg, double gravity, double length_m) {
-  const Swing s = swing(flight, length_m, gravity);
+Regression regression(const FlightData& flight, const Smoothed& smoothed, double mass_kg, double gravity, const Swing& swing) {
+  const SwingForce s = swing_force(flight, swing, gravity);
   const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(0.1 / flight.sample_s)));
   const std::size_t bins = flight.samples.size() / bin;
   Regression r;
@@ -110,15 +111,30 @@ PendulumScan scan_pendulum(const Session& session) {
   const double gravity = vehicle.gravity_mps2;
   PendulumScan best;
   // 0.1–0.65 m for a Crazyflie's arm, in proportion for larger vehicles (DIAGNOSIS.md §3.2)
-  const double size = std::clamp(vehicle.arm_m() / 0.04, 1.0, 4.0);
-  for (double log_length = std::log(0.10 * size); log_length < std::log(0.65 * size); log_length += 0.03) {
+  const double size = std::clamp(vehicle.arm_m() / 0.04, 1.0, 4.0), shortest_m = 0.10 * size, longest_m = 0.65 * size;
+  const auto try_swing = [&](const Swing& swing) {
+    if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping || swing.damping > most_damping) return false;
     std::vector<Regression> flights;
     for (std::size_t f = 0; f < session.flights().size(); ++f)
-      flights.push_back(regression(session.flights()[f], session.smoothed[f], vehicle.mass_kg, gravity, std::exp(log_length)));
+      flights.push_back(regression(session.flights()[f], session.smoothed[f], vehicle.mass_kg, gravity, swing));
     const Solution with = solve_all(flights, true), without = solve_all(flights, false);
     const double share = 1.0 - with.left / (without.left + 1e-300);
-    if (with.coefficient[0] > 1e-3 * vehicle.mass_kg && share > best.share)
-      best = {std::exp(log_length), share, with.coefficient[0]};
+    if (with.coefficient[0] <= 1e-3 * vehicle.mass_kg || share <= best.share) return false;
+    best = {swing, share, with.coefficient[0]};
+    return true;
+  };
+  for (const double damping : {0.01, 0.05})
+    for (double length_m = shortest_m; length_m < longest_m; length_m *= 1.03) try_swing({length_m, damping});
+  if (best.share == 0.0) return best;
+  // from the best of these uphill, in ever smaller steps
+  for (double step = 0.5; step > 0.05;) {
+    const Swing from = best.swing;
+    bool higher = false;
+    for (const double sign : {-1.0, 1.0}) {
+      higher |= try_swing({from.length_m * std::exp(sign * 0.03 * step), from.damping});
+      higher |= try_swing({from.length_m, from.damping * std::exp(sign * step)});
+    }
+    if (!higher) step *= 0.5;
   }
   return best;
 }
@@ -126,8 +142,8 @@ PendulumScan scan_pendulum(const Session& session) {
 std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& smoothed, double vehicle_mass_kg,
                                     const PendulumScan& scan) {
   const double gravity = flight.vehicle.gravity_mps2;
-  const Swing s = swing(flight, scan.length_m, gravity);
-  const Regression r = regression(flight, smoothed, vehicle_mass_kg, gravity, scan.length_m);
+  const SwingForce s = swing_force(flight, scan.swing, gravity);
+  const Regression r = regression(flight, smoothed, vehicle_mass_kg, gravity, scan.swing);
   // the load's mass as it was found on all flights; here only the free swing
   Eigen::MatrixXd X = r.X.rightCols<5 + shared - 1>();
   const Eigen::VectorXd y = r.y - scan.mass_kg * r.X.col(0);

@@ -8,13 +8,13 @@
 namespace gustlab::diagnosis {
 
 struct PendulumScan {
-  double length_m = 0.0;
+  Swing swing;
   double share = 0.0;        // of the horizontal disturbance that the load explains, beyond drag
   double mass_kg = 0.0;
 };
 
-// Scans cable lengths on the smoothed disturbance of a session (0.1 s means): driven by the vehicle's acceleration, with a
-// free start of the swing in every flight. A lateral point-load pendulum, Pounds, Bersak & Dollar, ICRA 2011.
+// Scans cable lengths and dampings on the smoothed disturbance of a session (0.1 s means): driven by the vehicle's
+// acceleration, with a free start of the swing in every flight. A lateral point-load pendulum, Pounds, Bersak & Dollar, ICRA 2011.
 PendulumScan scan_pendulum(const Session& session);
 
 // Force in W on the vehicle per kg of load, one per sample; the swing's start as it fits the smoothed disturbance best.

@@ -43,10 +43,7 @@ class Selector {
     constexpr int rounds = 4;
     for (int round = 0; round < rounds; ++round) {
       if (round > 0) s_.linearise(value, s_.all_columns());
-      if (round == 1 && !chosen.empty()) {
-        s_.learn_noise(2, with_biases(chosen));
-        suspect(value, chosen);
-      }
+      if (round == 1 && !chosen.empty()) suspect(value, chosen);
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);
       const std::vector<int> next = search(grams);
@@ -78,15 +75,24 @@ class Selector {
   }
 
  private:
-  // a swinging load and a lower speed limit show in the disturbance that the chosen effects leave
+  // a swinging load and a lower speed limit show in the disturbance that the (other) chosen effects leave
   void suspect(const Eigen::VectorXd& value, const std::vector<int>& chosen) {
-    const PendulumScan load = chosen_has(chosen, "slung_load") ? PendulumScan{} : scan_pendulum(s_);
+    if (!chosen.empty()) {
+      std::vector<int> others = chosen;
+      Eigen::VectorXd bare = value;
+      if (const int load = catalogue_.find("slung_load"); std::erase(others, load) > 0) {
+        for (const int c : columns_of(catalogue_, {load})) bare[c] = 0.0;
+        s_.linearise(bare, s_.all_columns());
+      }
+      s_.learn_noise(2, with_biases(others));
+    }
+    const PendulumScan load = scan_pendulum(s_);
     const LimitScan limit = chosen_has(chosen, "saturation") ? LimitScan{} : scan_limit(s_);
     if (load.share > least_load_share) {
       std::vector<std::vector<Vector3>> force;
       for (std::size_t f = 0; f < s_.flights().size(); ++f)
         force.push_back(pendulum_force(s_.flights()[f], s_.smoothed[f], s_.vehicle().mass_kg, load));
-      s_.suspect_load(load.length_m, std::move(force));
+      s_.suspect_load(load.swing, std::move(force));
     }
     if (limit.gain > least_limit_gain) s_.suspect_limit(limit.limit_radps);
     if (load.share > least_load_share || limit.gain > least_limit_gain) s_.linearise(value, s_.all_columns());

@@ -119,8 +119,8 @@ void Session::for_each_flight(const std::function<void(std::size_t)>& body) cons
   parallel_for(static_cast<std::int64_t>(flights_.size()), jobs_, [&](std::int64_t f) { body(static_cast<std::size_t>(f)); });
 }
 
-void Session::suspect_load(double length_m, std::vector<std::vector<Vector3>> force_per_flight) {
-  catalogue_.set_load_length(length_m);
+void Session::suspect_load(const Swing& swing, std::vector<std::vector<Vector3>> force_per_flight) {
+  catalogue_.set_swing(swing);
   for (std::size_t f = 0; f < flights_.size(); ++f) flights_[f].load_force_W_mps2 = std::move(force_per_flight[f]);
 }
 

@@ -28,8 +28,8 @@ class Session {
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
   // Where predictions are fitted, the filter's own part can be left out.
   void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter = true);
-  // A slung load of this length is suspected: its force history becomes a column.
-  void suspect_load(double length_m, std::vector<std::vector<Vector3>> force_per_flight);
+  // A load that swings so is suspected: its force history becomes a column.
+  void suspect_load(const Swing& swing, std::vector<std::vector<Vector3>> force_per_flight);
   // A lower speed limit is suspected: what it changes becomes a column.
   void suspect_limit(double limit_radps);
   // F again from scratch at the next linearise (after a large effect was found).
