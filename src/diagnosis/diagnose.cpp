@@ -298,8 +298,14 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   Session session(std::move(flights), vehicle, options.jobs, std::move(own_rate));
   Selection selection = select_effects(session, {});
   const bool unproved = forces_only && !attitude;
-  const Challenge challenged = challenge(session, selection, held, held_own_rate, unproved ? least_included : 0.0, options.jobs);
-  const Remainder rest = remainder(session, selection, challenged.uneven);
+  const auto challenge_selection = [&] { return challenge(session, selection, held, held_own_rate, unproved ? least_included : 0.0, options.jobs); };
+  Challenge challenged = challenge_selection();
+  Remainder rest = remainder(session, selection, challenged.uneven);
+  if (const std::vector<int> means = rest.gust_like ? means_of_gust(session, selection, rest.gust) : std::vector<int>{}; !means.empty()) {
+    selection = withdraw(session, {}, selection, means);
+    challenged = challenge_selection();
+    rest = remainder(session, selection, challenged.uneven);
+  }
   // moments that depend on the velocity are not told without it, and would be charged to what can be
   if (!attitude && !forces_only && !rest.alarms.empty()) return diagnose_with(options, true);
   explain(session, selection, challenged, out);
@@ -308,7 +314,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   describe_disturbance(selection, rest, out);
   out.alarms = rest.alarms;
   out.unexplained_share = rest.omnibus_share;
-  out.mismatch = locate(session, selection);
+  out.mismatch = locate(session, selection, rest);
   plot_residuals(session, selection, out);
 
   if (jitters) withdraw(out, "only suspected: the commands were sampled from a faster loop");

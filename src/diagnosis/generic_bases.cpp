@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace gustlab::diagnosis {
 
@@ -9,38 +10,21 @@ namespace {
 
 // what a basis function may look at, per sample
 struct Look {
-  Vector3 position;      // from the middle of the flown volume, in half widths
-  double height;         // m above the lowest
+  Place place;           // functions of where it is
   Vector3 velocity_B;    // m/s
   double time;           // 0 … 1
   RotorArray past;       // mean command one to two samples ago over hover − 1
   RotorArray change;     // its last change over hover
 };
 
-struct Volume {
-  Vector3 middle = Vector3::Zero(), half = Vector3::Ones();
-  double lowest = 0.0;
-};
-
-Volume flown_volume(const Session& session) {
-  Vector3 low = Vector3::Constant(1e9), high = -low;
-  for (const FlightData& flight : session.flights())
-    for (const Motion& m : flight.motion) {
-      low = low.cwiseMin(m.position_W_m);
-      high = high.cwiseMax(m.position_W_m);
-    }
-  return {0.5 * (low + high), (0.5 * (high - low)).cwiseMax(0.05), low.z()};
-}
-
-std::vector<Look> looks(const FlightData& flight, const Volume& volume, double hover) {
+std::vector<Look> looks(const FlightData& flight, const FlownVolume& volume, double hover) {
   std::vector<Look> result(flight.samples.size());
   const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
   for (std::size_t k = 0; k < result.size(); ++k) {
     const Motion& m = flight.motion[k];
     const double t = flight.samples[k].time_s, dt = flight.sample_s;
     Look& look = result[k];
-    look.position = (m.position_W_m - volume.middle).cwiseQuotient(volume.half);
-    look.height = m.position_W_m.z() - volume.lowest;
+    look.place = volume.functions(m.position_W_m);
     look.velocity_B = m.attitude_WB.conjugate() * m.velocity_W_mps;
     look.time = (t - flight.start_s) / std::max(flight.duration_s(), dt);
     const RotorArray late = record.mean(t - dt, t), early = record.mean(t - 2.0 * dt, t - dt);
@@ -65,6 +49,7 @@ BasisFamily family(const std::string& name, const Session& session, const std::v
   BasisFamily result;
   result.name = name;
   result.size = static_cast<int>(terms.size());
+  for (const Term& term : terms) result.channel.push_back(term.axis + (term.kind == Term::torque_B ? 3 : 0));
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
     std::vector<Pushes> columns(flight.samples.size());
@@ -86,8 +71,29 @@ BasisFamily family(const std::string& name, const Session& session, const std::v
 
 }  // namespace
 
+FlownVolume::FlownVolume(const Session& session) {
+  Vector3 low = Vector3::Constant(1e9), high = -low;
+  for (const FlightData& flight : session.flights())
+    for (const Motion& m : flight.motion) {
+      low = low.cwiseMin(m.position_W_m);
+      high = high.cwiseMax(m.position_W_m);
+    }
+  middle_W_m_ = 0.5 * (low + high), half_m_ = (0.5 * (high - low)).cwiseMax(0.05), lowest_m_ = low.z();
+}
+
+Place FlownVolume::functions(const Vector3& position_W_m) const {
+  const Vector3 p = (position_W_m - middle_W_m_).cwiseQuotient(half_m_);
+  Place place;
+  place.head<near_ground + 1>() << p, p.cwiseProduct(p), p.x() * p.y(), 0.0025 / std::pow(std::max(position_W_m.z() - lowest_m_, 0.0) + 0.05, 2);
+  int at = near_ground;
+  for (const double x : {-0.7, 0.0, 0.7})
+    for (const double y : {-0.7, 0.0, 0.7})
+      place[++at] = std::exp(-(std::pow(p.x() - x, 2) + std::pow(p.y() - y, 2)) / (2.0 * 0.35 * 0.35));
+  return place;
+}
+
 std::vector<BasisFamily> omnibus_bases(const Session& session) {
-  const Volume volume = flown_volume(session);
+  const FlownVolume volume(session);
   const double hover = session.vehicle().hover_speed_radps();
   std::vector<std::vector<Look>> look;
   for (const FlightData& flight : session.flights()) look.push_back(looks(flight, volume, hover));
@@ -95,20 +101,8 @@ std::vector<BasisFamily> omnibus_bases(const Session& session) {
   const double turn = 6.0 * floor[2];
 
   std::vector<Term> position, velocity, time, command;
-  std::vector<std::function<double(const Look&)>> place;
-  for (int i = 0; i < 3; ++i) {
-    place.emplace_back([i](const Look& l) { return l.position[i]; });
-    place.emplace_back([i](const Look& l) { return l.position[i] * l.position[i]; });
-  }
-  place.emplace_back([](const Look& l) { return l.position[0] * l.position[1]; });
-  place.emplace_back([](const Look& l) { return 0.0025 / std::pow(std::max(l.height, 0.0) + 0.05, 2); });
-  for (const double x : {-0.7, 0.0, 0.7})
-    for (const double y : {-0.7, 0.0, 0.7})
-      place.emplace_back([x, y](const Look& l) {
-        return std::exp(-(std::pow(l.position[0] - x, 2) + std::pow(l.position[1] - y, 2)) / (2.0 * 0.35 * 0.35));
-      });
-  for (const auto& f : place)
-    for (int axis = 0; axis < 3; ++axis) position.push_back({Term::force_W, axis, 1.0, f});
+  for (int i = 0; i < Place::RowsAtCompileTime; ++i)
+    for (int axis = 0; axis < 3; ++axis) position.push_back({Term::force_W, axis, 1.0, [i](const Look& l) { return l.place[i]; }});
 
   for (int i = 0; i < 3; ++i)
     for (int axis = 0; axis < 3; ++axis) {
@@ -137,7 +131,7 @@ std::vector<BasisFamily> omnibus_bases(const Session& session) {
 }
 
 std::vector<BasisFamily> channel_bases(const Session& session) {
-  const Volume volume = flown_volume(session);
+  const FlownVolume volume(session);
   const double hover = session.vehicle().hover_speed_radps();
   std::vector<std::vector<Look>> look;
   for (const FlightData& flight : session.flights()) look.push_back(looks(flight, volume, hover));
@@ -149,7 +143,7 @@ std::vector<BasisFamily> channel_bases(const Session& session) {
   };
   std::vector<std::function<double(const Look&)>> state = {
       [](const Look&) { return 1.0; }, [](const Look& l) { return l.time; },
-      [](const Look& l) { return 0.0025 / std::pow(std::max(l.height, 0.0) + 0.05, 2); }, total,
+      [](const Look& l) { return l.place[near_ground]; }, total,
       [total](const Look& l) { return total(l) * total(l); }};
   for (int i = 0; i < 3; ++i) {
     state.emplace_back([i](const Look& l) { return l.velocity_B[i]; });
@@ -162,7 +156,7 @@ std::vector<BasisFamily> channel_bases(const Session& session) {
     std::vector<Term> terms;
     for (const auto& f : state)
       terms.push_back({channel < 3 ? Term::force_B : Term::torque_B, channel % 3, channel < 3 ? 1.0 : turn, f});
-    result.push_back(family(channel < 3 ? "force" : "torque", session, look, terms));
+    result.push_back(family(channel < 3 ? "smooth force" : "smooth torque", session, look, terms));
   }
   return result;
 }
@@ -194,18 +188,55 @@ Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, con
   return gram;
 }
 
-double gain_of(const Session& session, const BasisFamily& family, std::vector<int> columns, const std::vector<Trim>& trims) {
-  const auto firm = static_cast<Eigen::Index>(columns.size());
-  for (const Trim& trim : trims) columns.push_back(trim.column);
-  Eigen::MatrixXd gram = gram_with(session, family, columns);
-  for (std::size_t i = 0; i < trims.size(); ++i)
-    gram(firm + static_cast<Eigen::Index>(i), firm + static_cast<Eigen::Index>(i)) += 1.0 / (trims[i].deviation * trims[i].deviation);
-  std::vector<int> before, after;
-  for (int j = 0; j + 1 < gram.cols(); ++j) {
-    if (j < static_cast<int>(columns.size())) before.push_back(j);
-    after.push_back(j);
+std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families, const std::vector<int>& columns,
+                           const std::vector<Trim>& trims) {
+  // one pass of the filter for all
+  BasisFamily together;
+  together.columns.resize(session.flights().size());
+  for (const BasisFamily& family : families) {
+    together.channel.insert(together.channel.end(), family.channel.begin(), family.channel.end());
+    together.size += family.size;
   }
-  return solve(gram, before, 1e-6).loss - solve(gram, after, 1e-6).loss;
+  for (std::size_t f = 0; f < together.columns.size(); ++f)
+    for (std::size_t k = 0; k < session.flights()[f].samples.size(); ++k) {
+      Pushes pushes(6, together.size);
+      Eigen::Index at = 0;
+      for (const BasisFamily& family : families) {
+        pushes.middleCols(at, family.size) = family.columns[f][k];
+        at += family.size;
+      }
+      together.columns[f].push_back(std::move(pushes));
+    }
+  std::vector<int> beside = columns;
+  for (const Trim& trim : trims) beside.push_back(trim.column);
+  Eigen::MatrixXd gram = gram_with(session, together, beside);
+  for (std::size_t i = 0; i < trims.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(columns.size() + i);
+    gram(at, at) += 1.0 / (trims[i].deviation * trims[i].deviation);
+  }
+  std::vector<int> known(beside.size());
+  std::iota(known.begin(), known.end(), 0);
+  const double before = solve(gram, known, 1e-6).loss;
+  std::vector<Gain> gains;
+  int first = static_cast<int>(known.size());
+  for (const BasisFamily& family : families) {
+    Gain gain;
+    const auto with = [&](int channel) {
+      std::vector<int> all = known;
+      for (int j = 0; j < family.size; ++j)
+        if (channel < 0 || family.channel[static_cast<std::size_t>(j)] == channel) all.push_back(first + j);
+      return all;
+    };
+    gain.all = before - solve(gram, with(-1), 1e-6).loss;
+    for (std::size_t c = 0; c < gain.channel.size(); ++c) {
+      const std::vector<int> own = with(static_cast<int>(c));
+      gain.size[c] = static_cast<int>(own.size() - known.size());
+      if (gain.size[c] > 0) gain.channel[c] = gain.size[c] == family.size ? gain.all : before - solve(gram, own, 1e-6).loss;
+    }
+    gains.push_back(gain);
+    first += family.size;
+  }
+  return gains;
 }
 
 }  // namespace gustlab::diagnosis

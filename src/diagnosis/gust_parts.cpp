@@ -9,7 +9,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double surely_a_line = 1e-6;
+constexpr double surely_a_line = 1e-6, surely_no_mean = 0.999;
 constexpr double slowest_periods = 2.0;      // in a flight, of the slowest line that is sought
 constexpr double fastest_radps = 20.0;
 constexpr double bins_apart = 1.5, bins_beside = 8.0;
@@ -82,6 +82,7 @@ GustParts gust_parts(const Session& session, const std::vector<Smoothed>& left) 
     const double line = 0.5 * parts.line_mps2 * parts.line_mps2 * std::cos(parts.line_radps * lag);
     return sum / std::max(1.0, count) - (last <= 2 ? line : 0.0);
   };
+  parts.slow_mps2 = std::sqrt(std::max(0.0, covariance(0.5, 0, 2)));
   // log c = log variance − lag / time, weighed with c
   double w = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   for (const double lag : lag_s) {
@@ -100,6 +101,27 @@ GustParts gust_parts(const Session& session, const std::vector<Smoothed>& left) 
   parts.horizontal_mps2 = std::sqrt(std::exp((y - slope * x) / w));
   parts.vertical_mps2 = std::sqrt(std::max(0.0, covariance(lag_s.front(), 2, 3)) * std::exp(lag_s.front() / parts.time_s));
   return parts;
+}
+
+std::vector<int> means_of_gust(const Session& session, const Selection& selection, const GustParts& gust) {
+  std::vector<int> groups;
+  for (const Finding& finding : selection.findings) {
+    const Group& group = session.catalogue().groups()[static_cast<std::size_t>(finding.group)];
+    if (group.row->name != "constant_force") continue;
+    double chi_squared = 0.0;
+    for (const int c : group.columns) {
+      const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+      // variance of the mean of an exponentially correlated series
+      const double duration_s = session.flights()[static_cast<std::size_t>(column.flight)].duration_s(), x = gust.time_s / duration_s;
+      const double sigma_mps2 = column.parameter < 2 ? gust.horizontal_mps2 : gust.vertical_mps2;
+      const double variance = 2.0 * sigma_mps2 * sigma_mps2 * x * (1.0 - x * (1.0 - std::exp(-1.0 / x)));
+      chi_squared += std::pow(selection.value[c] / session.vehicle().mass_kg, 2) /
+                     (variance + std::pow(selection.deviation[c] / session.vehicle().mass_kg, 2));
+    }
+    const boost::math::chi_squared expected(static_cast<double>(group.columns.size()));
+    if (chi_squared < boost::math::quantile(expected, surely_no_mean)) groups.push_back(finding.group);
+  }
+  return groups;
 }
 
 }  // namespace gustlab::diagnosis

@@ -1,54 +1,20 @@
 #include "diagnosis/locate.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/dependence.hpp"
 #include "diagnosis/generic_bases.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr std::array<const char*, 6> channel_name = {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
-constexpr std::array<const char*, 12> sensor_name = {"position x", "position y", "position z", "roll", "pitch", "yaw",
-                                                     "roll rate", "pitch rate", "yaw rate", "specific force x",
-                                                     "specific force y", "specific force z"};
-
-constexpr double scatter_share = 0.5;  // build scatter (sd) as a share of a reporting tolerance
-
 double chi_squared_tail(double value, double degrees) {
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees), std::max(value, 0.0)));
-}
-
-// more than chance and more than a thousandth of the information (DIAGNOSIS.md §3.5c)
-bool beyond_chance(double gain, int size, double rows) {
-  return gain > size + 6.0 * std::sqrt(2.0 * size) + 0.001 * rows;
-}
-
-std::vector<double> ranks(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-  std::vector<double> rank(values.size());
-  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<double>(i);
-  return rank;
-}
-
-double correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const double n = static_cast<double>(a.size());
-  const double ma = std::accumulate(a.begin(), a.end(), 0.0) / n, mb = std::accumulate(b.begin(), b.end(), 0.0) / n;
-  double ab = 0.0, aa = 0.0, bb = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ab += (a[i] - ma) * (b[i] - mb);
-    aa += (a[i] - ma) * (a[i] - ma);
-    bb += (b[i] - mb) * (b[i] - mb);
-  }
-  return ab / std::sqrt(aa * bb + 1e-300);
 }
 
 // explained variance of one series by smooth functions of one variable, 5 s blocks left out in turn
@@ -159,7 +125,7 @@ Blocks blocks(const Session& session, const std::vector<Smoothed>& smoothed) {
   return result;
 }
 
-std::vector<Mismatch> locate(Session& session, const Selection& selection) {
+std::vector<Mismatch> locate(Session& session, const Selection& selection, const Remainder& rest) {
   const Catalogue& catalogue = session.catalogue();
   session.noise = selection.noise_selected;
   session.linearise(catalogue.nominal(), session.all_columns());
@@ -168,9 +134,9 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection) {
   // smooth functions of the state, per channel
   std::vector<Mismatch> result;
   const auto families = channel_bases(session);
-  std::vector<double> gains;
-  for (const BasisFamily& family : families) gains.push_back(gain_of(session, family, session.biases()));
-  const double largest = *std::max_element(gains.begin(), gains.end());
+  const std::vector<Gain> gains = gains_of(session, families, session.biases());
+  double largest = 0.0;
+  for (const Gain& gain : gains) largest = std::max(largest, gain.all);
   const Blocks before = blocks(session, selection.smoothed_nominal), after = blocks(session, selection.smoothed_selected);
   const auto rms = [](const Blocks& b, int c) {
     double sum = 0.0;
@@ -180,9 +146,11 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection) {
   for (int c = 0; c < 6; ++c) {
     Mismatch m;
     m.channel = channel_name[static_cast<std::size_t>(c)];
-    const double gain = gains[static_cast<std::size_t>(c)];
+    const double gain = gains[static_cast<std::size_t>(c)].all;
     m.p_value = chi_squared_tail(gain, families[static_cast<std::size_t>(c)].size);
     m.significant = beyond_chance(gain, families[static_cast<std::size_t>(c)].size, rows) && gain > 0.02 * largest;
+    for (const Alarm& alarm : rest.alarms)
+      m.significant |= std::find(alarm.channels.begin(), alarm.channels.end(), m.channel) != alarm.channels.end();
     m.rms = rms(before, c);
     m.noise_rms = rms(after, c);
     m.unit = c < 3 ? "N" : "N m";
@@ -204,14 +172,8 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection) {
     }
     const auto series = [&](int c, Eigen::Index shift) {
       Eigen::VectorXd y(count);
-      for (Eigen::Index i = 0; i < count; ++i) {
-        // within its flight
-        Eigen::Index first = i, last = i;
-        while (first > 0 && before.flight[static_cast<std::size_t>(first - 1)] == before.flight[static_cast<std::size_t>(i)]) --first;
-        while (last + 1 < count && before.flight[static_cast<std::size_t>(last + 1)] == before.flight[static_cast<std::size_t>(i)]) ++last;
-        const Eigen::Index length = last - first + 1;
-        y[i] = before.wrench[static_cast<std::size_t>(first + (i - first + shift) % length)][c];
-      }
+      for (Eigen::Index i = 0; i < count; ++i) y[i] = before.wrench[static_cast<std::size_t>(i)][c];
+      y = moved_along(y, before.flight, shift);
       return Eigen::VectorXd(y.array() - y.mean());
     };
     std::vector<double> largest_shifted;
@@ -265,114 +227,6 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection) {
   };
   single("actuation", {"motor_lag", "actuation_delay"});
   single("timing", {"pose_delay"});
-  return result;
-}
-
-Remainder remainder(const Session& session, const Selection& selection, bool shadow) {
-  Remainder result;
-  const double rows = selection.degrees_of_freedom;
-  std::vector<int> columns = columns_of(session.catalogue(), selection.groups());
-  columns.insert(columns.end(), session.biases().begin(), session.biases().end());
-
-  const std::vector<Trim> trims = trims_beside(session, columns, scatter_share);
-  double worst = 0.0;
-  for (const BasisFamily& family : omnibus_bases(session)) {
-    const double gain = gain_of(session, family, columns, trims);
-    if (!beyond_chance(gain, family.size, rows)) continue;
-    worst = std::max(worst, gain);
-    result.alarms.push_back({"omnibus", fmt::format("the rest depends on {}", family.name), gain / rows});
-  }
-  const double explained = std::max(0.0, selection.loss_nominal - selection.loss_selected);
-  result.omnibus_gain = worst;
-  result.omnibus_share = worst > 0.0 ? worst / (worst + explained) : 0.0;
-
-  // autocorrelation of the whitened innovations over 25 lags
-  const Fit fit = solve(session.grams().total(), columns);
-  const auto whitened = session.innovations(columns, fit.coefficient);
-  std::array<std::array<double, 26>, row_count> sums{};
-  for (const Whitened& w : whitened) {
-    std::array<std::vector<double>, row_count> z;
-    for (std::size_t i = 0; i < w.time_s.size(); ++i)
-      if (w.warm[i]) z[static_cast<std::size_t>(w.channel[i])].push_back(w.rows(static_cast<Eigen::Index>(i), w.rows.cols() - 1));
-    for (std::size_t c = 0; c < row_count; ++c) {
-      if (z[c].size() < 100) continue;
-      const double mean = std::accumulate(z[c].begin(), z[c].end(), 0.0) / static_cast<double>(z[c].size());
-      for (std::size_t lag = 0; lag <= 25; ++lag)
-        for (std::size_t i = lag; i < z[c].size(); ++i) sums[c][lag] += (z[c][i] - mean) * (z[c][i - lag] - mean);
-    }
-  }
-  for (std::size_t c = 0; c < row_count; ++c) {
-    if (sums[c][0] <= 0.0) continue;
-    std::size_t at = 1;
-    for (std::size_t lag = 2; lag <= 25; ++lag)
-      if (std::abs(sums[c][lag]) > std::abs(sums[c][at])) at = lag;
-    const double r = std::abs(sums[c][at]) / sums[c][0];
-    const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(), [](const FlightData& f) { return f.read_slower; });
-    if (r > 0.15 && own_rate)
-      result.alarms.push_back({"whiteness", fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], at), 0.01 * r});
-  }
-
-  // disturbance above what a calm room leaves
-  const auto floor = reference_floor(session.vehicle());
-  constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
-  const NoiseModel& noise = selection.noise_selected;
-  const bool structured = worst > 0.0;
-  result.gust = gust_parts(session, selection.smoothed_selected);
-  const bool slow = noise.time_s[0] > 0.25 && noise.time_s[0] < 2.9 && std::sqrt(noise.variance[0]) > 2.2 * floor[0];
-  // a line below a calm room's disturbance may be the flown figure's own
-  const bool line = result.gust.line_mps2 > floor[0];
-  if (!line) result.gust.line_mps2 = 0.0;
-  result.gust_like = !shadow && !structured && (slow || line);
-  for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    const double ratio = std::sqrt(noise.variance[g]) / floor[g];
-    if (ratio > 2.5 && !(g < 2 && result.gust_like))
-      result.alarms.push_back({"floor", fmt::format("{} is disturbed {:.1f} times as much as in a calm room", group_name[g], ratio), 0.001 * ratio});
-  }
-
-  // disturbance that grows with the state: dynamics that linear bases cannot follow
-  std::vector<double> activity, speed, height;
-  std::array<std::vector<double>, disturbance_groups> energy;
-  for (std::size_t f = 0; f < session.flights().size(); ++f) {
-    const FlightData& flight = session.flights()[f];
-    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(0.5 / flight.sample_s)));
-    const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
-    for (std::size_t first = 1; first + length <= flight.samples.size(); first += length) {
-      std::array<double, disturbance_groups> e{};
-      double change = 0.0, fast = 0.0, high = 0.0;
-      for (std::size_t k = first; k < first + length; ++k) {
-        for (std::size_t j = 0; j < 6; ++j)
-          e[static_cast<std::size_t>(disturbance_group[j])] += std::pow(selection.smoothed_selected[f].disturbance[k][static_cast<Eigen::Index>(j)], 2);
-        const double t = flight.samples[k].time_s;
-        const RotorArray now = record.mean(t - flight.sample_s, t), old = record.mean(t - 2.0 * flight.sample_s, t - flight.sample_s);
-        for (std::size_t i = 0; i < max_rotors; ++i) change += std::pow(now[i] - old[i], 2);
-        fast += flight.motion[k].velocity_W_mps.norm();
-        high += flight.motion[k].position_W_m.z();
-      }
-      activity.push_back(std::sqrt(change));
-      speed.push_back(fast);
-      height.push_back(-high);
-      for (std::size_t g = 0; g < disturbance_groups; ++g) energy[g].push_back(e[g]);
-    }
-  }
-  for (std::size_t g = 0; g < disturbance_groups; ++g)
-    for (const auto& [name, x] : {std::pair<const char*, const std::vector<double>*>{"command activity", &activity},
-                                  {"speed", &speed}, {"low height", &height}}) {
-      const double r = correlation(ranks(energy[g]), ranks(*x));
-      std::vector<std::size_t> order(x->size());
-      std::iota(order.begin(), order.end(), std::size_t{0});
-      std::stable_sort(order.begin(), order.end(), [&, values = x](std::size_t a, std::size_t b) { return (*values)[a] < (*values)[b]; });
-      const std::size_t quarter = order.size() / 4;
-      double low = 1e-300, high = 0.0;
-      for (std::size_t i = 0; i < quarter; ++i) {
-        low += energy[g][order[i]];
-        high += energy[g][order[order.size() - 1 - i]];
-      }
-      if (r > 0.45 && high > 3.0 * low) {
-        if (g == 0) result.gust_like = false;
-        result.alarms.push_back({"heteroscedastic", fmt::format("{} grows with {}", group_name[g], name), 0.001 * high / low});
-        break;
-      }
-    }
   return result;
 }
 

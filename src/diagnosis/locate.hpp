@@ -1,11 +1,10 @@
-// Where the simulation and the recording differ, and whether anything is left after the chosen effects.
+// Where the simulation and the recording differ.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "diagnosis/gust_parts.hpp"
-#include "diagnosis/selection.hpp"
+#include "diagnosis/remainder.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -25,27 +24,8 @@ struct Mismatch {
   std::vector<Region> where;
 };
 
-// A reason to believe that something is left.
-struct Alarm {
-  std::string kind;     // omnibus | whiteness | floor | heteroscedastic
-  std::string says;
-  double size = 0.0;    // gain per degree of freedom, or ratio
-};
-
-struct Remainder {
-  std::vector<Alarm> alarms;
-  double omnibus_gain = 0.0;    // χ² of the family that still finds most
-  double omnibus_share = 0.0;   // of all structure, what the omnibus test still finds
-  bool gust_like = false;       // horizontal floor raised and slowly varying, or with a line, and no dependence on the state explains it
-  GustParts gust;
-};
-
-// At the nominal vehicle, under the noise of the selected model. Linearises the session there.
-std::vector<Mismatch> locate(Session& session, const Selection& selection);
-// At the selected model; the session must be linearised there.
-// `shadow`: a force of every flight's own was withdrawn, so what is left is no gust.
-Remainder remainder(const Session& session, const Selection& selection, bool shadow);
-
+// At the nominal vehicle, under the noise of the selected model, and where alarms are. Linearises the session there.
+std::vector<Mismatch> locate(Session& session, const Selection& selection, const Remainder& rest);
 // Per half second: the smoothed wrench (body axes, N and N m) and what it might depend on.
 struct Blocks {
   std::vector<int> flight;

@@ -10,6 +10,7 @@ namespace gustlab::diagnosis {
 namespace {
 
 // light loads swing for many periods (aluminium on a thread), hooks that rub and bluff loads for few
+constexpr double widest_swing = 0.6;  // rms of the horizontal force over the load's weight
 constexpr double least_damping = 0.003, most_damping = 0.15;
 
 // lateral pendulum in an accelerated frame: driven part (from rest) and its two free swings, as horizontal force per kg
@@ -104,6 +105,18 @@ Solution solve_all(const std::vector<Regression>& flights, bool with_load) {
   return s;
 }
 
+// horizontal force of the load, N per axis
+double swing_rms(const std::vector<Regression>& flights, const Solution& solution) {
+  double sum = 0.0, rows = 0.0;
+  for (std::size_t f = 0; f < flights.size(); ++f) {
+    const Eigen::MatrixXd& X = flights[f].X;
+    const auto free = solution.coefficient.segment<4>(shared + own * static_cast<Eigen::Index>(f) + 2);
+    sum += (solution.coefficient[0] * X.col(0) + X.rightCols<4>() * free).squaredNorm();
+    rows += static_cast<double>(X.rows());
+  }
+  return std::sqrt(sum / std::max(1.0, rows));
+}
+
 }  // namespace
 
 PendulumScan scan_pendulum(const Session& session) {
@@ -120,6 +133,7 @@ PendulumScan scan_pendulum(const Session& session) {
     const Solution with = solve_all(flights, true), without = solve_all(flights, false);
     const double share = 1.0 - with.left / (without.left + 1e-300);
     if (with.coefficient[0] <= 1e-3 * vehicle.mass_kg || share <= best.share) return false;
+    if (swing_rms(flights, with) > widest_swing * gravity * with.coefficient[0]) return false;
     best = {swing, share, with.coefficient[0]};
     return true;
   };

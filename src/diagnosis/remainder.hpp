@@ -1,0 +1,38 @@
+// Whether anything is left after the chosen effects, and in which channel.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "diagnosis/gust_parts.hpp"
+#include "diagnosis/selection.hpp"
+
+namespace gustlab::diagnosis {
+
+inline constexpr std::array<const char*, 6> channel_name = {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
+
+// A reason to believe that something is left.
+struct Alarm {
+  std::string kind;     // omnibus | whiteness | floor | heteroscedastic
+  std::string says;
+  double size = 0.0;    // gain per degree of freedom, or ratio
+  std::vector<std::string> channels;  // where
+};
+
+struct Remainder {
+  std::vector<Alarm> alarms;
+  double omnibus_gain = 0.0;    // χ² of the family that still finds most
+  double omnibus_share = 0.0;   // of all structure, what the omnibus test still finds
+  bool gust_like = false;       // horizontal floor raised and slowly varying, or with a line, and no dependence on the state explains it
+  GustParts gust;
+};
+
+// At the selected model; the session must be linearised there.
+// `shadow`: a force of every flight's own was withdrawn, so what is left is no gust.
+Remainder remainder(const Session& session, const Selection& selection, bool shadow);
+
+// more than chance and more than a thousandth of the information (DIAGNOSIS.md §3.5c)
+bool beyond_chance(double gain, int size, double rows);
+
+}  // namespace gustlab::diagnosis
