@@ -30,9 +30,9 @@ enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_cl
 // Crazyflie's centre of mass), and a logger's clocks, s.
 inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02;
 
-// How a load swings: length of its cable, and damping ratio of small swings.
+// How a load swings: length of its cable, damping ratio of small swings, and the length's standard error.
 struct Swing {
-  double length_m = 0.0, damping = 0.0;
+  double length_m = 0.0, damping = 0.0, length_deviation_m = 0.0;
 };
 
 // All numbers of one effect (of one rotor, for rotor_loss): selected or left out together.

@@ -43,7 +43,7 @@ double confidence(const Finding& finding, double holdout_gain) {
 std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group, int flight) {
   std::vector<NamedValue> values;
   if (group.rotor > 0) values.push_back({"rotor", "-", static_cast<double>(group.rotor), 0.0});
-  if (group.row->name == "slung_load") values.push_back({"length", "m", group.swing.length_m, 0.03 * group.swing.length_m});
+  if (group.row->name == "slung_load") values.push_back({"length", "m", group.swing.length_m, group.swing.length_deviation_m});
   if (group.row->name == "saturation") return {{"max_speed", "rad/s", group.limit_radps, 0.01 * group.limit_radps}};
   // mean over flights of values per flight
   std::vector<std::pair<int, std::vector<int>>> by_parameter;
@@ -182,9 +182,10 @@ void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out
   for (const FlightData& flight : session.flights()) duration_s += flight.duration_s();
   const double pieces = std::max(4.0, duration_s / parts.time_s);
   const double sigma = mass * parts.horizontal_mps2, sigma_z = mass * parts.vertical_mps2;
-  effect.parameters = {{"sigma_xy", "N", sigma, sigma / std::sqrt(2.0 * pieces) + model_form * sigma},
-                       {"sigma_z", "N", sigma_z, sigma_z / std::sqrt(pieces) + model_form * sigma_z},
-                       {"correlation_time", "s", parts.time_s, parts.time_s * std::sqrt(2.0 / pieces)}};
+  if (parts.horizontal_mps2 > 0.0)
+    effect.parameters = {{"sigma_xy", "N", sigma, sigma / std::sqrt(2.0 * pieces) + model_form * sigma},
+                         {"sigma_z", "N", sigma_z, sigma_z / std::sqrt(pieces) + model_form * sigma_z},
+                         {"correlation_time", "s", parts.time_s, parts.time_s * std::sqrt(2.0 / pieces)}};
   if (parts.line_mps2 > 0.0) {
     effect.parameters.push_back({"line_amplitude", "N", mass * parts.line_mps2, mass * std::hypot(parts.line_deviation_mps2, model_form * parts.line_mps2)});
     effect.parameters.push_back({"line_frequency", "rad/s", parts.line_radps, parts.line_deviation_radps});

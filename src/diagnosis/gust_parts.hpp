@@ -7,7 +7,7 @@
 
 namespace gustlab::diagnosis {
 
-// Forces per mass, m/s². Standard deviations of the slow part, horizontal per axis and vertical, and its correlation time; the
+// Forces per mass, m/s². Standard deviations of the slow part, horizontal per axis (0: there is none) and vertical, and its correlation time; the
 // amplitude of a horizontal sinusoid per axis (0: there is none), its angular frequency, and their standard errors.
 struct GustParts {
   double slow_mps2 = 0.0;   // of the horizontal disturbance, what still is there half a second later

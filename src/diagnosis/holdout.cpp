@@ -52,10 +52,9 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
     session.linearise(catalogue.nominal(), {});
     session.learn_noise(1, {});
     session.noise = selection.noise_selected;
-    const PendulumScan scan{group.swing, 1.0, selection.value[group.columns.front()]};
     std::vector<std::vector<Vector3>> force;
     for (std::size_t f = 0; f < session.flights().size(); ++f)
-      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, scan));
+      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, group.swing, selection.value[group.columns.front()]));
     session.suspect_load(group.swing, std::move(force));
   }
   const int limit = fitted.catalogue().find("saturation");

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace gustlab::diagnosis {
@@ -117,6 +116,28 @@ double swing_rms(const std::vector<Regression>& flights, const Solution& solutio
   return std::sqrt(sum / std::max(1.0, rows));
 }
 
+// cable and trim of a flight from the coefficients of its own columns
+SwingStart start_of(const Eigen::Matrix<double, own, 1>& c, double load_kg, const Swing& swing, double gravity) {
+  const double natural = std::sqrt(gravity / swing.length_m);
+  return {Eigen::Vector2d(c[2], c[4]) / load_kg, natural * Eigen::Vector2d(c[3], c[5]) / load_kg, c.head<2>()};
+}
+
+// the same at any angle, when that leaves less
+PendulumScan swung_out(const Session& session, const PendulumScan& small, const Solution& fit, double squares) {
+  SwingingLoad load{small.swing, small.mass_kg, fit.coefficient[1]};
+  std::vector<const FlightData*> flights;
+  std::vector<const Smoothed*> smoothed;
+  std::vector<SwingStart> starts;
+  for (std::size_t f = 0; f < session.flights().size(); ++f) {
+    flights.push_back(&session.flights()[f]);
+    smoothed.push_back(&session.smoothed[f]);
+    starts.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), small.mass_kg, small.swing, session.vehicle().gravity_mps2));
+  }
+  const double share = 1.0 - fit_swing(flights, smoothed, session.vehicle().mass_kg, load, starts, true) / (squares + 1e-300);
+  if (share <= small.share) return small;
+  return {load.swing, share, load.mass_kg, starts};
+}
+
 }  // namespace
 
 PendulumScan scan_pendulum(const Session& session) {
@@ -125,6 +146,8 @@ PendulumScan scan_pendulum(const Session& session) {
   PendulumScan best;
   // 0.1–0.65 m for a Crazyflie's arm, in proportion for larger vehicles (DIAGNOSIS.md §3.2)
   const double size = std::clamp(vehicle.arm_m() / 0.04, 1.0, 4.0), shortest_m = 0.10 * size, longest_m = 0.65 * size;
+  Solution best_fit;
+  double squares = 0.0;
   const auto try_swing = [&](const Swing& swing) {
     if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping || swing.damping > most_damping) return false;
     std::vector<Regression> flights;
@@ -134,7 +157,8 @@ PendulumScan scan_pendulum(const Session& session) {
     const double share = 1.0 - with.left / (without.left + 1e-300);
     if (with.coefficient[0] <= 1e-3 * vehicle.mass_kg || share <= best.share) return false;
     if (swing_rms(flights, with) > widest_swing * gravity * with.coefficient[0]) return false;
-    best = {swing, share, with.coefficient[0]};
+    best = {{swing.length_m, swing.damping, 0.03 * swing.length_m}, share, with.coefficient[0], {}};
+    best_fit = with, squares = without.left;
     return true;
   };
   for (const double damping : {0.01, 0.05})
@@ -150,27 +174,21 @@ PendulumScan scan_pendulum(const Session& session) {
     }
     if (!higher) step *= 0.5;
   }
-  return best;
+  return swung_out(session, best, best_fit, squares);
 }
 
 std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& smoothed, double vehicle_mass_kg,
-                                    const PendulumScan& scan) {
-  const double gravity = flight.vehicle.gravity_mps2;
-  const SwingForce s = swing_force(flight, scan.swing, gravity);
-  const Regression r = regression(flight, smoothed, vehicle_mass_kg, gravity, scan.swing);
-  // the load's mass as it was found on all flights; here only the free swing
+                                    const Swing& swing, double load_kg) {
+  const Regression r = regression(flight, smoothed, vehicle_mass_kg, flight.vehicle.gravity_mps2, swing);
+  // the load's mass as it was found on all flights; here only the flight's own
   Eigen::MatrixXd X = r.X.rightCols<5 + shared - 1>();
-  const Eigen::VectorXd y = r.y - scan.mass_kg * r.X.col(0);
+  const Eigen::VectorXd y = r.y - load_kg * r.X.col(0);
   Eigen::MatrixXd gram = X.transpose() * X;
   gram.diagonal().array() += 1e-9 * gram.diagonal().maxCoeff();
-  const Eigen::VectorXd c = gram.ldlt().solve(X.transpose() * y);
-  std::vector<Vector3> force(flight.samples.size());
-  for (std::size_t k = 0; k < force.size(); ++k) {
-    for (int axis = 0; axis < 2; ++axis)
-      force[k][axis] = s.driven[k][axis] + (c[2 + 2 * axis] * s.free_position[k] + c[3 + 2 * axis] * s.free_rate[k]) / scan.mass_kg;
-    force[k].z() = -(gravity + flight.motion[k].acceleration_W_mps2.z());
-  }
-  return force;
+  std::vector<SwingStart> start{start_of(gram.ldlt().solve(X.transpose() * y).tail<own>(), load_kg, swing, flight.vehicle.gravity_mps2)};
+  SwingingLoad load{swing, load_kg, 0.0};
+  fit_swing({&flight}, {&smoothed}, vehicle_mass_kg, load, start, false);
+  return swinging_force(flight, swing, start.front());
 }
 
 }  // namespace gustlab::diagnosis

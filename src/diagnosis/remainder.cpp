@@ -66,6 +66,7 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   // a line below a calm room's disturbance may be the flown figure's own
   const bool line = result.gust.line_mps2 > floor[0];
   if (!line) result.gust.line_mps2 = 0.0;
+  if (!slow) result.gust.horizontal_mps2 = 0.0;
   const bool depends = (slow || line) && depends_on_state(session, selection.smoothed_selected);
   if (depends) result.alarms.push_back({"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
   result.gust_like = !shadow && (slow || line) && !depends;

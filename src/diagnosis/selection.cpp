@@ -91,7 +91,8 @@ class Selector {
     if (load.share > least_load_share) {
       std::vector<std::vector<Vector3>> force;
       for (std::size_t f = 0; f < s_.flights().size(); ++f)
-        force.push_back(pendulum_force(s_.flights()[f], s_.smoothed[f], s_.vehicle().mass_kg, load));
+        force.push_back(load.starts.empty() ? pendulum_force(s_.flights()[f], s_.smoothed[f], s_.vehicle().mass_kg, load.swing, load.mass_kg)
+                                            : swinging_force(s_.flights()[f], load.swing, load.starts[f]));
       s_.suspect_load(load.swing, std::move(force));
     }
     if (limit.gain > least_limit_gain) s_.suspect_limit(limit.limit_radps);
