@@ -36,10 +36,10 @@ TEST_P(History, FindsASlungLoad) {
 }
 
 TEST_P(History, FindsALowerSpeedLimit) {
-  const Diagnosis d = diagnose_concealed(R"({type = "saturation", max_speed = 2300})");
+  const Diagnosis d = diagnose_concealed(R"({type = "saturation", max_speed = 2120})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "saturation");
-  EXPECT_NEAR(value(d.effects[0], "max_speed"), 2300.0, 46.0);
+  EXPECT_NEAR(value(d.effects[0], "max_speed"), 2120.0, 30.0);
 }
 
 TEST_P(History, DoesNotHangAWeightlessLoadOnAPeriodicGust) {
