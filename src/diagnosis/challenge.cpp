@@ -29,8 +29,7 @@ Challenge challenge(Session& session, Selection& selection, const std::vector<Fl
   Challenge result;
   for (int round = 0;; ++round) {
     result.tested = test_holdout(session, selection, held, held_own_rate, jobs);
-    result.regimes.clear();
-    for (const Finding& finding : selection.findings) result.regimes.push_back(regimes(session, selection, finding));
+    result.regimes = regimes(session, selection);
     std::vector<int> failed;
     std::size_t widest = 0;
     double spread = 0.0;

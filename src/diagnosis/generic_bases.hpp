@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "diagnosis/session.hpp"
-#include "diagnosis/trims.hpp"
 
 namespace gustlab::diagnosis {
 

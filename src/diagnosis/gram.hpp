@@ -25,6 +25,12 @@ struct Grams {
 // Adds one flight's innovations; rows that are not warm do not count.
 void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size, Grams& grams);
 
+// A column that is small beforehand: standard deviation in its natural unit.
+struct Trim {
+  int column;
+  double deviation;
+};
+
 // Least squares on a Gram matrix: coefficients and what is left of zᵀz.
 struct Fit {
   Eigen::VectorXd coefficient;

@@ -44,9 +44,7 @@ Variables variables_of(const Session& session, const Grams& grams) {
   return result;
 }
 
-}  // namespace
-
-std::vector<Regimes> regimes(const Session& session, const Selection& selection, const Finding& finding) {
+std::vector<Regimes> regimes_of(const Session& session, const Selection& selection, const Finding& finding, const Variables& variables) {
   const Catalogue& catalogue = session.catalogue();
   const Grams& grams = selection.grams;
   // the finding's pattern as it was fitted, and what the whole fit leaves
@@ -68,7 +66,6 @@ std::vector<Regimes> regimes(const Session& session, const Selection& selection,
   std::vector<Regimes> result;
   if (!(all > 0.0)) return result;
 
-  const Variables variables = variables_of(session, grams);
   for (std::size_t v = 0; v < variables.name.size(); ++v) {
     std::vector<std::size_t> order(grams.block.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -109,6 +106,16 @@ std::vector<Regimes> regimes(const Session& session, const Selection& selection,
     result.push_back(std::move(regimes));
   }
   std::stable_sort(result.begin(), result.end(), [](const Regimes& a, const Regimes& b) { return a.spread > b.spread; });
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::vector<Regimes>> regimes(const Session& session, const Selection& selection) {
+  std::vector<std::vector<Regimes>> result;
+  if (selection.findings.empty()) return result;
+  const Variables variables = variables_of(session, selection.grams);
+  for (const Finding& finding : selection.findings) result.push_back(regimes_of(session, selection, finding, variables));
   return result;
 }
 

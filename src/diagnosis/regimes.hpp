@@ -9,8 +9,8 @@
 
 namespace gustlab::diagnosis {
 
-// Every variable's regimes of one finding, the widest spread first.
-std::vector<Regimes> regimes(const Session& session, const Selection& selection, const Finding& finding);
+// Per finding: every variable's regimes, the widest spread first.
+std::vector<std::vector<Regimes>> regimes(const Session& session, const Selection& selection);
 
 // How far from its size over all flights a finding may be in any regime: the largest |share − 1| + 2 standard errors.
 double most_astray(const std::vector<Regimes>& regimes);

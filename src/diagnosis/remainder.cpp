@@ -8,6 +8,7 @@
 
 #include "diagnosis/dependence.hpp"
 #include "diagnosis/generic_bases.hpp"
+#include "diagnosis/trims.hpp"
 
 namespace gustlab::diagnosis {
 

@@ -14,11 +14,6 @@ bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int g
 bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen, int group,
                          const SelectionOptions& options);
 
-// A column that is small beforehand: standard deviation in its natural unit.
-struct Trim {
-  int column;
-  double deviation;
-};
 // Every column with a reporting tolerance but those given, with this share of it as standard deviation.
 std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& columns, double share);
 
