@@ -134,7 +134,7 @@ PendulumScan swung_out(const Session& session, const PendulumScan& small, const 
     starts.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), small.mass_kg, small.swing, session.vehicle().gravity_mps2));
   }
   const double share = 1.0 - fit_swing(flights, smoothed, session.vehicle().mass_kg, load, starts, true) / (squares + 1e-300);
-  if (share <= small.share) return small;
+  if (!(share > small.share)) return small;
   return {load.swing, share, load.mass_kg, starts};
 }
 
@@ -188,7 +188,10 @@ std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& sm
   std::vector<SwingStart> start{start_of(gram.ldlt().solve(X.transpose() * y).tail<own>(), load_kg, swing, flight.vehicle.gravity_mps2)};
   SwingingLoad load{swing, load_kg, 0.0};
   fit_swing({&flight}, {&smoothed}, vehicle_mass_kg, load, start, false);
-  return swinging_force(flight, swing, start.front());
+  std::vector<Vector3> force = swinging_force(flight, swing, start.front());
+  // a load too light for its force whirls out of all bounds
+  if (!std::all_of(force.begin(), force.end(), [](const Vector3& f) { return f.allFinite(); })) force.assign(force.size(), Vector3::Zero());
+  return force;
 }
 
 }  // namespace gustlab::diagnosis

@@ -7,18 +7,14 @@
 #include <map>
 #include <set>
 
-#include "diagnosis/limit_scan.hpp"
-#include "diagnosis/pendulum.hpp"
 #include "diagnosis/subset_search.hpp"
+#include "diagnosis/suspect_histories.hpp"
 #include "diagnosis/trims.hpp"
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
-
-// worth a column: share of the disturbance, squared standard deviations
-constexpr double least_load_share = 0.01, least_limit_gain = 30.0;
 
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
@@ -36,14 +32,14 @@ class Selector {
     s_.learn_noise(6, s_.biases());
     result.noise_nominal = s_.noise;
     result.smoothed_nominal = s_.smoothed;
-    suspect(value, {});
+    suspect_histories(s_, value, {});
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
     constexpr int rounds = 4;
     for (int round = 0; round < rounds; ++round) {
       if (round > 0) s_.linearise(value, s_.all_columns());
-      if (round == 1 && !chosen.empty()) suspect(value, chosen);
+      if (round == 1 && !chosen.empty()) suspect_histories(s_, value, chosen);
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);
       const std::vector<int> next = search(grams);
@@ -75,33 +71,6 @@ class Selector {
   }
 
  private:
-  // a swinging load and a lower speed limit show in the disturbance that the (other) chosen effects leave
-  void suspect(const Eigen::VectorXd& value, const std::vector<int>& chosen) {
-    if (!chosen.empty()) {
-      std::vector<int> others = chosen;
-      Eigen::VectorXd bare = value;
-      if (const int load = catalogue_.find("slung_load"); std::erase(others, load) > 0) {
-        for (const int c : columns_of(catalogue_, {load})) bare[c] = 0.0;
-        s_.linearise(bare, s_.all_columns());
-      }
-      s_.learn_noise(2, with_biases(others));
-    }
-    const PendulumScan load = scan_pendulum(s_);
-    const LimitScan limit = chosen_has(chosen, "saturation") ? LimitScan{} : scan_limit(s_);
-    if (load.share > least_load_share) {
-      std::vector<std::vector<Vector3>> force;
-      for (std::size_t f = 0; f < s_.flights().size(); ++f)
-        force.push_back(load.starts.empty() ? pendulum_force(s_.flights()[f], s_.smoothed[f], s_.vehicle().mass_kg, load.swing, load.mass_kg)
-                                            : swinging_force(s_.flights()[f], load.swing, load.starts[f]));
-      s_.suspect_load(load.swing, std::move(force));
-    }
-    if (limit.gain > least_limit_gain) s_.suspect_limit(limit.limit_radps);
-    if (load.share > least_load_share || limit.gain > least_limit_gain) s_.linearise(value, s_.all_columns());
-  }
-  bool chosen_has(const std::vector<int>& chosen, std::string_view name) const {
-    return std::find(chosen.begin(), chosen.end(), catalogue_.find(name)) != chosen.end();
-  }
-
   // Grams whose coefficients count from the nominal vehicle, in natural units
   Grams absolute(const Eigen::VectorXd& value) {
     Grams grams = s_.grams();
@@ -196,6 +165,7 @@ class Selector {
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
+    bool told_apart = false;
     for (bool settled = false; !settled;) {
       s_.linearise(value, s_.all_columns());
       s_.learn_noise(6, with_biases(chosen));
@@ -214,6 +184,12 @@ class Selector {
         const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited, material(result.grams.rows, result.loss_nominal - loss));
         settled = better.empty();
         if (!settled) chosen = better;
+      }
+      if (settled && !told_apart) {
+        told_apart = true;
+        const std::vector<int> simpler = least_said(total, chosen);
+        settled = simpler == chosen;
+        chosen = simpler;
       }
       if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
     }
@@ -255,6 +231,32 @@ class Selector {
   // a wind is felt only with a drag
   void drop_unfelt(std::vector<int>& chosen) const {
     if (!SubsetSearch(catalogue_, s_.vehicle(), 0.0).allowed(chosen)) std::erase(chosen, catalogue_.find("steady_wind"));
+  }
+
+  // Of sets that fit alike, one effect exchanged, the one with the least to say: mass with a trimmed inertia is thrust with a
+  // wrong one.
+  std::vector<int> least_said(const Eigen::MatrixXd& total, const std::vector<int>& chosen) const {
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
+    const auto said = [&](const std::vector<int>& groups, const Fit& fit) {
+      const Eigen::VectorXd value = value_at(with_biases(groups), fit);
+      double sum = 0.0;
+      for (const int g : groups) sum += std::min(1.0, std::pow(size_in_tolerances(s_, value, g), 2));
+      return sum;
+    };
+    const Fit fit = solve(total, with_biases(chosen));
+    std::vector<int> best = chosen;
+    double least = said(chosen, fit) - 0.1;
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      for (const int other : search.candidates) {
+        std::vector<int> groups = chosen;
+        groups[i] = other;
+        if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(groups)) continue;
+        const Fit replaced = solve(total, with_biases(groups));
+        if (replaced.loss - fit.loss > options_.trim_cost) continue;
+        if (const double sum = said(groups, replaced); sum < least) best = groups, least = sum;
+      }
+    std::sort(best.begin(), best.end());
+    return best;
   }
 
   // backward: what is not material or not significant goes, the weakest first

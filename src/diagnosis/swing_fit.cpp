@@ -58,6 +58,7 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
   std::vector<Own> at_own;
   for (const SwingStart& start : starts) at_own.push_back(pack(start));
   double best = squares(at, at_own), damping = 1e-3, rows = 0.0;
+  if (!std::isfinite(best)) return best;
   Eigen::MatrixXd normal;
   for (int step = 0; step < most_steps; ++step) {
     normal.setZero(width, width);

@@ -24,7 +24,7 @@ struct SwingStart {
 std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing, const SwingStart& start);
 
 // Gauss–Newton on the horizontal disturbance (0.1 s means), from the given values: of the starts, and of the load too when
-// `load_free`. Returns the squares that are left, N².
+// `load_free`. Returns the squares that are left, N²; not finite when the given swing is out of all bounds.
 double fit_swing(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed, double vehicle_mass_kg,
                  SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free);
 

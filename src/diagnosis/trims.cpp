@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gustlab::diagnosis {
 
@@ -9,20 +10,27 @@ namespace {
 
 // a mean over an interval, stamped at its end, reads 0.62 samples late when the hold is not known (measured)
 constexpr double unknown_hold_samples = 0.7;
+constexpr double scatter_margin = 1.2;
 
 }  // namespace
 
-bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int group) {
+double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, int group) {
   const auto& flights = session.flights();
   const bool told = std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.hold_known; });
+  double largest = 0.0;
   for (const int c : session.catalogue().groups()[static_cast<std::size_t>(group)].columns) {
     const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
     double tolerance = column.tolerance;
     // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
     if (column.unit == "s" && tolerance > 0.0 && !told) tolerance = std::max(tolerance, unknown_hold_samples * session.sample_s());
-    if (tolerance == 0.0 || std::abs(value[c] - column.nominal) >= tolerance) return false;
+    if (tolerance == 0.0) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, std::abs(value[c] - column.nominal) / tolerance);
   }
-  return true;
+  return largest;
+}
+
+bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int group) {
+  return size_in_tolerances(session, value, group) < scatter_margin;
 }
 
 std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& columns, double share) {

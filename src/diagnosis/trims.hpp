@@ -6,7 +6,10 @@
 
 namespace gustlab::diagnosis {
 
-// Is a group at these values (SI, all columns) a trim?
+// The largest of a group's values (SI, all columns) in its reporting tolerances; infinite where none is declared.
+double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, int group);
+
+// Is a group at these values a trim? An estimate holds a share of what alike parts scatter, so a fifth more than the tolerance is.
 bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int group);
 
 // Could trims of everything beside the chosen groups, small beforehand, look like this one of them? `total`: Gram matrix with

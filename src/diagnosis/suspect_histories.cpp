@@ -1,0 +1,52 @@
+#include "diagnosis/suspect_histories.hpp"
+
+#include <algorithm>
+
+#include "diagnosis/limit_scan.hpp"
+#include "diagnosis/pendulum.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// worth a column: share of the disturbance, squared standard deviations
+constexpr double least_load_share = 0.01, least_limit_gain = 30.0;
+
+}  // namespace
+
+void suspect_histories(Session& session, const Eigen::VectorXd& value, const std::vector<int>& chosen) {
+  const Catalogue& catalogue = session.catalogue();
+  bool stale = false;
+  if (!chosen.empty()) {
+    std::vector<int> others = chosen;
+    Eigen::VectorXd bare = value;
+    if (const int load = catalogue.find("slung_load"); std::erase(others, load) > 0) {
+      for (const int c : columns_of(catalogue, {load})) bare[c] = 0.0;
+      session.linearise(bare, session.all_columns());
+      stale = true;
+    }
+    std::vector<int> columns = columns_of(catalogue, others);
+    columns.insert(columns.end(), session.biases().begin(), session.biases().end());
+    session.learn_noise(2, columns);
+  }
+  const PendulumScan load = scan_pendulum(session);
+  const bool limited = std::find(chosen.begin(), chosen.end(), catalogue.find("saturation")) != chosen.end();
+  const LimitScan limit = limited ? LimitScan{} : scan_limit(session);
+  if (load.share > least_load_share) {
+    std::vector<std::vector<Vector3>> force;
+    for (std::size_t f = 0; f < session.flights().size(); ++f) {
+      const FlightData& flight = session.flights()[f];
+      force.push_back(load.starts.empty() ? pendulum_force(flight, session.smoothed[f], session.vehicle().mass_kg, load.swing, load.mass_kg)
+                                          : swinging_force(flight, load.swing, load.starts[f]));
+    }
+    session.suspect_load(load.swing, std::move(force));
+    stale = true;
+  }
+  if (limit.gain > least_limit_gain) {
+    session.suspect_limit(limit.limit_radps);
+    stale = true;
+  }
+  if (stale) session.linearise(value, session.all_columns());
+}
+
+}  // namespace gustlab::diagnosis
