@@ -287,7 +287,7 @@ std::string flights(const Json& diagnosis) {
 std::string footer(const Json& diagnosis) {
   const std::string model = text(diagnosis, "augmented_model");
   std::string words = "Intervals are 95 %. Held-out flights were never used to choose or to fit an effect, save for what belongs to each flight alone.";
-  if (!model.empty())
+  if (!model.empty() && (!part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty()))
     return fmt::format("<footer><p>{} Fly the improved model: <code>gustlab replay FLIGHT.csv --with {}</code></p></footer>", words, escape(model));
   return "<footer><p>" + words + "</p></footer>";
 }

@@ -87,9 +87,9 @@ TEST(DiagnosisPage, EscapesEveryText) {
 
 TEST(DiagnosisPage, WhatIsMissingIsLeftOut) {
   for (const char* verdict : {"consistent", "insufficient_data", "unexplained", "explained", "partly_explained"}) {
-    const std::string html = diagnosis_page({{"verdict", verdict}}, {});
+    const std::string html = diagnosis_page({{"verdict", verdict}, {"augmented_model", "augmented.toml"}}, {});
     expect_sound(html);
-    for (const char* absent : {"<figure>", "<table>", "First, about", "What to fly next"}) EXPECT_THAT(html, Not(HasSubstr(absent)));
+    for (const char* absent : {"<figure>", "<table>", "First, about", "What to fly next", "Fly the improved model"}) EXPECT_THAT(html, Not(HasSubstr(absent)));
   }
 }
 

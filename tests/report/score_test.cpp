@@ -186,6 +186,7 @@ TEST_F(ScoreTest, OutsideTheCatalogueSilenceIsRightAndTheChannelCounts) {
   add("outside", Json::array(), Json::array(), stranger(0.2, {"force_z"}), mismatch);
   EXPECT_EQ(headline("outside the catalogue: no name"), "2/3");
   EXPECT_EQ(headline("outside the catalogue, visible: channel located"), "1/2");
+  EXPECT_EQ(headline("outside the catalogue, visible: channels said that are right"), "1/2");
   EXPECT_THAT(score_markdown(score()), HasSubstr("fan_jet x3"));
 }
 
