@@ -194,6 +194,16 @@ double least_disturbance_left(const Selection& selection) {
   return least;
 }
 
+// beside a force that depends on the place, forces of every flight's own are that one's means
+std::vector<int> forces_per_flight(const Session& session, const Selection& selection) {
+  std::vector<int> groups;
+  for (const Finding& finding : selection.findings) {
+    const Group& group = session.catalogue().groups()[static_cast<std::size_t>(finding.group)];
+    if (group.row->per_flight && group.row->place == Place::wrench) groups.push_back(finding.group);
+  }
+  return groups;
+}
+
 // names are only suspected, but those that stand
 void withdraw(Diagnosis& out, const std::string& why, const std::function<bool(const EffectFinding&)>& stands = [](const EffectFinding&) { return false; }) {
   std::erase_if(out.effects, [&](const EffectFinding& effect) {
@@ -301,9 +311,17 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   const auto challenge_selection = [&] { return challenge(session, selection, held, held_own_rate, unproved ? least_included : 0.0, options.jobs); };
   Challenge challenged = challenge_selection();
   Remainder rest = remainder(session, selection, challenged.uneven);
-  if (const std::vector<int> means = rest.gust_like ? means_of_gust(session, selection, rest.gust) : std::vector<int>{}; !means.empty()) {
-    selection = withdraw(session, {}, selection, means);
+  const std::vector<int> feigned = rest.depends_on_state ? forces_per_flight(session, selection)
+                                   : rest.gust_like      ? means_of_gust(session, selection, rest.gust)
+                                                         : std::vector<int>{};
+  if (!feigned.empty()) {
+    for (const int g : feigned)
+      out.rejected.push_back({std::string(session.catalogue().groups()[static_cast<std::size_t>(g)].row->name), selection.find(g)->gain,
+                              rest.depends_on_state ? "only suspected: what is left of the force depends on where or how fast the vehicle is"
+                                                    : "is no more than the mean of the gust over a flight"});
+    selection = withdraw(session, {}, selection, feigned);
     challenged = challenge_selection();
+    challenged.uneven |= rest.depends_on_state;
     rest = remainder(session, selection, challenged.uneven);
   }
   // moments that depend on the velocity are not told without it, and would be charged to what can be

@@ -68,9 +68,9 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   const bool line = result.gust.line_mps2 > floor[0];
   if (!line) result.gust.line_mps2 = 0.0;
   if (!slow) result.gust.horizontal_mps2 = 0.0;
-  const bool depends = (slow || line) && depends_on_state(session, selection.smoothed_selected);
-  if (depends) result.alarms.push_back({"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
-  result.gust_like = !shadow && (slow || line) && !depends;
+  result.depends_on_state = (slow || line) && depends_on_state(session, selection.smoothed_selected);
+  if (result.depends_on_state) result.alarms.push_back({"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
+  result.gust_like = !shadow && (slow || line) && !result.depends_on_state;
 
   const std::vector<Trim> trims = trims_beside(session, columns, scatter_share);
   double worst = 0.0;
