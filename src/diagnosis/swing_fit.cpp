@@ -125,9 +125,11 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
   rate.z() = -rate.head<2>().dot(n.head<2>()) / n.z();  // on the sphere
   std::vector<Vector3> force(flight.samples.size());
   for (std::size_t k = 0; k < force.size(); ++k) {
-    const Vector3 q = flight.motion[k].acceleration_W_mps2 + gravity * Vector3::UnitZ();
-    force[k] = std::max(0.0, length_m * rate.squaredNorm() - q.dot(n)) * n + damping_ps * length_m * rate;
+    const Vector3 here = flight.motion[k].acceleration_W_mps2 + gravity * Vector3::UnitZ();
+    force[k] = std::max(0.0, length_m * rate.squaredNorm() - here.dot(n)) * n + damping_ps * length_m * rate;
     if (k + 1 == force.size()) break;
+    // of the interval, not of its start: half a sample of lag shortens the cable
+    const Vector3 q = 0.5 * (here + flight.motion[k + 1].acceleration_W_mps2 + gravity * Vector3::UnitZ());
     const double interval_s = flight.samples[k + 1].time_s - flight.samples[k].time_s;
     const int steps = static_cast<int>(std::ceil(interval_s / longest_step_s));
     for (int i = 0; i < steps; ++i) {
