@@ -61,6 +61,7 @@ bool needs_motion(std::string_view name) {
                                             "flapping_torque", "ground_effect", "ceiling_effect", "wall_effect", "slung_load"};
   return std::find(std::begin(of_motion), std::end(of_motion), name) != std::end(of_motion);
 }
+
 }  // namespace
 
 bool is_history(std::string_view name) { return name == "slung_load" || name == "saturation"; }

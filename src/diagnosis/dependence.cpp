@@ -75,16 +75,16 @@ bool depends_on_state(const Session& session, const std::vector<Smoothed>& smoot
   }
   const auto rows = static_cast<Eigen::Index>(flight.size());
   if (rows < fewest_blocks) return false;
+  Eigen::MatrixXd y(rows, 2);
+  for (Eigen::Index i = 0; i < rows; ++i) y.row(i) = force[static_cast<std::size_t>(i)].transpose();
+  for (int axis = 0; axis < 2; ++axis) y.col(axis).array() -= y.col(axis).mean();
   const Eigen::Index shortest = rows / static_cast<Eigen::Index>(session.flights().size());
   for (const auto* of : {&place, &velocity}) {
     const Projection projection(*of);
     const auto share = [&](Eigen::Index shift) {
-      Eigen::MatrixXd y(rows, 2);
-      for (int axis = 0; axis < 2; ++axis) {
-        for (Eigen::Index i = 0; i < rows; ++i) y(i, axis) = force[static_cast<std::size_t>(i)][axis];
-        y.col(axis) = moved_along(Eigen::VectorXd(y.col(axis).array() - y.col(axis).mean()), flight, shift);
-      }
-      return projection.share(y);
+      Eigen::MatrixXd moved(rows, 2);
+      for (int axis = 0; axis < 2; ++axis) moved.col(axis) = moved_along(y.col(axis), flight, shift);
+      return projection.share(moved);
     };
     std::vector<double> chance;
     for (Eigen::Index shift = first_shift; shift + first_shift <= shortest; ++shift) chance.push_back(share(shift));

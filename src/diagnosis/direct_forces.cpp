@@ -12,13 +12,15 @@ Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const
   Whitened out;
   out.rows.resize(static_cast<Eigen::Index>(3 * flight.size()), own + more + 1);
   Eigen::Index row_index = 0;
-  for (std::size_t k = 0; k < flight.size(); ++k)
+  Eigen::Matrix<double, 3, Eigen::Dynamic> extra_felt;
+  for (std::size_t k = 0; k < flight.size(); ++k) {
+    if (more > 0) extra_felt = felt((*extra)[k], flight.R_WB[k]);
     for (int axis = 0; axis < 3; ++axis) {
       const int r = first_force_row + axis;
       if (!flight.measured[k][r]) continue;
       auto row = out.rows.row(row_index);
       if (own > 0) row.head(own) = flight.D[k].row(r);
-      if (more > 0) row.segment(own, more) = felt((*extra)[k], flight.R_WB[k]).row(axis);
+      if (more > 0) row.segment(own, more) = extra_felt.row(axis);
       row[own + more] = flight.y[k][r] - (shift ? flight.D[k].row(r).dot(*shift) : 0.0);
       const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(axis)]);
       const double variance = noise.variance[g] * std::max(1.0, 2.0 * noise.time_s[g] / flight.interval_s[k]);
@@ -29,6 +31,7 @@ Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const
       out.warm.push_back(true);
       ++row_index;
     }
+  }
   out.rows.conservativeResize(row_index, Eigen::NoChange);
   return out;
 }

@@ -36,6 +36,13 @@ std::vector<Look> looks(const FlightData& flight, const FlownVolume& volume, dou
   return result;
 }
 
+std::vector<std::vector<Look>> looks(const Session& session) {
+  const FlownVolume volume(session);
+  std::vector<std::vector<Look>> result;
+  for (const FlightData& flight : session.flights()) result.push_back(looks(flight, volume, session.vehicle().hover_speed_radps()));
+  return result;
+}
+
 // one generic column: a function of the look that pushes along one axis of the world or the body, or turns about one
 struct Term {
   enum Kind { force_W, force_B, torque_B } kind;
@@ -93,10 +100,7 @@ Place FlownVolume::functions(const Vector3& position_W_m) const {
 }
 
 std::vector<BasisFamily> omnibus_bases(const Session& session) {
-  const FlownVolume volume(session);
-  const double hover = session.vehicle().hover_speed_radps();
-  std::vector<std::vector<Look>> look;
-  for (const FlightData& flight : session.flights()) look.push_back(looks(flight, volume, hover));
+  const std::vector<std::vector<Look>> look = looks(session);
   const auto floor = reference_floor(session.vehicle());
   const double turn = 6.0 * floor[2];
 
@@ -131,10 +135,7 @@ std::vector<BasisFamily> omnibus_bases(const Session& session) {
 }
 
 std::vector<BasisFamily> channel_bases(const Session& session) {
-  const FlownVolume volume(session);
-  const double hover = session.vehicle().hover_speed_radps();
-  std::vector<std::vector<Look>> look;
-  for (const FlightData& flight : session.flights()) look.push_back(looks(flight, volume, hover));
+  const std::vector<std::vector<Look>> look = looks(session);
   const double turn = 6.0 * reference_floor(session.vehicle())[2];
   const auto total = [rotors = static_cast<std::size_t>(session.vehicle().rotor_count)](const Look& l) {
     double sum = 0.0;
@@ -193,10 +194,7 @@ std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily
   // one pass of the filter for all
   BasisFamily together;
   together.columns.resize(session.flights().size());
-  for (const BasisFamily& family : families) {
-    together.channel.insert(together.channel.end(), family.channel.begin(), family.channel.end());
-    together.size += family.size;
-  }
+  for (const BasisFamily& family : families) together.size += family.size;
   for (std::size_t f = 0; f < together.columns.size(); ++f)
     for (std::size_t k = 0; k < session.flights()[f].samples.size(); ++k) {
       Pushes pushes(6, together.size);

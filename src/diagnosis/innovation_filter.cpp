@@ -115,6 +115,7 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
   Columns X = Columns::Zero(18, width);
   Transition t;
   Eigen::RowVectorXd e(width);
+  Eigen::Matrix<double, 3, Eigen::Dynamic> extra_felt;
   Vector18 gain;
   Eigen::Index row_index = 0;
   std::size_t since_start = 0;
@@ -124,6 +125,7 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
       X.setZero();
       since_start = 0;
     }
+    if (more > 0 && flight.measured[k].tail<3>().any()) extra_felt = felt((*extra)[k], flight.R_WB[k]);
     for (int r = 0; r < row_count; ++r) {
       if (!flight.measured[k][r]) continue;
       const Row h = measurement_row(flight, k, r);
@@ -137,7 +139,7 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
         e += v * X.row(at);
       }
       if (own > 0) e.head(own) += flight.D[k].row(r);
-      if (more > 0 && r >= first_force_row) e.segment(own, more) += felt((*extra)[k], flight.R_WB[k]).row(r - first_force_row);
+      if (more > 0 && r >= first_force_row) e.segment(own, more) += extra_felt.row(r - first_force_row);
       double y = flight.y[k][r];
       if (shift) y -= flight.D[k].row(r).dot(*shift);
       e[width - 1] = y - e[width - 1];

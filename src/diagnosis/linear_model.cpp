@@ -106,7 +106,7 @@ std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceMode
 }  // namespace
 
 std::vector<Push> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
-                                                      const Eigen::VectorXd& value, double limit_radps) {
+                               const Eigen::VectorXd& value, double limit_radps) {
   FlightData limited;
   limited = flight;
   limited.vehicle.max_speed_radps = limit_radps;

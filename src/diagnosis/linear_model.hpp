@@ -63,6 +63,6 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
 
 // What a lower speed limit would change along a flight: linear acceleration in W, angular in B, per sample.
 std::vector<Push> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
-                                                      const Eigen::VectorXd& value, double limit_radps);
+                               const Eigen::VectorXd& value, double limit_radps);
 
 }  // namespace gustlab::diagnosis

@@ -8,8 +8,8 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// light loads swing for many periods (aluminium on a thread), hooks that rub and bluff loads for few
 constexpr double widest_swing = 0.6;  // rms of the horizontal force over the load's weight
+// light loads swing for many periods (aluminium on a thread), hooks that rub and bluff loads for few
 constexpr double least_damping = 0.003, most_damping = 0.15;
 
 // lateral pendulum in an accelerated frame: driven part (from rest) and its two free swings, as horizontal force per kg
@@ -146,19 +146,24 @@ PendulumScan scan_pendulum(const Session& session) {
   PendulumScan best;
   // 0.1–0.65 m for a Crazyflie's arm, in proportion for larger vehicles (DIAGNOSIS.md §3.2)
   const double size = std::clamp(vehicle.arm_m() / 0.04, 1.0, 4.0), shortest_m = 0.10 * size, longest_m = 0.65 * size;
-  Solution best_fit;
-  double squares = 0.0;
-  const auto try_swing = [&](const Swing& swing) {
-    if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping || swing.damping > most_damping) return false;
+  const auto regressions = [&](const Swing& swing) {
     std::vector<Regression> flights;
     for (std::size_t f = 0; f < session.flights().size(); ++f)
       flights.push_back(regression(session.flights()[f], session.smoothed[f], vehicle.mass_kg, gravity, swing));
-    const Solution with = solve_all(flights, true), without = solve_all(flights, false);
-    const double share = 1.0 - with.left / (without.left + 1e-300);
+    return flights;
+  };
+  // without the load, at any swing
+  const double squares = solve_all(regressions({shortest_m, least_damping}), false).left;
+  Solution best_fit;
+  const auto try_swing = [&](const Swing& swing) {
+    if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping || swing.damping > most_damping) return false;
+    const std::vector<Regression> flights = regressions(swing);
+    const Solution with = solve_all(flights, true);
+    const double share = 1.0 - with.left / (squares + 1e-300);
     if (with.coefficient[0] <= 1e-3 * vehicle.mass_kg || share <= best.share) return false;
     if (swing_rms(flights, with) > widest_swing * gravity * with.coefficient[0]) return false;
     best = {{swing.length_m, swing.damping, 0.03 * swing.length_m}, share, with.coefficient[0], {}};
-    best_fit = with, squares = without.left;
+    best_fit = with;
     return true;
   };
   for (const double damping : {0.01, 0.05})
@@ -181,7 +186,7 @@ std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& sm
                                     const Swing& swing, double load_kg) {
   const Regression r = regression(flight, smoothed, vehicle_mass_kg, flight.vehicle.gravity_mps2, swing);
   // the load's mass as it was found on all flights; here only the flight's own
-  Eigen::MatrixXd X = r.X.rightCols<5 + shared - 1>();
+  const Eigen::MatrixXd X = r.X.rightCols<own>();
   const Eigen::VectorXd y = r.y - load_kg * r.X.col(0);
   Eigen::MatrixXd gram = X.transpose() * X;
   gram.diagonal().array() += 1e-9 * gram.diagonal().maxCoeff();

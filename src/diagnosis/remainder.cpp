@@ -56,8 +56,7 @@ bool beyond_chance(double gain, int size, double rows) {
 Remainder remainder(const Session& session, const Selection& selection, bool shadow) {
   Remainder result;
   const double rows = selection.degrees_of_freedom;
-  std::vector<int> columns = columns_of(session.catalogue(), selection.groups());
-  columns.insert(columns.end(), session.biases().begin(), session.biases().end());
+  const std::vector<int> columns = session.with_biases(selection.groups());
 
   // a gust lasts longer than the air of a calm room, or has a line; it does not depend on where the vehicle is
   const auto floor = reference_floor(session.vehicle());

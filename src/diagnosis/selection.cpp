@@ -65,7 +65,7 @@ class Selector {
     for (const Finding& finding : before.findings)
       if (std::find(withdrawn.begin(), withdrawn.end(), finding.group) == withdrawn.end()) chosen.push_back(finding.group);
     drop_unfelt(chosen);
-    for (const int c : with_biases(chosen)) value[c] = before.value[c];
+    for (const int c : s_.with_biases(chosen)) value[c] = before.value[c];
     finish(result, chosen, refine(chosen, value));
     return result;
   }
@@ -76,12 +76,6 @@ class Selector {
     Grams grams = s_.grams();
     grams.shift((value - catalogue_.nominal()).cwiseQuotient(natural_));
     return grams;
-  }
-
-  std::vector<int> with_biases(const std::vector<int>& groups) const {
-    std::vector<int> columns = columns_of(catalogue_, groups);
-    columns.insert(columns.end(), s_.biases().begin(), s_.biases().end());
-    return columns;
   }
 
   double material(double rows, double total_gain) const {
@@ -111,7 +105,7 @@ class Selector {
 
   // values of a fit on absolute Grams, SI
   Eigen::VectorXd coefficients(const Grams& grams, const std::vector<int>& groups) const {
-    const std::vector<int> columns = with_biases(groups);
+    const std::vector<int> columns = s_.with_biases(groups);
     Eigen::VectorXd value = value_at(columns, solve(grams.total(), columns));
     // a wind that was tried with a drag of natural size means more with a smaller one
     const int wind = catalogue_.find("steady_wind"), drag = catalogue_.find("rotor_drag");
@@ -126,7 +120,7 @@ class Selector {
 
   // Gauss–Newton in the nonlinear model, at most three steps
   Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
-    const std::vector<int> columns = with_biases(groups);
+    const std::vector<int> columns = s_.with_biases(groups);
     for (int step = 0; step < (s_.shoots() ? 6 : 3); ++step) {
       s_.linearise(value, columns, false);
       const Fit fit = solve(s_.grams().total(), columns);
@@ -148,9 +142,9 @@ class Selector {
     Eigen::VectorXd value = catalogue_.nominal();
     for (const auto& [groups, start] : visited) {
       const Eigen::VectorXd refined = refine(groups, start);
-      s_.linearise(refined, with_biases(groups));
+      s_.linearise(refined, s_.with_biases(groups));
       const Grams grams = s_.grams();
-      const double loss = solve(grams.total(), with_biases(groups)).loss;
+      const double loss = solve(grams.total(), s_.with_biases(groups)).loss;
       const double score = loss + std::log(grams.rows) * static_cast<double>(columns_of(catalogue_, groups).size()) +
                            options_.materiality * grams.rows * static_cast<double>(groups.size());
       if (score < best) {
@@ -165,10 +159,10 @@ class Selector {
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
-    bool told_apart = false;
+    bool simplified = false;
     for (bool settled = false; !settled;) {
       s_.linearise(value, s_.all_columns());
-      s_.learn_noise(6, with_biases(chosen));
+      s_.learn_noise(6, s_.with_biases(chosen));
       result.grams = absolute(value);
       total = result.grams.total();
       result.loss_nominal = solve(total, s_.biases()).loss;
@@ -179,14 +173,14 @@ class Selector {
       // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right
       if (settled && s_.shoots()) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
-        const double loss = solve(total, with_biases(chosen)).loss;
+        const double loss = solve(total, s_.with_biases(chosen)).loss;
         visited.insert(chosen);
         const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited, material(result.grams.rows, result.loss_nominal - loss));
         settled = better.empty();
         if (!settled) chosen = better;
       }
-      if (settled && !told_apart) {
-        told_apart = true;
+      if (settled && !simplified) {
+        simplified = true;
         const std::vector<int> simpler = least_said(total, chosen);
         settled = simpler == chosen;
         chosen = simpler;
@@ -197,7 +191,7 @@ class Selector {
     result.smoothed_selected = s_.smoothed;
     result.degrees_of_freedom = result.grams.rows;
 
-    const std::vector<int> columns = with_biases(chosen);
+    const std::vector<int> columns = s_.with_biases(chosen);
     const Fit fit = solve(total, columns);
     const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
     result.loss_selected = fit.loss;
@@ -211,7 +205,7 @@ class Selector {
       finding.group = g;
       std::vector<int> rest = chosen;
       std::erase(rest, g);
-      finding.gain = solve(total, with_biases(rest)).loss - fit.loss;
+      finding.gain = solve(total, s_.with_biases(rest)).loss - fit.loss;
       finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
       result.findings.push_back(finding);
     }
@@ -222,7 +216,7 @@ class Selector {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
       std::vector<int> more = chosen;
       more.push_back(g);
-      result.alone.emplace_back(g, fit.loss - solve(total, with_biases(more)).loss -
+      result.alone.emplace_back(g, fit.loss - solve(total, s_.with_biases(more)).loss -
                                        std::log(result.grams.rows) *
                                            static_cast<double>(columns_of(catalogue_, {g}).size()));
     }
@@ -238,12 +232,12 @@ class Selector {
   std::vector<int> least_said(const Eigen::MatrixXd& total, const std::vector<int>& chosen) const {
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     const auto said = [&](const std::vector<int>& groups, const Fit& fit) {
-      const Eigen::VectorXd value = value_at(with_biases(groups), fit);
+      const Eigen::VectorXd value = value_at(s_.with_biases(groups), fit);
       double sum = 0.0;
       for (const int g : groups) sum += std::min(1.0, std::pow(size_in_tolerances(s_, value, g), 2));
       return sum;
     };
-    const Fit fit = solve(total, with_biases(chosen));
+    const Fit fit = solve(total, s_.with_biases(chosen));
     std::vector<int> best = chosen;
     double least = said(chosen, fit) - 0.1;
     for (std::size_t i = 0; i < chosen.size(); ++i)
@@ -251,7 +245,7 @@ class Selector {
         std::vector<int> groups = chosen;
         groups[i] = other;
         if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(groups)) continue;
-        const Fit replaced = solve(total, with_biases(groups));
+        const Fit replaced = solve(total, s_.with_biases(groups));
         if (replaced.loss - fit.loss > options_.trim_cost) continue;
         if (const double sum = said(groups, replaced); sum < least) best = groups, least = sum;
       }
@@ -262,7 +256,7 @@ class Selector {
   // backward: what is not material or not significant goes, the weakest first
   void prune(const Selection& result, std::vector<int>& chosen, const Eigen::MatrixXd& total, double loss_none) const {
     while (!chosen.empty()) {
-      const std::vector<int> columns = with_biases(chosen);
+      const std::vector<int> columns = s_.with_biases(chosen);
       const Fit fit = solve(total, columns);
       const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
       const double needed = material(result.grams.rows, std::max(0.0, loss_none - fit.loss));
@@ -273,7 +267,7 @@ class Selector {
         const auto size = static_cast<Eigen::Index>(own_columns(catalogue_, chosen, g).size());
         std::vector<int> rest = chosen;
         std::erase(rest, g);
-        const double gain = solve(total, with_biases(rest)).loss - fit.loss;
+        const double gain = solve(total, s_.with_biases(rest)).loss - fit.loss;
         const Eigen::VectorXd b = fit.coefficient.segment(at, size);
         Eigen::MatrixXd block = covariance.block(at, at, size, size);
         block.diagonal().array() += 1e-18;
@@ -297,14 +291,14 @@ class Selector {
   void rivals(Selection& result, const std::vector<int>& chosen, const Fit& fit) const {
     const Eigen::MatrixXd total = result.grams.total();
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
-    const Eigen::VectorXd own = block_losses(result.grams, with_biases(chosen), fit.coefficient);
+    const Eigen::VectorXd own = block_losses(result.grams, s_.with_biases(chosen), fit.coefficient);
     for (Finding& finding : result.findings) {
       for (const int other : search.candidates) {
         if (std::find(chosen.begin(), chosen.end(), other) != chosen.end()) continue;
         std::vector<int> groups = chosen;
         std::replace(groups.begin(), groups.end(), finding.group, other);
         if (!search.allowed(groups)) continue;
-        const std::vector<int> columns = with_biases(groups);
+        const std::vector<int> columns = s_.with_biases(groups);
         const Fit replaced = solve(total, columns);
         const Eigen::VectorXd difference = block_losses(result.grams, columns, replaced.coefficient) - own;
         Eigen::VectorXd sums = Eigen::VectorXd::Zero(result.grams.clusters);

@@ -92,6 +92,12 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
   }
 }
 
+std::vector<int> Session::with_biases(const std::vector<int>& groups) const {
+  std::vector<int> columns = columns_of(catalogue_, groups);
+  columns.insert(columns.end(), biases_.begin(), biases_.end());
+  return columns;
+}
+
 void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter) {
   value_ = value;
   double duration_s = 0.0;

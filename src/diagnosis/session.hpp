@@ -23,6 +23,8 @@ class Session {
   const Eigen::VectorXd& value() const { return value_; }
   const std::vector<int>& all_columns() const { return all_; }
   const std::vector<int>& biases() const { return biases_; }
+  // The columns of some groups and the biases, in this order.
+  std::vector<int> with_biases(const std::vector<int>& groups) const;
   double sample_s() const { return flights_.front().sample_s; }
 
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.

@@ -25,9 +25,7 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
       session.linearise(bare, session.all_columns());
       stale = true;
     }
-    std::vector<int> columns = columns_of(catalogue, others);
-    columns.insert(columns.end(), session.biases().begin(), session.biases().end());
-    session.learn_noise(2, columns);
+    session.learn_noise(2, session.with_biases(others));
   }
   const PendulumScan load = scan_pendulum(session);
   const bool limited = std::find(chosen.begin(), chosen.end(), catalogue.find("saturation")) != chosen.end();

@@ -28,13 +28,13 @@ struct RunRecord {
 
 class FlightRecorder;
 
-// Everything that one run owns; no two runs share anything that changes.
 // A pose as it was sent over the offboard link.
 struct LinkMessage {
   double time_s = 0.0;
   Vector3 position_W_m = Vector3::Zero(), velocity_W_mps = Vector3::Zero();
 };
 
+// Everything that one run owns; no two runs share anything that changes.
 struct Flight {
   // Throws ConfigError when the parts do not fit together.
   Flight(const Experiment& experiment, const RunSpec& spec);

@@ -51,14 +51,15 @@ test::TrialSettings sampled_loop(const char* controller, double noise) {
   return {.controller = controller, .fit = {"multisine"}, .holdout = {"circle"}, .duration_s = 8.0, .log_rate_hz = 100.0, .noise = noise};
 }
 
-// what the sidecars of a trial say about their commands
-void say_hold(const DiagnoseOptions& trial, Hold hold) {
+// with sidecars that say this of the commands
+Diagnosis diagnose_saying(const DiagnoseOptions& trial, Hold hold) {
   for (const auto* paths : {&trial.fit, &trial.holdout})
     for (const std::string& path : *paths) {
       FlightLog log = read_flight_log(path);
       log.meta.hold = hold;
       write_flight_log(log, path);
     }
+  return diagnose(trial);
 }
 
 std::vector<std::string> finding_kinds(const Diagnosis& d) {
@@ -70,15 +71,13 @@ std::vector<std::string> finding_kinds(const Diagnosis& d) {
 TEST(CommandJitter, OfASampledLoopMakesTheLogInsufficient) {
   const TemporaryFolder folder;
   const DiagnoseOptions trial = test::fly_trial(folder, sampled_loop("geometric", 1.0));
-  say_hold(trial, Hold::unknown);
-  const Diagnosis d = diagnose(trial);
+  const Diagnosis d = diagnose_saying(trial, Hold::unknown);
   EXPECT_EQ(d.verdict, Verdict::insufficient_data);
   EXPECT_THAT(d.effects, IsEmpty());
   EXPECT_THAT(finding_kinds(d), Contains("inconsistent"));
 
   // a log that says how its commands are held is believed
-  say_hold(trial, Hold::zoh);
-  const Diagnosis believed = diagnose(trial);
+  const Diagnosis believed = diagnose_saying(trial, Hold::zoh);
   EXPECT_NE(believed.verdict, Verdict::insufficient_data);
   EXPECT_THAT(finding_kinds(believed), IsEmpty());
 }
@@ -86,8 +85,7 @@ TEST(CommandJitter, OfASampledLoopMakesTheLogInsufficient) {
 TEST(CommandJitter, DoesNotConcernSmoothCommandsWhoseHoldIsUnknown) {
   const TemporaryFolder folder;
   const DiagnoseOptions trial = test::fly_trial(folder, sampled_loop("pid", 0.1));
-  say_hold(trial, Hold::unknown);
-  const Diagnosis d = diagnose(trial);
+  const Diagnosis d = diagnose_saying(trial, Hold::unknown);
   EXPECT_NE(d.verdict, Verdict::insufficient_data);
   EXPECT_THAT(finding_kinds(d), IsEmpty()) << to_json(d)["log_findings"].dump();
 }
