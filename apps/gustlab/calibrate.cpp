@@ -29,17 +29,19 @@ struct CalibrateArguments {
 
 nlohmann::ordered_json to_json(const CalibrationStage& stage, const StageResult& result, const Published& published, const std::string& table) {
   nlohmann::ordered_json json{{"stage", stage.name}, {"evaluations", result.evaluations}, {"flights", result.flights},
-                              {"start_loss", result.start_loss}, {"loss", result.loss}};
+                              {"start_loss", result.start_loss}, {"loss", result.loss}, {"share_as_far", result.share_as_far}};
   for (std::size_t i = 0; i < stage.parameters.size(); ++i) {
     const OpenParameter& p = stage.parameters[i];
     json["parameters"].push_back({{"key", p.key}, {"unit", p.unit}, {"min", p.min}, {"max", p.max}, {"start", p.start}, {"value", result.values[i]}});
   }
   for (std::size_t i = 0; i < stage.targets.size(); ++i) {
-    const TargetCell& cell = stage.targets[i];
+    const Target& cell = stage.targets[i];
+    const Summary& paper = published.find(table, cell.trajectory, cell.controller)->figures[cell.metric];
     json["targets"].push_back({{"trajectory", cell.trajectory},
                                {"controller", cell.controller},
                                {"metric", published_metrics[cell.metric]},
-                               {"paper", published.find(table, cell.trajectory, cell.controller)->figures[cell.metric].mean},
+                               {"statistic", statistic_names[static_cast<std::size_t>(cell.statistic)]},
+                               {"paper", statistic_of(paper, cell.statistic)},
                                {"ours", result.figures[i]}});
   }
   return json;
@@ -49,12 +51,20 @@ std::string to_markdown(const std::vector<CalibrationStage>& stages, const std::
   std::string text = fmt::format("Calibration on replicates {} to {}, none of which is reported.\n", json["first_replicate"].get<std::int64_t>(),
                                  json["first_replicate"].get<std::int64_t>() + json["replicates"].get<std::int64_t>() - 1);
   for (std::size_t k = 0; k < results.size(); ++k) {
-    text += fmt::format("\n**{}**: {} evaluations, {} flights, {} cells; mean squared log ratio {:.4f}, at the start {:.4f}.\n\n", stages[k].name,
-                        results[k].evaluations, results[k].flights, stages[k].targets.size(), results[k].loss, results[k].start_loss);
+    text += fmt::format("\n**{}**: {} evaluations, {} flights, {} figures; mean squared log ratio {:.4f}, at the start {:.4f}. "
+                        "Of tables of as few runs as the paper's, drawn from these flights, {:.0f} % are as far from all of them as the paper's.\n\n",
+                        stages[k].name, results[k].evaluations, results[k].flights, stages[k].targets.size(), results[k].loss,
+                        results[k].start_loss, 100.0 * results[k].share_as_far);
     text += "| parameter | unit | searched | value |\n|---|---|---|--:|\n";
     for (std::size_t i = 0; i < stages[k].parameters.size(); ++i) {
       const OpenParameter& p = stages[k].parameters[i];
       text += fmt::format("| `{}` | {} | {} to {} | {} |\n", p.key, p.unit, config::shortest(p.min), config::shortest(p.max), config::shortest(results[k].values[i]));
+    }
+    text += "\n| figure | paper, m | ours, m | ratio |\n|---|--:|--:|--:|\n";
+    for (const auto& target : json["stages"][k]["targets"]) {
+      const double paper = target["paper"].get<double>(), ours = target["ours"].get<double>();
+      text += fmt::format("| {} {} {}, {} | {:.3f} | {:.3f} | {:.2f} |\n", target["trajectory"].get<std::string>(), target["controller"].get<std::string>(),
+                          target["metric"].get<std::string>(), target["statistic"].get<std::string>(), paper, ours, ours / paper);
     }
   }
   return text;

@@ -8,6 +8,7 @@
 #include "calibration/calibration.hpp"
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
+#include "gustlab/random.hpp"
 #include "sweep/sweep.hpp"
 
 namespace gustlab {
@@ -33,6 +34,13 @@ void add_once(std::vector<std::string>& names, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
+// mean of squared logarithms of ratios
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::log(a[i] / b[i]) * std::log(a[i] / b[i]);
+  return sum / static_cast<double>(a.size());
+}
+
 // evaluates one stage at points of the unit cube
 class Objective {
  public:
@@ -40,14 +48,18 @@ class Objective {
             const CalibrationStage& stage, const Published& published, int jobs)
       : path_(path), overrides_(overrides), stage_(stage), jobs_(jobs) {
     std::vector<std::string> trajectories, controllers;
-    for (const TargetCell& cell : stage.targets) {
+    for (const Target& cell : stage.targets) {
       add_once(trajectories, cell.trajectory);
       add_once(controllers, cell.controller);
       const PublishedRow* row = published.find(calibration.table, cell.trajectory, cell.controller);
       if (row == nullptr)
         throw ConfigError(fmt::format("{}: {} has no row {} {} (a target is a cell that was published)", cell.where, calibration.table,
                                       cell.trajectory, cell.controller));
-      published_.push_back(row->figures[cell.metric].mean);
+      published_.push_back(statistic_of(row->figures[cell.metric], cell.statistic));
+      if (!(published_.back() > 0.0))
+        throw ConfigError(fmt::format("{}: the {} of {} {} is published as zero (the loss is a logarithm) leave it out", cell.where,
+                                      statistic_names[static_cast<std::size_t>(cell.statistic)], cell.trajectory, cell.controller));
+      published_runs_ = row->figures[cell.metric].n;
     }
     overrides_.push_back("trajectories=" + quoted_list(trajectories));
     overrides_.push_back("controllers=" + quoted_list(controllers));
@@ -76,8 +88,28 @@ class Objective {
       best.values = at;
       best.loss = loss;
       best.figures = figures_;
+      best_runs_ = runs_;
     }
     return loss;
+  }
+
+  // the best one's StageResult::share_as_far
+  double share_as_far() const {
+    constexpr std::uint32_t tables = 1000;
+    const RandomStream stream(1, 0, "calibration");
+    const double paper = distance(published_, best.figures);
+    std::uint32_t far = 0;
+    std::vector<double> drawn(published_runs_), figures(best_runs_.size());
+    for (std::uint32_t table = 0; table < tables; ++table) {
+      // one draw of gusts for all cells
+      for (std::size_t i = 0; i < best_runs_.size(); ++i) {
+        for (std::size_t run = 0; run < drawn.size(); ++run)
+          drawn[run] = best_runs_[i][static_cast<std::size_t>(stream.uniform4(run, table)[0] * static_cast<double>(best_runs_[i].size()))];
+        figures[i] = statistic_of(summarize(drawn), stage_.targets[i].statistic);
+      }
+      if (!(distance(figures, best.figures) < paper)) ++far;
+    }
+    return static_cast<double>(far) / tables;
   }
 
   StageResult best;
@@ -94,17 +126,17 @@ class Objective {
     const auto crashed = std::count_if(records.begin(), records.end(), [](const RunRecord& r) { return r.outcome != Outcome::completed; });
     double loss = crash_loss * static_cast<double>(crashed) / static_cast<double>(records.size());
     figures_.clear();
-    for (std::size_t i = 0; i < stage_.targets.size(); ++i) {
-      const TargetCell& cell = stage_.targets[i];
+    runs_.clear();
+    for (const Target& cell : stage_.targets) {
       std::vector<double> ours;
       for (const RunRecord& record : records)
         if (experiment.trajectories[record.spec.trajectory].name == cell.trajectory &&
             experiment.controllers[record.spec.controller].name == cell.controller)
           ours.push_back(published_figures(record.error.planar)[cell.metric]);
-      figures_.push_back(summarize(ours).mean);
-      const double ratio = std::log(figures_.back() / published_[i]);
-      loss += ratio * ratio / static_cast<double>(stage_.targets.size());
+      figures_.push_back(statistic_of(summarize(ours), cell.statistic));
+      runs_.push_back(std::move(ours));
     }
+    loss += distance(figures_, published_);
     return std::isfinite(loss) ? loss : 1e3;
   }
 
@@ -112,7 +144,9 @@ class Objective {
   std::vector<std::string> overrides_;
   const CalibrationStage& stage_;
   int jobs_;
-  std::vector<double> published_, figures_;
+  std::vector<double> published_, figures_;            // of each target
+  std::vector<std::vector<double>> runs_, best_runs_;  // of each target, by replicate
+  std::size_t published_runs_ = 0;  // in a row of the table
   std::map<std::vector<double>, double> known_;
 };
 
@@ -170,6 +204,7 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
 
     objective.best.start_loss = start_loss;
     objective.best.evaluations = used;
+    objective.best.share_as_far = objective.share_as_far();
     for (std::string& text : objective.overrides_of(objective.best.values)) held.push_back(std::move(text));
     results.push_back(objective.best);
     before += static_cast<std::size_t>(stage.evaluations);

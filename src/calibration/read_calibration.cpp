@@ -29,16 +29,31 @@ OpenParameter read_parameter(Table& table) {
   return parameter;
 }
 
+// without the key, the mean
+std::vector<Statistic> read_statistics(Table& target) {
+  std::vector<Statistic> statistics;
+  for (const std::string& name : target.texts("statistics").value_or(std::vector<std::string>{"mean"})) {
+    const auto place = std::find(statistic_names.begin(), statistic_names.end(), name);
+    if (place == statistic_names.end())
+      target.fail("statistics", fmt::format("\"{}\" is no statistic", name), "over runs, a table has mean and sd", "");
+    statistics.push_back(static_cast<Statistic>(place - statistic_names.begin()));
+  }
+  return statistics;
+}
+
 CalibrationStage read_stage(Table& table) {
   CalibrationStage stage;
   stage.name = table.need_text("name");
   stage.evaluations = table.integer("evaluations").value_or(stage.evaluations);
   if (stage.evaluations < 1) table.fail("evaluations", "\"evaluations\" is not positive", "", "");
-  for (Table& target : table.tables("targets"))
+  for (Table& target : table.tables("targets")) {
+    const std::vector<Statistic> statistics = read_statistics(target);
     for (const std::string& trajectory : need_texts(target, "trajectories"))
       for (const std::string& controller : need_texts(target, "controllers"))
         for (const std::string& metric : need_texts(target, "metrics"))
-          stage.targets.push_back({trajectory, controller, find_published_metric(metric, target.where("metrics")), target.where("controllers")});
+          for (const Statistic statistic : statistics)
+            stage.targets.push_back({trajectory, controller, find_published_metric(metric, target.where("metrics")), statistic, target.where("controllers")});
+  }
   for (Table& parameter : table.tables("parameters")) stage.parameters.push_back(read_parameter(parameter));
   if (stage.targets.empty()) table.fail("targets", "\"targets\" is empty", "a stage fits parameters to cells", "");
   if (stage.parameters.empty()) table.fail("parameters", "\"parameters\" is empty", "a stage fits parameters to cells", "");
@@ -49,7 +64,7 @@ CalibrationStage read_stage(Table& table) {
 
 bool Calibration::fits(std::string_view trajectory, std::string_view controller, std::size_t metric) const {
   for (const CalibrationStage& stage : stages)
-    for (const TargetCell& cell : stage.targets)
+    for (const Target& cell : stage.targets)
       if (cell.trajectory == trajectory && cell.controller == controller && cell.metric == metric) return true;
   return false;
 }

@@ -25,7 +25,7 @@ mean_x = 0.01
 )";
 
 Calibration calibration(std::int64_t first_replicate) {
-  CalibrationStage stage{"gust", 25, {{"hover", "pid", 0}}, {{"effect.gust.mean_x", 0.005, 0.05, 0.01, true, "N"}}};
+  CalibrationStage stage{"gust", 25, {{"hover", "pid", 0, Statistic::mean}}, {{"effect.gust.mean_x", 0.005, 0.05, 0.01, true, "N"}}};
   return {"t", first_replicate, 2, {stage}};
 }
 
@@ -61,6 +61,33 @@ TEST(Calibration, FindsWhatATableWasMadeWith) {
   EXPECT_EQ(fit(path, target_m, 2)[0].values, results[0].values);
 }
 
+// GIVEN a table made with gusts WHEN their strength is open THEN the spread of the runs finds it, and the table is one that such
+// flights give; where the paper's spread is zero, nothing flies
+TEST(Calibration, FindsGustsByTheSpreadOfTheRuns) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("e.toml", experiment_text);
+  Calibration asked = calibration(1001);
+  asked.replicates = 8;
+  asked.stages[0].targets[0].statistic = Statistic::sd;
+  asked.stages[0].parameters = {{"effect.gust.sigma_xy", 0.001, 0.05, 0.003, true, "N"}};
+  const Experiment made = read_experiment(path, {"effect.gust.sigma_xy=0.01", "first_replicate=1001", "replicates=8"});
+  std::vector<double> errors;
+  for (const RunRecord& record : fly_all(made, plan(made), 1)) errors.push_back(record.error.planar.rmse_m);
+  Published table = published(1.0);
+  const std::atomic<bool> stop = false;
+  const auto fitted = [&] { return calibrate(path, {}, asked, table, 1, stop, [](std::size_t, std::size_t) {}); };
+  EXPECT_THROW(fitted(), ConfigError);
+
+  table.rows[0].figures.fill(summarize(errors));
+  const StageResult result = fitted()[0];
+  EXPECT_NEAR(result.values[0], 0.01, 0.0005);
+  EXPECT_NEAR(result.figures[0], summarize(errors).sd, 0.05 * summarize(errors).sd);
+  EXPECT_GT(result.share_as_far, 0.5);
+  // ten times the spread that any parameter gives
+  table.rows[0].figures[0].sd *= 100.0;
+  EXPECT_LT(fitted()[0].share_as_far, 0.05);
+}
+
 TEST(Calibration, RefusesSeedsThatAreReported) {
   const TemporaryFolder folder;
   const std::string path = folder.write("e.toml", experiment_text);
@@ -92,6 +119,8 @@ TEST(Calibration, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(reading(head + target + "parameters = [{key = \"duration_s\", min = 1, start = 5, max = 3}]\n"), HasSubstr("c.toml:6:"));
   EXPECT_THAT(reading(head + "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rms\"]}]\n" + parameter),
               HasSubstr("\"rms\" is no metric"));
+  EXPECT_THAT(reading(head + "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rmse_xy_m\"], statistics = [\"max\"]}]\n" + parameter),
+              HasSubstr("c.toml:5:101: \"max\" is no statistic"));
 }
 
 // GIVEN a file that asks for what is not there WHEN calibrating THEN it says where, before anything flies
@@ -126,7 +155,7 @@ TEST(Calibration, ShippedOnesLookAtPublishedCells) {
     const Experiment experiment = read_experiment(find_experiment(name));
     EXPECT_GE(shipped.first_replicate, experiment.first_replicate + experiment.replicates);
     for (const CalibrationStage& stage : shipped.stages)
-      for (const TargetCell& cell : stage.targets)
+      for (const Target& cell : stage.targets)
         EXPECT_NE(all.find(shipped.table, cell.trajectory, cell.controller), nullptr) << name << " " << cell.trajectory << " " << cell.controller;
   }
 }
