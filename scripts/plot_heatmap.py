@@ -46,7 +46,8 @@ def draw_panel(axis, rows, column):
         axis.text(x, y, label(*cell), ha="center", va="center", fontsize=6, color="white" if dark else "black")
     axis.set_xticks(range(len(trajectories)), trajectories)
     axis.set_yticks(range(len(controllers)), controllers)
-    axis.set_title(f"{rows[0]['experiment']} ({rows[0]['vehicle']})")
+    runs = sorted({len(values) for values, _ in table.values()})
+    axis.set_title(f"{rows[0]['experiment']} ({rows[0]['vehicle']}), N = {' or '.join(map(str, runs))}")
     axis.grid(False)
     axis.tick_params(length=0)
     return image
@@ -55,10 +56,12 @@ def draw_panel(axis, rows, column):
 def draw(options):
     sweeps = [figures.read_runs(folder) for folder in options.sweeps]
     for column, name in (("rmse_xy_m", "rmse"), ("p95_xy_m", "p95")):
-        height = 1.0 + 0.5 * max(len({row["controller"] for row in rows}) for rows in sweeps)
+        height = 1.2 + 0.5 * max(len({row["controller"] for row in rows}) for rows in sweeps)
         figure, axes = plt.subplots(1, len(sweeps), figsize=(3.4 * len(sweeps), height), squeeze=False)
         for axis, rows in zip(axes[0], sweeps):
-            figure.colorbar(draw_panel(axis, rows, column), ax=axis, label=f"{name.upper()} XY / m")
+            figure.colorbar(draw_panel(axis, rows, column), ax=axis, label=f"mean {name.upper()} XY / m")
+        figure.supxlabel("mean ± sample standard deviation of N runs; completed/N where some were not, whose errors count up to their end;"
+                         " –: over before the settling was", fontsize=6)
         figures.save(figure, Path(options.out) / f"heatmap_{name}")
 
 

@@ -18,12 +18,21 @@ def draw(options):
     for axis, (title, flights) in zip(axes[0], panels.items()):
         axis.plot(*flights[0].need("rpx", "rpy"), **REFERENCE)
         for flight in flights:
-            axis.plot(*flight.need("px", "py"), label=flight.name("controller"))
+            path_m, counts = flight.need("px", "py"), flight.time_s >= flight.outcome.get("settle_s", 0.0)
+            (line,) = axis.plot(*path_m[:, counts], label=flight.name("controller"))
+            axis.plot(*path_m[:, ~counts], color=line.get_color(), alpha=0.3)
+            if flight.outcome.get("outcome") == "crashed":
+                axis.plot(*path_m[:, -1], "x", color=line.get_color())
         axis.set(xlabel="x / m", ylabel="y / m", title=title)
         axis.set_aspect("equal", adjustable="datalim")
     # one legend below: inside a panel it would hide paths
     named = {label: line for axis in axes[0] for line, label in zip(*axis.get_legend_handles_labels())}
     figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=len(named))
+    flights = sum(panels.values(), [])
+    notes = [f"gust of replicate {replicate}" for replicate in sorted({f.outcome["replicate"] for f in flights if "replicate" in f.outcome})]
+    notes += [f"pale: the first {settle_s:g} s, which do not count" for settle_s in sorted({f.outcome.get("settle_s", 0.0) for f in flights}) if settle_s > 0.0]
+    notes += ["×: crashed"] * any(f.outcome.get("outcome") == "crashed" for f in flights)
+    figure.suptitle("; ".join(["one flight each", *notes]), fontsize=6)
     figures.save(figure, options.out)
 
 

@@ -33,7 +33,7 @@ class Figures(unittest.TestCase):
                 code = refused.code
         return code, errors.getvalue()
 
-    def flight(self, name, controller="pid", trajectory="circle", force=True):
+    def flight(self, name, controller="pid", trajectory="circle", force=True, outcome="completed", settle_s=0.0):
         """a folder as `gustlab run` writes it, with a circle of 1 m flown 5 cm too wide"""
         folder = self.root / name
         folder.mkdir()
@@ -44,7 +44,8 @@ class Figures(unittest.TestCase):
             values = [0.1 * k, 1.05 * c, 1.05 * s, 1, c, s, 1, 900 + k, 900 - k] + [0.1 * s, 0, 0.2] * force
             lines.append(",".join(map(str, values)))
         (folder / "flight.csv").write_text("\n".join(lines) + "\n")
-        outcome = {"vehicle": "iris", "trajectory": trajectory, "controller": controller, "outcome": "completed"}
+        outcome = {"vehicle": "iris", "trajectory": trajectory, "controller": controller, "replicate": 1, "outcome": outcome,
+                   "settle_s": settle_s}
         (folder / "outcome.json").write_text(json.dumps(outcome))
         return folder
 
@@ -83,11 +84,17 @@ class Figures(unittest.TestCase):
 
     def test_overlay(self):
         flights = [self.flight("a"), self.flight("b", controller="indi"), self.flight("c", trajectory="spiral")]
-        self.check_figure([("paths", "paths")], "plot_overlay", *flights)
+        self.assertIn(b"one flight each; gust of replicate 1 -->", self.check_figure([("paths", "paths")], "plot_overlay", *flights)[1])
+
+    def test_overlay_says_what_does_not_count_and_who_crashed(self):
+        flights = [self.flight("a", settle_s=8.0), self.flight("b", controller="indi", outcome="crashed", settle_s=8.0)]
+        svg = self.check_figure([("paths", "paths")], "plot_overlay", *flights)[1].decode()
+        self.assertIn("one flight each; gust of replicate 1; pale: the first 8 s, which do not count; ×: crashed", svg)
 
     def test_heat_maps(self):
         folder = self.sweep("sweep")
-        self.check_figure([("", "heatmap_rmse"), ("", "heatmap_p95")], "plot_heatmap", folder)
+        svg = self.check_figure([("", "heatmap_rmse"), ("", "heatmap_p95")], "plot_heatmap", folder)[1].decode()
+        self.assertIn("t (iris), N = 2", svg)
 
     def test_heat_map_cell_says_mean_spread_and_how_many_completed(self):
         cell = plot_heatmap.cells(gustlab_figures.read_runs(self.sweep("sweep")), "rmse_xy_m")[("pid", "circle")]
