@@ -92,7 +92,10 @@ void reproduce_command(const ReproduceArguments& options) {
     if (options.table != "all" && options.table != table) continue;
     const std::string path = find_experiment(std::string(name));
     if (options.experiment.empty()) reports.front().add(table, read_experiment(path), false);
-    if (const std::string calibration = calibration_path(path); fs::is_regular_file(calibration)) calibrations.push_back(read_calibration(calibration));
+    // an experiment in a table's place may have been fitted by itself
+    std::string calibration = options.experiment.empty() ? "" : calibration_path(find_experiment(options.experiment));
+    if (!fs::is_regular_file(calibration)) calibration = calibration_path(path);
+    if (fs::is_regular_file(calibration)) calibrations.push_back(read_calibration(calibration));
   }
   check_folder_can_be_made(options.out);
   for (Report& report : reports) write(report, published, calibrations, options.jobs);

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "gustlab/random.hpp"
 #include "report/claims.hpp"
 #include "report/svg.hpp"
 
@@ -17,6 +19,41 @@ constexpr double rounding_m = 0.001;
 
 nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+DrawnTables::Count count_of(std::vector<double> within) {
+  std::sort(within.begin(), within.end());
+  const auto quantile = [&](double share) { return within[static_cast<std::size_t>(share * static_cast<double>(within.size() - 1))]; };
+  return {summarize(within).mean, quantile(0.1), quantile(0.9)};
+}
+
+// with replacement, one draw of gusts for all cells. runs: of each cell, by replicate
+DrawnTables draw_tables(const std::vector<ReproducedCell>& cells, const std::vector<std::vector<double>>& runs) {
+  constexpr std::uint32_t tables = 10000;
+  const RandomStream stream(1, 0, "drawn tables");
+  std::vector<double> drawn(cells.front().paper.n), within_25(tables), within_50(tables);
+  for (std::uint32_t table = 0; table < tables; ++table)
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      for (std::size_t run = 0; run < drawn.size(); ++run)
+        drawn[run] = runs[i][static_cast<std::size_t>(stream.uniform4(run, table)[0] * static_cast<double>(runs[i].size()))];
+      ReproducedCell cell = cells[i];
+      cell.ours = summarize(drawn);
+      within_25[table] += cell.within(0.25);
+      within_50[table] += cell.within(0.50);
+    }
+  return {cells.front().table, runs.front().size(), drawn.size(), count_of(within_25), count_of(within_50)};
+}
+
+nlohmann::ordered_json to_json(const DrawnTables::Count& count) {
+  return {{"expected", count.expected}, {"low", count.low}, {"high", count.high}};
+}
+
+// how many runs stand behind means, over cells
+std::string runs_text(const std::vector<ReproducedCell>& cells, Summary ReproducedCell::*side) {
+  if (cells.empty()) return "no runs";
+  const auto [least, most] = std::minmax_element(cells.begin(), cells.end(), [&](const auto& a, const auto& b) { return (a.*side).n < (b.*side).n; });
+  const std::size_t low = (*least.*side).n, high = (*most.*side).n;
+  return low == high ? fmt::format("N = {} runs", low) : fmt::format("N = {} to {} runs", low, high);
 }
 
 }  // namespace
@@ -49,17 +86,24 @@ bool ReproducedCell::within_spread() const { return std::abs(ours.mean - paper.m
 Reproduction reproduce(const Published& published, const std::vector<OurTable>& tables,
                        const std::function<Use(const PublishedRow&, std::size_t metric)>& use) {
   Reproduction reproduction;
-  for (const OurTable& table : tables)
+  for (const OurTable& table : tables) {
+    std::vector<ReproducedCell> cells;
+    std::vector<std::vector<double>> values;  // of each cell, by replicate
     for (const PublishedRow& row : published.rows) {
       if (row.table != table.table) continue;
       const std::vector<ResultRow> runs = counted_runs(published, table, row.trajectory, row.controller);
       if (runs.empty()) continue;
       std::size_t completed = 0;
       for (const ResultRow& run : runs) completed += run.outcome == Outcome::completed;
-      for (std::size_t metric = 0; metric < published_metrics.size(); ++metric)
-        reproduction.cells.push_back({table.table, table.vehicle, row.trajectory, row.controller, metric, row.figures[metric],
-                                      summarize(metric_of(runs, metric)), completed, use(row, metric)});
+      for (std::size_t metric = 0; metric < published_metrics.size(); ++metric) {
+        values.push_back(metric_of(runs, metric));
+        cells.push_back({table.table, table.vehicle, row.trajectory, row.controller, metric, row.figures[metric],
+                         summarize(values.back()), completed, use(row, metric)});
+      }
     }
+    if (!cells.empty() && values.front().size() > cells.front().paper.n) reproduction.drawn.push_back(draw_tables(cells, values));
+    reproduction.cells.insert(reproduction.cells.end(), cells.begin(), cells.end());
+  }
   reproduction.claims = judge_claims(published, tables, reproduction.cells);
   return reproduction;
 }
@@ -87,6 +131,12 @@ std::string to_json(const Reproduction& reproduction) {
                              {"z_score", number(cell.z_score())},
                              {"within_paper_sd", cell.within_spread()}});
   }
+  for (const DrawnTables& drawn : reproduction.drawn)
+    json["drawn_tables"].push_back({{"table", drawn.table},
+                                    {"gusts", drawn.gusts},
+                                    {"runs", drawn.runs},
+                                    {"within_25_percent", to_json(drawn.within_25)},
+                                    {"within_50_percent", to_json(drawn.within_50)}});
   json["claims"] = nlohmann::ordered_json::array();
   for (const JudgedClaim& claim : reproduction.claims)
     json["claims"].push_back({{"claim", claim.table + ": " + claim.claim},
@@ -101,10 +151,10 @@ std::string to_json(const Reproduction& reproduction) {
 std::string to_svg(const Reproduction& reproduction) {
   svg::Chart chart;
   chart.title = "Mean errors, ours and the paper's; lines: ±25 %";
-  chart.x_label = "paper, m";
-  chart.y_label = "ours, m: blue fitted, orange predicted, grey proxy";
+  chart.x_label = fmt::format("paper, m, {}", runs_text(reproduction.cells, &ReproducedCell::paper));
+  chart.y_label = fmt::format("ours, m, {}: blue fitted, orange predicted, grey proxy", runs_text(reproduction.cells, &ReproducedCell::ours));
   chart.log_x = chart.log_y = true;
-  chart.width = 640.0;
+  chart.width = 720.0;
   chart.height = 480.0;
   double low = 1e9, high = 0.0;
   for (const ReproducedCell& cell : reproduction.cells) {

@@ -51,13 +51,25 @@ struct OurTable {
   bool all_replicates = false;  // every one counts, not as many as were published
 };
 
+// Tables of as few runs as the paper's, drawn from one of ours with more of them: how many of their means are how near.
+struct DrawnTables {
+  std::string table;
+  std::size_t gusts = 0, runs = 0;  // that were drawn from, in a drawn table
+  struct Count {
+    double expected, low, high;  // 10 % of the tables have less than low, 10 % more than high
+  };
+  Count within_25, within_50;  // per cent of the paper's
+};
+
 struct Reproduction {
   std::vector<ReproducedCell> cells;
+  std::vector<DrawnTables> drawn;
   std::vector<JudgedClaim> claims;
 };
 
 // Tables, trajectories and controllers that were not flown leave out their cells and claims. Of a cell, as many replicates
-// count as were published, unless its table says otherwise.
+// count as were published, unless its table says otherwise; of one where more count, tables are drawn, always the same gusts
+// for the same number of them.
 Reproduction reproduce(const Published& published, const std::vector<OurTable>& tables,
                        const std::function<Use(const PublishedRow&, std::size_t metric)>& use);
 

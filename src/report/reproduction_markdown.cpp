@@ -39,6 +39,15 @@ std::string counts(const Reproduction& reproduction, const std::vector<OurTable>
   return text + count_line("all", reproduction.cells);
 }
 
+std::string drawn_counts(const std::vector<DrawnTables>& all) {
+  if (all.empty()) return "";
+  std::string text = "| tables drawn from ours | expected within ±25 % | 10 to 90 % | expected within ±50 % | 10 to 90 % |\n|---|--:|--:|--:|--:|\n";
+  for (const DrawnTables& drawn : all)
+    text += fmt::format("| {}: {} of {} gusts | {:.1f} | {} to {} | {:.1f} | {} to {} |\n", drawn.table, drawn.runs, drawn.gusts, drawn.within_25.expected,
+                        drawn.within_25.low, drawn.within_25.high, drawn.within_50.expected, drawn.within_50.low, drawn.within_50.high);
+  return text + "\n";
+}
+
 std::string verdict_counts(const std::vector<JudgedClaim>& claims) {
   std::array<std::array<std::size_t, 3>, 2> verdicts{};
   for (const JudgedClaim& claim : claims) {
@@ -77,7 +86,7 @@ std::string to_markdown(const Reproduction& reproduction, const std::vector<OurT
   std::string text = "# Our tables beside the paper's (arXiv 2603.08863)\n\nWritten by `gustlab reproduce`. Planar tracking errors in m, mean ± "
                      "sample standard deviation over runs; ratio is ours over the paper's, z the difference over both standard errors. Fitted "
                      "cells were calibrated on, with other seeds; predicted ones were not; proxy ones simulate what the paper flew for real.\n\n";
-  text += counts(reproduction, tables) + "\n" + verdict_counts(reproduction.claims);
+  text += counts(reproduction, tables) + "\n" + drawn_counts(reproduction.drawn) + verdict_counts(reproduction.claims);
   for (const OurTable& table : tables)
     text += fmt::format("\n## {}: {}\n\n", table.table, table.experiment) + cell_table(reproduction.cells, table.table);
   text += "\n## Claims\n\npass: our flights show it, p < 0.05; fail: they show the opposite, p < 0.05. Paired by gust within a trajectory, Welch "

@@ -10,6 +10,7 @@
 namespace gustlab {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 ResultRow run(const std::string& trajectory, const std::string& controller, int replicate, double rmse_m) {
@@ -117,10 +118,35 @@ TEST(Reproduction, OtherExperimentsCountEveryRunAndNeedNotFlyEveryController) {
   EXPECT_EQ(all.claims[0].n, 10u);
 }
 
+// GIVEN 100 runs, of which one in ten ruins the mean of the 8 it is drawn with WHEN tables of 8 are drawn THEN as many are near as have none
+TEST(Reproduction, TablesDrawnFromManyRunsSayHowNearAsFewRunsCome) {
+  OurTable table{"table1", "e", "iris", {}, true};
+  for (int k = 1; k <= 100; ++k) {
+    table.rows.push_back(run("circle", "a", k, k % 10 == 0 ? 3.0 : 0.3));
+    table.rows.push_back(run("circle", "b", k, 0.42));
+  }
+  const auto use = [](const PublishedRow&, std::size_t) { return Use::predicted; };
+  const Reproduction all = reproduce(published(), {table}, use);
+  ASSERT_EQ(all.drawn.size(), 1u);
+  const DrawnTables& drawn = all.drawn[0];
+  EXPECT_EQ(drawn.gusts, 100u);
+  EXPECT_EQ(drawn.runs, 8u);
+  // 0.9⁸ of the tables have a's four means; b's are 40 % off in all; one draw for all cells: four or none
+  EXPECT_NEAR(drawn.within_25.expected, 4.0 * std::pow(0.9, 8), 0.06);
+  EXPECT_EQ(drawn.within_25.low, 0.0);
+  EXPECT_EQ(drawn.within_25.high, 4.0);
+  EXPECT_NEAR(drawn.within_50.expected, 4.0 + drawn.within_25.expected, 1e-12);
+  EXPECT_THAT(to_markdown(all, {table}), HasSubstr("| table1: 8 of 100 gusts | 1.7 | 0 to 4 | 5.7 | 4 to 8 |"));
+  EXPECT_EQ(nlohmann::json::parse(to_json(all))["drawn_tables"][0]["within_50_percent"]["high"], 8.0);
+  // where as many runs count as were published there is nothing to draw
+  EXPECT_TRUE(reproduced().drawn.empty());
+}
+
 TEST(Reproduction, TablesThatWereNotFlownLeaveOutTheirClaims) {
   Claim other = compare(ClaimKind::less, "a", "b");
   other.first.table = other.second.table = "table2";
   EXPECT_TRUE(reproduced({other}).claims.empty());
+  EXPECT_THAT(to_svg({}), HasSubstr("no runs"));
 }
 
 TEST(Reproduction, SaysTheSameInEveryForm) {
@@ -135,6 +161,7 @@ TEST(Reproduction, SaysTheSameInEveryForm) {
   EXPECT_THAT(markdown, HasSubstr("| table1 | circle RMSE: a < b | pass | < 0.001 | 8 | 1.000 |"));
   EXPECT_THAT(markdown, HasSubstr("| circle | b | RMSE | 0.300 ± 0.050 | 0.4"));
   EXPECT_THAT(to_svg(all), testing::StartsWith("<svg xmlns="));
+  EXPECT_THAT(to_svg(all), AllOf(HasSubstr("ours, m, N = 8 runs"), HasSubstr("paper, m, N = 8 runs")));
 }
 
 TEST(Published, HoldsThePapers96MeansAndRefusesOthers) {
