@@ -56,7 +56,7 @@ struct DrawnTables {
   std::string table;
   std::size_t gusts = 0, runs = 0;  // that were drawn from, in a drawn table
   struct Count {
-    double expected, low, high;  // 10 % of the tables have less than low, 10 % more than high
+    double expected, low, high;  // at most 10 % of the tables have less than low, at most 10 % more than high
   };
   Count within_25, within_50;  // per cent of the paper's
 };
