@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gustlab::diagnosis {
 
@@ -122,20 +123,25 @@ SwingStart start_of(const Eigen::Matrix<double, own, 1>& c, double load_kg, cons
   return {Eigen::Vector2d(c[2], c[4]) / load_kg, natural * Eigen::Vector2d(c[3], c[5]) / load_kg, c.head<2>()};
 }
 
-// the same at any angle, when that leaves less
+// the same at any angle, when that leaves less; wide swings take longer than small ones, and hide the length's best value among others
 PendulumScan swung_out(const Session& session, const PendulumScan& small, const Solution& fit, double squares) {
-  SwingingLoad load{small.swing, small.mass_kg, fit.coefficient[1]};
   std::vector<const FlightData*> flights;
   std::vector<const Smoothed*> smoothed;
-  std::vector<SwingStart> starts;
+  std::vector<SwingStart> from;
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     flights.push_back(&session.flights()[f]);
     smoothed.push_back(&session.smoothed[f]);
-    starts.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), small.mass_kg, small.swing, session.vehicle().gravity_mps2));
+    from.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), small.mass_kg, small.swing, session.vehicle().gravity_mps2));
   }
-  const double share = 1.0 - fit_swing(flights, smoothed, session.vehicle().mass_kg, load, starts, true) / (squares + 1e-300);
-  if (!(share > small.share)) return small;
-  return {load.swing, share, load.mass_kg, starts};
+  PendulumScan best = small;
+  for (const double longer : {1.0, 0.92, 1.08}) {
+    SwingingLoad load{small.swing, small.mass_kg, fit.coefficient[1]};
+    load.swing.length_m *= longer;
+    std::vector<SwingStart> starts = from;
+    const double share = 1.0 - fit_swing(flights, smoothed, session.vehicle().mass_kg, load, starts, true) / (squares + 1e-300);
+    if (share > best.share) best = {load.swing, share, load.mass_kg, starts};
+  }
+  return best;
 }
 
 }  // namespace
@@ -190,9 +196,17 @@ std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& sm
   const Eigen::VectorXd y = r.y - load_kg * r.X.col(0);
   Eigen::MatrixXd gram = X.transpose() * X;
   gram.diagonal().array() += 1e-9 * gram.diagonal().maxCoeff();
-  std::vector<SwingStart> start{start_of(gram.ldlt().solve(X.transpose() * y).tail<own>(), load_kg, swing, flight.vehicle.gravity_mps2)};
-  SwingingLoad load{swing, load_kg, 0.0};
-  fit_swing({&flight}, {&smoothed}, vehicle_mass_kg, load, start, false);
+  // where a load swings wide the linear start may lead astray: at rest is another, and a third of the way out to each side
+  std::vector<SwingStart> starts{start_of(gram.ldlt().solve(X.transpose() * y).tail<own>(), load_kg, swing, flight.vehicle.gravity_mps2), {}};
+  for (const Eigen::Vector2d& side : {Eigen::Vector2d(0.3, 0.0), Eigen::Vector2d(-0.3, 0.0), Eigen::Vector2d(0.0, 0.3), Eigen::Vector2d(0.0, -0.3)}) starts.push_back({.cable_W = side});
+  std::vector<SwingStart> start(1);
+  double least = std::numeric_limits<double>::infinity();
+  for (const SwingStart& from : starts) {
+    SwingingLoad load{swing, load_kg, 0.0};
+    std::vector<SwingStart> fitted{from};
+    const double left = fit_swing({&flight}, {&smoothed}, vehicle_mass_kg, load, fitted, false);
+    if (left < least) least = left, start = fitted;
+  }
   std::vector<Vector3> force = swinging_force(flight, swing, start.front());
   // a load too light for its force whirls out of all bounds
   if (!std::all_of(force.begin(), force.end(), [](const Vector3& f) { return f.allFinite(); })) force.assign(force.size(), Vector3::Zero());

@@ -121,7 +121,10 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
   const double damping_ps = 2.0 * swing.damping * std::sqrt(gravity / length_m);
   const Eigen::Vector2d level = start.cable_W.norm() < 0.98 ? start.cable_W : Eigen::Vector2d(0.98 * start.cable_W.normalized());
   Vector3 n(level.x(), level.y(), -std::sqrt(1.0 - level.squaredNorm()));
-  Vector3 rate(start.rate_W_radps.x(), start.rate_W_radps.y(), 0.0);
+  // no faster than a fall from above the vehicle
+  const double fastest_radps = 2.0 * std::sqrt(gravity / length_m), rate_radps = start.rate_W_radps.norm();
+  const Eigen::Vector2d turning = std::min(1.0, fastest_radps / (rate_radps + 1e-12)) * start.rate_W_radps;
+  Vector3 rate(turning.x(), turning.y(), 0.0);
   rate.z() = -rate.head<2>().dot(n.head<2>()) / n.z();  // on the sphere
   std::vector<Vector3> force(flight.samples.size());
   for (std::size_t k = 0; k < force.size(); ++k) {
@@ -134,9 +137,13 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
     const int steps = static_cast<int>(std::ceil(interval_s / longest_step_s));
     for (int i = 0; i < steps; ++i) {
       const double dt = interval_s / steps;
-      rate -= dt * ((q - q.dot(n) * n) / length_m + rate.squaredNorm() * n + damping_ps * rate);
-      n = (n + dt * rate).normalized();
-      rate -= rate.dot(n) * n;
+      rate -= dt * ((q - q.dot(n) * n) / length_m + damping_ps * rate);
+      // along the great circle, so that no swing gains energy by itself
+      const double speed = rate.norm();
+      if (speed < 1e-12) continue;
+      const Vector3 along = rate / speed, before = n;
+      n = before * std::cos(speed * dt) + along * std::sin(speed * dt);
+      rate = speed * (along * std::cos(speed * dt) - before * std::sin(speed * dt));
     }
   }
   return force;
