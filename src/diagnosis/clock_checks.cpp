@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "diagnosis/vehicle_check.hpp"
@@ -18,6 +19,8 @@ constexpr double least_jump_s = 0.03;         // a motor lag, seen at other freq
 constexpr double gyro_stretch_s = 2.5, command_stretch_s = 4.0;
 constexpr double most_gyro_offset_s = 0.2;
 constexpr double least_agreement = 0.8;
+constexpr double attitude_rate_memory_s = 0.1;  // over which the error of a rate from smoothed attitudes is correlated
+constexpr double least_jump_gain = 9.0;         // twice the log likelihood per stretch, three standard deviations each
 constexpr double least_rate_variance = 0.05;  // (rad/s)², roll and pitch together: less turning has no time
 
 struct Stretch {
@@ -75,10 +78,13 @@ FlightData part_of(const FlightData& flight, std::size_t first, std::size_t last
 std::vector<LogFinding> rate_delays(const FlightData& pose, const std::vector<Vector3>& rate_B_radps) {
   const double step_s = pose.sample_s;
   const auto most = static_cast<std::int64_t>(std::lround(most_gyro_offset_s / step_s));
-  // cross-correlation of roll and pitch rates
+  // cross-correlation of roll and pitch rates; of every stretch that tells, log likelihood over the lags
+  std::vector<std::vector<double>> likelihood;
   const auto delay = [&](std::size_t first, std::size_t last) -> std::optional<double> {
     double best = -1.0, energy = 0.0;
     std::int64_t at = 0;
+    std::vector<double> over_lags;
+    const double independent = 2.0 * static_cast<double>(last - first) * step_s / attitude_rate_memory_s;
     for (std::int64_t lag = -most; lag <= most; ++lag) {
       double xy = 0.0, xx = 0.0, yy = 0.0;
       for (std::size_t k = first; k < last; ++k) {
@@ -92,14 +98,25 @@ std::vector<LogFinding> rate_delays(const FlightData& pose, const std::vector<Ve
         yy += rate.head<2>().squaredNorm();
       }
       const double r = xy / std::sqrt(xx * yy + 1e-300);
+      over_lags.push_back(-0.5 * independent * std::log(1.0 - std::min(r * std::abs(r), 0.9999)));
       if (r > best) best = r, at = lag, energy = yy / static_cast<double>(last - first);
     }
     if (best < least_agreement || energy < least_rate_variance) return std::nullopt;
+    likelihood.push_back(std::move(over_lags));
     return static_cast<double>(at) * step_s;
   };
   const std::vector<Stretch> stretches = stretches_of(pose, gyro_stretch_s, delay);
   const std::vector<double> delays = told(stretches);
   if (delays.size() < 2 || delays.back() - delays.front() <= jump_of(step_s)) return {};
+  // slow turning has a flat top: what one delay for the whole flight explains as well is no jump
+  double each = 0.0, one = -std::numeric_limits<double>::infinity();
+  for (const auto& stretch : likelihood) each += *std::max_element(stretch.begin(), stretch.end());
+  for (std::size_t lag = 0; lag < likelihood.front().size(); ++lag) {
+    double sum = 0.0;
+    for (const auto& stretch : likelihood) sum += stretch[lag];
+    one = std::max(one, sum);
+  }
+  if (2.0 * (each - one) < least_jump_gain * static_cast<double>(likelihood.size())) return {};
   std::vector<LogFinding> findings;
   for (const Stretch& s : merged(stretches, jump_of(step_s)))
     findings.push_back({pose.label, "wx…az", "delay", s.from_s, s.to_s,
