@@ -13,6 +13,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
+constexpr double grouped_s = 0.008;   // over which the fastest logs are averaged
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double median(std::vector<double> values) {
@@ -139,6 +140,20 @@ double third_difference_noise(const std::vector<double>& y) {
   return median(std::move(d)) / (0.6745 * std::sqrt(20.0));
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s, const std::vector<double>& values) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  std::vector<double> steps;
+  std::size_t last = values.size();
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!std::isfinite(values[k])) continue;
+    if (last < values.size()) pairs.emplace_back(last, k), steps.push_back(time_s[k] - time_s[last]);
+    last = k;
+  }
+  const double longest_s = std::max(0.1, 5.0 * median(std::move(steps)));
+  std::erase_if(pairs, [&](const auto& p) { return time_s[p.second] - time_s[p.first] <= longest_s; });
+  return pairs;
+}
+
 CommandRecord::CommandRecord(std::vector<double> time_s, std::vector<RotorArray> speed_radps, bool linear)
     : time_s_(std::move(time_s)), value_(std::move(speed_radps)), integral_(value_.size()), linear_(linear) {
   for (std::size_t k = 1; k < value_.size(); ++k)
@@ -225,12 +240,14 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   const auto* voltage = log.find("vbat");
   flight.has_voltage = voltage != nullptr;
 
-  // faster logs are read more slowly: every so many samples, or the mean of a group at its mean time
+  // faster logs are read more slowly: every so many samples, but not by much, since what the vehicle did between two samples has
+  // already changed its commands, and would bias what answers to them. Of the fastest, means over 8 ms take vibration out (over
+  // longer ones they would blur what the vehicle did)
+  const bool grouped = options.common_filter_s == 0.0 && log_step_s <= 0.0016 && log_step_s * options.max_rate_hz < 0.7;
+  auto stride = static_cast<std::size_t>(std::max(1L, std::lround(grouped ? grouped_s / log_step_s : 1.0 / (log_step_s * options.max_rate_hz))));
   // an odd number of rows, so that the middle of a group is a row and substeps begin where commands change
-  auto stride = static_cast<std::size_t>(std::max(1L, std::lround(1.0 / (log_step_s * options.max_rate_hz))));
-  if (stride > 1 && stride % 2 == 0) ++stride;
-  // means over a millisecond or so take vibration out; over longer ones they would blur what the vehicle did
-  const std::size_t group = options.common_filter_s > 0.0 || log_step_s > 0.0016 ? 1 : stride;
+  if (grouped && stride % 2 == 0) ++stride;
+  const std::size_t group = grouped ? stride : 1;
   Quaternion previous = Quaternion::Identity();
   double last_voltage = vehicle.nominal_voltage_V;
   for (std::size_t first = 0; first + group <= rows; first += stride) {
@@ -269,6 +286,10 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
       sample.attitude_WB.coeffs() *= -1.0;
     flight.samples.push_back(sample);
   }
+  // where the pose is missing, there is nothing to linearise about
+  if (const auto* pose = log.find("px") ? log.find("px") : log.find("qw"))
+    for (const auto& [last, next] : pose_gaps(time, *pose))
+      std::erase_if(flight.samples, [from_s = time[last], to_s = time[next]](const Sample& s) { return s.time_s > from_s && s.time_s < to_s; });
   steps.clear();
   for (std::size_t k = 1; k < flight.samples.size(); ++k)
     steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);

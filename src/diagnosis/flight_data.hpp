@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gustlab/effect.hpp"
@@ -83,7 +84,7 @@ struct FlightData {
 
 struct ReadingOptions {
   std::optional<bool> linear_hold;      // overrides the log when it does not say
-  double max_rate_hz = 125.0;           // faster logs are averaged down
+  double max_rate_hz = 255.0;           // faster logs are read more slowly
   double substep_s = 0.0025;            // at most
   // Logs that were low-pass filtered, each column differently, are filtered once more and all alike (Gaussian of this
   // standard deviation, s; commands too), and then sampled: what is linear between them stays as it was. 0: not.
@@ -93,6 +94,8 @@ struct ReadingOptions {
   bool forces_only = false;             // torques are not told, and with a pose inertial data are not used
 };
 
+// Rows (last with a value, next with one) between which a column has none for more than 0.1 s and five of its intervals.
+std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s, const std::vector<double>& values);
 // Throws DataError when the actuator input cannot be mapped by the vehicle.
 FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, const ReadingOptions& options);
 // Smooths pose and rate again, with sensor effects taken out of the samples first.

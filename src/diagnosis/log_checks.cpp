@@ -75,6 +75,11 @@ class Checker {
       const double step = log_.time_s[k] - log_.time_s[k - 1];
       if (step > std::max(0.1, 5.0 * step_s_)) add("time_s", "gap", k - 1, k + 1, fmt::format("no sample for {:.2f} s", step));
     }
+    const auto* pose = column("px") ? column("px") : column("qw");
+    if (!pose) return;
+    for (const auto& [last, next] : pose_gaps(log_.time_s, *pose))
+      if (log_.time_s[last + 1] < log_.time_s[next])
+        add("px…qz", "gap", last, next + 1, fmt::format("no pose for {:.2f} s: this part is left out", log_.time_s[next] - log_.time_s[last]));
   }
 
   std::vector<std::vector<double>*> inputs(const char* prefix) {
