@@ -22,6 +22,8 @@ struct Column {
   double tolerance = 0.0;
   double min = 0.0, max = 0.0;
   double nominal = 0.0;  // value in the vehicle file
+  // a little beyond a bound is noise
+  bool admits(double value) const { return value >= min - 0.02 * natural && value <= max + 0.02 * natural; }
 };
 
 // Of one flight, never a finding; trims and clock only where predictions half a second ahead are fitted.

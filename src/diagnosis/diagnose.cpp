@@ -17,6 +17,7 @@
 #include "diagnosis/next_flight.hpp"
 #include "diagnosis/quasi_static.hpp"
 #include "diagnosis/residual_effect.hpp"
+#include "diagnosis/subset_search.hpp"
 #include "diagnosis/vehicle_check.hpp"
 #include "gustlab/errors.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -186,11 +187,14 @@ void plot_residuals(const Session& session, const Selection& selection, Diagnosi
   }
 }
 
-// of the four disturbances, how much the findings leave of the one that they explain best
-double least_disturbance_left(const Selection& selection) {
+// of the four disturbances, how much the findings leave of the one that they explain best; all, when one is left that is as large as before
+double least_disturbance_left(const Selection& selection, const std::array<double, disturbance_groups>& floor) {
   double least = 1.0;
-  for (std::size_t g = 0; g < disturbance_groups; ++g)
-    least = std::min(least, std::sqrt(selection.noise_selected.variance[g] / selection.noise_nominal.variance[g]));
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    const double left = selection.noise_selected.rms(g) / selection.noise_nominal.rms(g);
+    if (selection.noise_selected.rms(g) > most_of_floor * floor[g] && left > half_gone) return 1.0;
+    least = std::min(least, left);
+  }
   return least;
 }
 
@@ -256,10 +260,10 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   reading.forces_only = forces_only;
   for (const FlightLog& log : logs.fit)
     if (filtered(log)) {
-      reading.max_rate_hz = 25.0;
+      reading.max_rate_hz = 20.0;
       reading.common_filter_s = 0.022;
       out.log_findings.push_back({label_of(log.path), "px…wz", "filtered", log.time_s.front(), log.time_s.back(),
-                                  "the recording was low-pass filtered before it was written: all columns are filtered once more alike and read at 25 Hz", false, false});
+                                  "the recording was low-pass filtered before it was written: all columns are filtered once more alike and read at 20 Hz", false, false});
     }
   const bool attitude = is_recorded(logs.fit, {"qw"});
   if (forces_only) out.notes.emplace_back("the torques are not what the model says, and no pose says why: only forces are judged");
@@ -355,6 +359,10 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
       out.rejected.push_back({effect.effect, effect.gain, "only suspected: no pose to verify it on"});
       return true;
     });
+  std::vector<int> named;
+  for (const EffectFinding& effect : out.effects) named.push_back(session.catalogue().find(effect.effect));
+  if (!SubsetSearch(session.catalogue(), vehicle, 0.0).allowed(named))
+    withdraw(out, "only suspected: without a drag no wind is felt", [](const EffectFinding& effect) { return effect.effect != "steady_wind"; });
   const std::string bound = at_its_bound(session.catalogue(), selection);
   if (!bound.empty()) out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
   const bool shadow = !bound.empty() || (!rest.alarms.empty() && (verified.recovered < least_recovered ||
@@ -364,13 +372,14 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
                               100.0 * rest.omnibus_share, 100.0 * verified.recovered),
              [&](const EffectFinding& effect) {
                return bound.empty() && effect.astray < surely_even && effect.gain > clearly_more * rest.omnibus_gain &&
-                      (session.shoots() || least_disturbance_left(selection) < half_gone);
+                      (session.shoots() || least_disturbance_left(selection, reference_floor(vehicle)) < half_gone);
              });
 
   if (jitters) out.verdict = Verdict::insufficient_data;
   else if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;
   else if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;
-  else if (rest.alarms.empty() || rest.omnibus_share < 0.1) out.verdict = Verdict::explained;
+  else if (rest.omnibus_share < 0.1 && std::all_of(rest.alarms.begin(), rest.alarms.end(), [](const Alarm& a) { return a.kind == "omnibus"; }))
+    out.verdict = Verdict::explained;
   else out.verdict = Verdict::partly_explained;
   suggest_flight(session, selection, options.jobs, out);
   if (out.verdict == Verdict::unexplained || out.verdict == Verdict::partly_explained)

@@ -15,7 +15,7 @@ struct Grams {
   std::vector<double> time_s;       // at which each block begins
   std::vector<int> cluster;         // blocks of one second belong together
   int clusters = 0;
-  double rows = 0.0;                // whitened innovations that count
+  double rows = 0.0;                // whitened innovations that count, at 125 Hz at most
   int columns = 0;
 
   Eigen::MatrixXd total() const;

@@ -46,6 +46,9 @@ Row measurement_row(const LinearFlight& flight, std::size_t k, int row) {
 
 int noise_group(int row) { return row / 3; }
 
+// what the white acceleration of an axis changes: velocity, body rate
+int white_row(int axis) { return axis < 3 ? 3 + axis : 6 + axis; }
+
 // transition of error and disturbance over one interval
 struct Transition {
   Matrix18 A;
@@ -69,6 +72,7 @@ void transition(const LinearFlight& flight, std::size_t k, const NoiseModel& noi
     const double decay = std::exp(-dt / noise.time_s[g]);
     out.A(12 + i, 12 + i) = decay;
     out.process[12 + i] = noise.variance[g] * (1.0 - decay * decay);
+    out.process[white_row(i)] += noise.white[g] * dt;
   }
   // torques unknown: the rotation is free, so that only forces tell
   if (!flight.torque_known) out.process.segment<3>(9).setConstant(1e4 * dt);
@@ -235,7 +239,7 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
 
   // modified Bryson–Frazier: x_smooth = x − P λ, P_smooth = P − P Λ P; no inverse
   Smoothed out;
-  out.disturbance.resize(n);
+  out.disturbance.assign(n, Eigen::Matrix<double, 6, 1>::Zero());
   out.disturbance_variance.resize(n);
   Vector18 lambda = Vector18::Zero();
   Matrix18 Lambda = Matrix18::Zero();
@@ -261,12 +265,17 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
         const double mean = step.x[12 + j] - step.P.row(12 + j).dot(lambda);
         out.lagged[static_cast<std::size_t>(j)] += mean_next * mean + covariance;
         out.pairs[static_cast<std::size_t>(j)] += 1.0;
+        // of white acceleration with variance q of what it changes: mean −q λ, second moment q + q² (λ² − Λ)
+        const int at = white_row(j);
+        const double power = noise.white[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])], q = power * flight.interval_s[k];
+        out.white[static_cast<std::size_t>(j)] += power + power * q * (lambda_next[at] * lambda_next[at] - Lambda_next(at, at));
+        out.disturbance[k][j] = -power * lambda_next[at];
       }
     }
     for (int j = 0; j < 6; ++j) {
       const double mean = step.x[12 + j] - step.P.row(12 + j).dot(lambda);
       const double variance = step.P(12 + j, 12 + j) - step.P.row(12 + j) * Lambda * step.P.col(12 + j);
-      out.disturbance[k][j] = mean;
+      out.disturbance[k][j] += mean;
       out.disturbance_variance[k][j] = variance;
       out.second[static_cast<std::size_t>(j)] += mean * mean + variance;
       out.count[static_cast<std::size_t>(j)] += 1.0;
@@ -312,20 +321,26 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
   return out;
 }
 
+double NoiseModel::rms(std::size_t group) const {
+  return std::sqrt(variance[group] + white[group] / (2.0 * (group < 2 ? 0.01 : 0.004)));
+}
+
 NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s) {
   NoiseModel next = noise;
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0;
+    double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0, white = 0.0;
     for (const Smoothed& f : flights)
       for (std::size_t j = 0; j < 6; ++j)
         if (disturbance_group[j] == static_cast<int>(g)) {
-          second += f.second[j], count += f.count[j];
+          second += f.second[j], count += f.count[j], white += f.white[j];
           lagged += f.lagged[j], pairs += f.pairs[j];
         }
     if (count == 0.0) continue;
-    next.variance[g] = std::max(second / count, noise.least_variance[g]);
+    next.variance[g] = std::max(second / count, 1e-12);
+    next.white[g] = std::max(white / pairs, noise.least_white[g]);
     const double correlation = std::clamp(lagged / pairs / (second / count), 0.02, 0.9995);
-    next.time_s[g] = std::clamp(-sample_s / std::log(correlation), 0.004, 3.0);
+    // what is faster is the white part's, where there is one
+    next.time_s[g] = std::clamp(-sample_s / std::log(correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
   }
   for (std::size_t g = 0; g < noise_groups; ++g) {
     double sum = 0.0, count = 0.0;
@@ -333,6 +348,25 @@ NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights,
     if (count > 0.0) next.measurement[g] = std::max(sum / count, 1e-14);
   }
   return next;
+}
+
+NoiseModel extrapolated(const NoiseModel& first, const NoiseModel& second, const NoiseModel& third) {
+  constexpr double slowest = 0.95, farthest = 1.5;
+  // the limit of a geometric series
+  const auto limit = [&](double a, double b, double c) {
+    const double before = std::log(b / a), last = std::log(c / b);
+    const double rate = before * last > 0.0 ? std::min(last / before, slowest) : 0.0;
+    return c * std::exp(std::clamp(last * rate / (1.0 - rate), -farthest, farthest));
+  };
+  NoiseModel result = third;
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    result.variance[g] = limit(first.variance[g], second.variance[g], third.variance[g]);
+    result.time_s[g] = std::min(limit(first.time_s[g], second.time_s[g], third.time_s[g]), slowest_disturbance_s);
+    result.white[g] = std::max(limit(first.white[g], second.white[g], third.white[g]), third.least_white[g]);
+  }
+  for (std::size_t g = 0; g < noise_groups; ++g)
+    result.measurement[g] = limit(first.measurement[g], second.measurement[g], third.measurement[g]);
+  return result;
 }
 
 }  // namespace gustlab::diagnosis

@@ -15,13 +15,20 @@ inline constexpr std::array<int, 6> disturbance_group = {0, 0, 1, 2, 2, 3};
 // groups of the measurement noise: position (or velocity), attitude, rate, specific force
 inline constexpr int noise_groups = 4;
 
-// Eight numbers of disturbance and four of noise; themselves a result ("unexplained disturbance 0.06 m/s², 0.15 s").
+// longest correlation time of a disturbance: what is slower would take a constant for chance
+inline constexpr double slowest_disturbance_s = 1.0;
+
+// What nothing explains, in each group a slow Ornstein–Uhlenbeck process (air) beside white acceleration (rotors, commands between
+// samples), and the noise of the sensors; itself a result ("unexplained disturbance 0.06 m/s², 0.15 s").
 struct NoiseModel {
-  std::array<double, disturbance_groups> variance{};    // of the wrench, (m/s²)² or (rad/s²)²
+  std::array<double, disturbance_groups> variance{};    // of the slow part, (m/s²)² or (rad/s²)²
   std::array<double, disturbance_groups> time_s{};      // its correlation time
+  std::array<double, disturbance_groups> white{};       // power of the white part, (m/s²)² s or (rad/s²)² s
   std::array<double, noise_groups> measurement{};       // variances, SI²
   // A simulator is not believed more than this: integrators and build differ, even where the air is still.
-  std::array<double, disturbance_groups> least_variance{};
+  std::array<double, disturbance_groups> least_white{};
+  // Both parts, the white one averaged over the time that a calm room's reference floor was measured with (10 ms of force, 4 ms of torque).
+  double rms(std::size_t group) const;
 };
 
 // Innovations of y (last column) and of every column of the flight, whitened: rows in the order of arrival.
@@ -42,13 +49,16 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
 struct Smoothed {
   std::array<double, 6> second{}, lagged{};      // Σ E[d²], Σ E[d_k d_{k−1}]
   std::array<double, 6> pairs{}, count{};
+  std::array<double, 6> white{};                 // Σ E[w²] / Δt of the white part, over pairs
   std::array<double, noise_groups> residual{}, residual_count{};
-  std::vector<Eigen::Matrix<double, 6, 1>> disturbance, disturbance_variance;
+  std::vector<Eigen::Matrix<double, 6, 1>> disturbance, disturbance_variance;   // both parts; variance of the slow one
 };
 // `shift`: values of the flight's columns (natural units) taken out of the data first.
 Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen::VectorXd& shift);
 
 // One EM update from the statistics of several flights.
 NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s);
+// Where EM, which creeps, would come from three models in a row: each logarithm as a geometric series (Aitken).
+NoiseModel extrapolated(const NoiseModel& first, const NoiseModel& second, const NoiseModel& third);
 
 }  // namespace gustlab::diagnosis

@@ -31,7 +31,7 @@ LimitScan scan_limit(const Session& session) {
         if (push[k].isZero(0.0)) continue;
         samples += 1.0;
         for (int j = 2; j < 6; ++j) {
-          const double weight = 1.0 / session.noise.variance[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])];
+          const double weight = std::pow(session.noise.rms(static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])), -2);
           dp += weight * push[k][j] * session.smoothed[f].disturbance[k][j];
           pp += weight * push[k][j] * push[k][j];
         }

@@ -129,8 +129,8 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   // disturbance above what a calm room leaves
   constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    const double ratio = std::sqrt(noise.variance[g]) / floor[g];
-    if (ratio > 2.5 && !(g < 2 && result.gust_like))
+    const double ratio = noise.rms(g) / floor[g];
+    if (ratio > most_of_floor && !(g < 2 && result.gust_like))
       result.alarms.push_back({"floor", fmt::format("{} is disturbed {:.1f} times as much as in a calm room", group_name[g], ratio), 0.001 * ratio, channels_of[g]});
   }
 

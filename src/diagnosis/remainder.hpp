@@ -20,6 +20,9 @@ struct Alarm {
   std::vector<std::string> channels;  // where
 };
 
+// times the reference floor: disturbed more than a calm room
+inline constexpr double most_of_floor = 2.5;
+
 struct Remainder {
   std::vector<Alarm> alarms;
   double omnibus_gain = 0.0;    // χ² of the family that still finds most

@@ -5,6 +5,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "diagnosis/subset_search.hpp"
@@ -15,6 +16,8 @@
 namespace gustlab::diagnosis {
 
 namespace {
+
+constexpr std::size_t most_changes = 8;   // of a set that fits half-second predictions, before it is taken as it is
 
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
@@ -28,18 +31,23 @@ class Selector {
   Selection run() {
     Selection result;
     Eigen::VectorXd value = catalogue_.nominal();
+    const NoiseModel calm = s_.noise;
     s_.linearise(value, s_.all_columns());
     s_.learn_noise(6, s_.biases());
     result.noise_nominal = s_.noise;
     result.smoothed_nominal = s_.smoothed;
     suspect_histories(s_, value, {});
+    // what nothing explains yet is no noise to begin with
+    s_.noise = calm;
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
     constexpr int rounds = 4;
     for (int round = 0; round < rounds; ++round) {
-      if (round > 0) s_.linearise(value, s_.all_columns());
+      anew_ = round > 0;
+      if (anew_) s_.linearise(value, s_.all_columns());
       if (round == 1 && !chosen.empty()) suspect_histories(s_, value, chosen);
+      if (round == 0) s_.search_noise(s_.all_columns());
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);
       const std::vector<int> next = search(grams);
@@ -78,8 +86,11 @@ class Selector {
     return grams;
   }
 
+  // what a further effect must gain; where the model was linearised anew about what was found, a large effect leaves no
+  // second-order error that could be taken for another
   double material(double rows, double total_gain) const {
-    return std::max(options_.materiality * rows, options_.relative_materiality * total_gain);
+    const double relative = options_.relative_materiality * total_gain;
+    return std::max(options_.materiality * rows, anew_ && !s_.shoots() ? std::min(relative, options_.most_materiality * rows) : relative);
   }
 
   std::vector<int> search(const Grams& grams) const {
@@ -116,6 +127,11 @@ class Selector {
     }
     catalogue_.clamp(value);
     return value;
+  }
+
+  bool possible(const Eigen::VectorXd& value, int group) const {
+    const auto& columns = catalogue_.groups()[static_cast<std::size_t>(group)].columns;
+    return std::all_of(columns.begin(), columns.end(), [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].admits(value[c]); });
   }
 
   // Gauss–Newton in the nonlinear model, at most three steps
@@ -160,6 +176,7 @@ class Selector {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
     bool simplified = false;
+    anew_ = true;
     for (bool settled = false; !settled;) {
       s_.linearise(value, s_.all_columns());
       s_.learn_noise(6, s_.with_biases(chosen));
@@ -171,7 +188,7 @@ class Selector {
       // what stays takes over what went
       settled = chosen.size() == before || chosen.empty();
       // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right
-      if (settled && s_.shoots()) {
+      if (settled && s_.shoots() && visited.size() < most_changes) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, s_.with_biases(chosen)).loss;
         visited.insert(chosen);
@@ -209,22 +226,40 @@ class Selector {
       finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
       result.findings.push_back(finding);
     }
-    rivals(result, chosen, fit);
+    rivals(result, chosen);
     stability(result, chosen);
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     for (const int g : search.candidates) {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
       std::vector<int> more = chosen;
       more.push_back(g);
-      result.alone.emplace_back(g, fit.loss - solve(total, s_.with_biases(more)).loss -
-                                       std::log(result.grams.rows) *
-                                           static_cast<double>(columns_of(catalogue_, {g}).size()));
+      result.alone.emplace_back(g, fit.loss - solve(total, s_.with_biases(more)).loss - std::log(result.grams.rows) * static_cast<double>(columns_of(catalogue_, {g}).size()));
     }
   }
 
   // a wind is felt only with a drag
   void drop_unfelt(std::vector<int>& chosen) const {
     if (!SubsetSearch(catalogue_, s_.vehicle(), 0.0).allowed(chosen)) std::erase(chosen, catalogue_.find("steady_wind"));
+  }
+
+  // One effect exchanged for another, and the set to compare that with: a trim is at work beside the effect as well, and only
+  // what it gains in the effect's place makes it an equal.
+  struct Exchange {
+    std::vector<int> groups, kept;
+    Fit fit = {}, kept_fit = {};
+    bool trim = false;   // the other is below its tolerance
+  };
+  std::optional<Exchange> exchange(const Eigen::MatrixXd& total, const SubsetSearch& search, const std::vector<int>& chosen, int group, int other) const {
+    Exchange e{.groups = chosen, .kept = chosen};
+    std::replace(e.groups.begin(), e.groups.end(), group, other);
+    if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(e.groups)) return std::nullopt;
+    e.fit = solve(total, s_.with_biases(e.groups));
+    const Eigen::VectorXd value = value_at(s_.with_biases(e.groups), e.fit);
+    if (!possible(value, other)) return std::nullopt;
+    e.trim = below_tolerance(s_, value, other);
+    if (e.trim) e.kept.push_back(other);
+    e.kept_fit = solve(total, s_.with_biases(e.kept));
+    return e;
   }
 
   // Of sets that fit alike, one effect exchanged, the one with the least to say: mass with a trimmed inertia is thrust with a
@@ -242,22 +277,20 @@ class Selector {
     double least = said(chosen, fit) - 0.1;
     for (std::size_t i = 0; i < chosen.size(); ++i)
       for (const int other : search.candidates) {
-        std::vector<int> groups = chosen;
-        groups[i] = other;
-        if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(groups)) continue;
-        const Fit replaced = solve(total, s_.with_biases(groups));
-        if (replaced.loss - fit.loss > options_.trim_cost) continue;
-        if (const double sum = said(groups, replaced); sum < least) best = groups, least = sum;
+        const std::optional<Exchange> e = exchange(total, search, chosen, chosen[i], other);
+        if (!e || e->fit.loss - e->kept_fit.loss > options_.trim_cost) continue;
+        if (const double sum = said(e->groups, e->fit); sum < least) best = e->groups, least = sum;
       }
     std::sort(best.begin(), best.end());
     return best;
   }
 
-  // backward: what is not material or not significant goes, the weakest first
+  // backward: what is not material, not significant or not possible goes, the weakest first
   void prune(const Selection& result, std::vector<int>& chosen, const Eigen::MatrixXd& total, double loss_none) const {
     while (!chosen.empty()) {
       const std::vector<int> columns = s_.with_biases(chosen);
       const Fit fit = solve(total, columns);
+      const Eigen::VectorXd value = value_at(columns, fit);
       const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
       const double needed = material(result.grams.rows, std::max(0.0, loss_none - fit.loss));
       int worst = -1;
@@ -272,9 +305,8 @@ class Selector {
         Eigen::MatrixXd block = covariance.block(at, at, size, size);
         block.diagonal().array() += 1e-18;
         const double wald = b.dot(block.ldlt().solve(b));
-        const double p = boost::math::cdf(boost::math::complement(
-            boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
-        const bool bad = gain < needed || !(p < options_.wald_p / static_cast<double>(catalogue_.groups().size()));
+        const double p = boost::math::cdf(boost::math::complement(boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
+        const bool bad = gain < needed || !(s_.shoots() || possible(value, g)) || !(p < options_.wald_p / static_cast<double>(catalogue_.groups().size()));
         if (bad && (worst < 0 || gain < worst_gain)) {
           worst = g;
           worst_gain = gain;
@@ -288,29 +320,24 @@ class Selector {
   }
 
   // replace each selected effect by every other, one at a time
-  void rivals(Selection& result, const std::vector<int>& chosen, const Fit& fit) const {
+  void rivals(Selection& result, const std::vector<int>& chosen) const {
     const Eigen::MatrixXd total = result.grams.total();
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
-    const Eigen::VectorXd own = block_losses(result.grams, s_.with_biases(chosen), fit.coefficient);
     for (Finding& finding : result.findings) {
       for (const int other : search.candidates) {
-        if (std::find(chosen.begin(), chosen.end(), other) != chosen.end()) continue;
-        std::vector<int> groups = chosen;
-        std::replace(groups.begin(), groups.end(), finding.group, other);
-        if (!search.allowed(groups)) continue;
-        const std::vector<int> columns = s_.with_biases(groups);
-        const Fit replaced = solve(total, columns);
-        const Eigen::VectorXd difference = block_losses(result.grams, columns, replaced.coefficient) - own;
+        const std::optional<Exchange> e = exchange(total, search, chosen, finding.group, other);
+        if (!e) continue;
+        const Eigen::VectorXd difference = block_losses(result.grams, s_.with_biases(e->groups), e->fit.coefficient) -
+                                           block_losses(result.grams, s_.with_biases(e->kept), e->kept_fit.coefficient);
         Eigen::VectorXd sums = Eigen::VectorXd::Zero(result.grams.clusters);
         for (Eigen::Index b = 0; b < difference.size(); ++b)
           sums[result.grams.cluster[static_cast<std::size_t>(b)]] += difference[b];
         const double mean = sums.mean();
         const double sd = std::sqrt((sums.array() - mean).square().sum() / std::max(1.0, static_cast<double>(sums.size()) - 1.0));
         finding.rivals.push_back({other, sums.sum() / (std::sqrt(static_cast<double>(sums.size())) * sd + 1e-9),
-                                  replaced.loss - fit.loss, below_tolerance(s_, value_at(columns, replaced), other)});
+                                  e->fit.loss - e->kept_fit.loss, e->trim});
       }
-      std::stable_sort(finding.rivals.begin(), finding.rivals.end(),
-                       [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });
+      std::stable_sort(finding.rivals.begin(), finding.rivals.end(), [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });
       if (finding.rivals.size() > 4) finding.rivals.resize(4);
     }
   }
@@ -347,6 +374,7 @@ class Selector {
   const SelectionOptions& options_;
   const Catalogue& catalogue_;
   Eigen::VectorXd natural_;
+  bool anew_ = false;   // linearised about what was found
 };
 
 }  // namespace

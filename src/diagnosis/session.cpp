@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "util/parallel.hpp"
 
@@ -27,6 +28,9 @@ bool same(const SensorCorrection& a, const SensorCorrection& b) {
 
 }  // namespace
 
+// what counts degrees of freedom was measured on logs of up to 125 Hz
+constexpr double fastest_sample_s = 0.008;
+
 // of all flights together, about
 constexpr double most_windows = 600.0;
 
@@ -43,10 +47,12 @@ NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleMo
   NoiseModel noise;
   const auto floor = reference_floor(vehicle);
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    noise.variance[g] = 9.0 * floor[g] * floor[g];
-    noise.least_variance[g] = std::pow(least_share_of_floor * floor[g], 2);
+    // the air of a calm room, and a third of its reference floor for what is faster
+    noise.variance[g] = (g < 2 ? 0.36 : 0.25) * floor[g] * floor[g];
+    noise.least_white[g] = 2.0 * (g < 2 ? 0.01 : 0.004) * std::pow(least_share_of_floor * floor[g], 2);
+    noise.white[g] = (g < 2 ? 2.0 : 8.0) * noise.least_white[g];
   }
-  noise.time_s = {0.15, 0.15, 0.06, 0.06};
+  noise.time_s = {0.2, 0.2, 0.1, 0.1};
   constexpr std::array<unsigned, 4> channel = {has_position, has_attitude, has_rate, has_force};
   constexpr std::array<double, 4> least = {1e-10, 1e-10, 1e-8, 1e-6};
   for (std::size_t g = 0; g < noise_groups; ++g) {
@@ -172,14 +178,45 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
       weights_ = shooting_weights(shot_, fitted, coefficient);
     }
   }
+  std::vector<NoiseModel> before;
   for (int iteration = 0; iteration < iterations; ++iteration) {
     if (iteration % 2 == 0 && !shoots()) coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
     smoothed.assign(flights_.size(), Smoothed{});
     for_each_flight([&](std::size_t f) {
       smoothed[f] = smooth(linear_[f], noise, flight_shift(linear_[f], fitted, coefficient));
     });
+    before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
+    // two steps and a leap, and a step at the end
+    if (before.size() == 2 && iteration + 1 < iterations) noise = extrapolated(before[0], before[1], noise), before.clear();
   }
+}
+
+void Session::search_noise(const std::vector<int>& columns) {
+  if (shoots() || linear_.front().forces_alone) return;
+  const std::vector<int> fitted = present(columns);
+  const Eigen::VectorXd coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
+  const auto misfit = [&](const NoiseModel& model) {
+    std::vector<double> of(flights_.size());
+    for_each_flight([&](std::size_t f) {
+      const Eigen::VectorXd shift = flight_shift(linear_[f], fitted, coefficient);
+      of[f] = whiten(flights_[f], linear_[f], model, nullptr, &shift, false).minus_two_log_likelihood;
+    });
+    return std::accumulate(of.begin(), of.end(), 0.0);
+  };
+  double least = misfit(noise);
+  for (const auto& [factor, sweeps] : {std::pair{2.0, 3}, {1.4, 2}})
+    for (int sweep = 0, moved = 1; sweep < sweeps && moved > 0; ++sweep) {
+      moved = 0;
+      for (std::size_t g = 0; g < disturbance_groups; ++g)
+        for (const double by : {factor, 1.0 / factor})
+          for (const auto part : {&NoiseModel::variance, &NoiseModel::time_s, &NoiseModel::white}) {
+            NoiseModel trial = noise;
+            (trial.*part)[g] *= part == &NoiseModel::time_s ? by : by * by;
+            if (trial.time_s[g] > slowest_disturbance_s || trial.white[g] < trial.least_white[g]) continue;
+            if (const double here = misfit(trial); here < least - 1.0) least = here, noise = trial, ++moved;
+          }
+    }
 }
 
 Grams Session::grams() const {
@@ -189,6 +226,8 @@ Grams Session::grams() const {
   Grams grams;
   for (std::size_t f = 0; f < flights_.size(); ++f)
     accumulate(whitened[f], linear_[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+  // a faster log has more innovations, and tells no more of what air and noise do not hide
+  grams.rows *= std::min(1.0, sample_s() / fastest_sample_s);
   return grams;
 }
 

@@ -38,6 +38,8 @@ class Session {
   void forget_transitions();
   // EM on the noise, with the given columns at their least-squares values (ridged) all along.
   void learn_noise(int iterations, const std::vector<int>& columns);
+  // A coarse search for the likeliest disturbance, from where EM would take hundreds of steps.
+  void search_noise(const std::vector<int>& columns);
   Grams grams() const;
   // Innovations with the given columns taken out at these values (natural units, counted from the linearisation).
   std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;

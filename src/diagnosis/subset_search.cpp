@@ -45,8 +45,7 @@ Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int
   subset.loss = fit.loss;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(columns[i])];
-    const double value = column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural;
-    if (value < column.min - 0.02 * column.natural || value > column.max + 0.02 * column.natural)
+    if (!column.admits(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural))
       subset.loss = std::numeric_limits<double>::infinity();
   }
   subset.score = subset.loss + penalty * static_cast<double>(columns.size());

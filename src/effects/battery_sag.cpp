@@ -19,7 +19,7 @@ class BatterySag final : public Effect {
                     .max = 5.0, .natural = 0.5});
     visitor.number("rate", rate_ps_,
                    {.unit = "1/s", .help = "share of thrust lost per second of flight, where voltage is not known",
-                    .min = -0.1, .max = 0.1, .natural = 0.002});
+                    .min = 0.0, .max = 0.1, .natural = 0.002});
   }
 
   void on_actuation(Actuation& actuation) const override {

@@ -13,7 +13,7 @@ class FlappingTorque final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     visitor.number("coefficient", coefficient_Ns2_,
                    {.unit = "N s^2", .help = "torque of one rotor per its speed and the speed in its plane; > 0: nose up",
-                    .natural = 3e-6, .scale = Scale::arm});
+                    .min = 0.0, .natural = 3e-6, .scale = Scale::arm});
   }
 
   void wrench(const Flow& flow, const RotorSet& rotors, std::span<const double>, Wrench& total) const override {
