@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "diagnosis/pendulum.hpp"
+#include "diagnosis/swing_fit.hpp"
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
@@ -49,6 +50,26 @@ TEST_P(History, DoesNotHangAWeightlessLoadOnAPeriodicGust) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Accelerometer, History, ::testing::Bool(), [](const auto& with) { return with.param ? "with" : "without"; });
+
+// below a vehicle at rest, out to almost level and back for a minute
+TEST(Swing, NeitherGainsNorLosesEnergyByItself) {
+  FlightData flight;
+  for (int k = 0; k < 6000; ++k) {
+    Sample sample;
+    sample.time_s = 0.01 * k;
+    flight.samples.push_back(sample);
+    flight.motion.emplace_back();
+  }
+  const std::vector<Vector3> force = swinging_force(flight, {0.4, 0.0, 0.0}, {.cable_W = {0.95, 0.0}});
+  const auto strongest = [&](std::size_t first) {
+    double most = 0.0;
+    for (std::size_t k = first; k < first + 300; ++k) most = std::max(most, force[k].norm());
+    return most;
+  };
+  // m g (3 - 2 cos) at the bottom, per kg
+  EXPECT_NEAR(strongest(0), 9.80665 * (3.0 - 2.0 * std::sqrt(1.0 - 0.95 * 0.95)), 0.3);
+  EXPECT_NEAR(strongest(5700), strongest(0), 0.1);
+}
 
 }  // namespace
 }  // namespace gustlab::diagnosis

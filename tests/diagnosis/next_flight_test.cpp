@@ -6,8 +6,11 @@
 namespace gustlab::diagnosis {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::Gt;
 using ::testing::HasSubstr;
+using ::testing::Lt;
 
 // hovers and slow circles at one heading, and if wanted a flight of many sines with yaw; an attitude offset is concealed
 Diagnosis diagnose_offset(const std::vector<std::string>& fit, bool large = false) {
@@ -33,6 +36,9 @@ TEST(NextFlight, NamesAFlightThatThenSeparatesWhatCouldNotBeTold) {
   // at one heading a tilted sensor and a constant push look alike
   ASSERT_THAT(before.effects[0].classmates, Contains("attitude_offset"));
   ASSERT_THAT(before.effects[0].classmates, Contains("constant_force"));
+  // the air of this room: 0.003 N on 28 g, 0.15 s
+  EXPECT_NEAR(before.disturbance[0].after, 0.106, 0.025);
+  EXPECT_THAT(before.disturbance[0].correlation_time_s, AllOf(Gt(0.08), Lt(0.3)));
   EXPECT_EQ(before.next_trajectory, "multisine") << before.next_why;
   EXPECT_THAT(before.next_why, HasSubstr("would separate"));
   EXPECT_EQ(to_json(before)["next_flight"]["parameters"]["yaw_amplitude_rad"], 1.2);
