@@ -145,7 +145,7 @@ std::string rivals(const Json& effect) {
   }
   std::string words;
   if (!alike.empty()) words = "These flights cannot tell " + plain_name(effect) + " from " + list_in_words(alike, "or") + "; the numbers are those of " + plain_name(effect) + ". ";
-  if (!ruled_out.empty()) words += "Fits clearly worse in its place: " + list_in_words(ruled_out) + ".";
+  if (!ruled_out.empty()) words += "Fits worse in its place: " + list_in_words(ruled_out) + ".";
   return paragraph(words, "note");
 }
 
