@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct TrialSettings {
 // Flies the trial and says how to diagnose its recordings, with two threads.
 inline diagnosis::DiagnoseOptions fly_trial(const TemporaryFolder& folder, const TrialSettings& trial) {
   std::vector<std::string> trajectories = trial.fit;
-  trajectories.insert(trajectories.end(), trial.holdout.begin(), trial.holdout.end());
+  for (const std::string& name : trial.holdout)
+    if (std::find(trajectories.begin(), trajectories.end(), name) == trajectories.end()) trajectories.push_back(name);
   const auto list = [](const std::vector<std::string>& names) { return fmt::format("[\"{}\"]", fmt::join(names, "\", \"")); };
   const std::string text = fmt::format(R"(
 format = "gustlab-trials/1"
