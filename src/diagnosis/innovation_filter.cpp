@@ -322,7 +322,7 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
 }
 
 double NoiseModel::rms(std::size_t group) const {
-  return std::sqrt(variance[group] + white[group] / (2.0 * (group < 2 ? 0.01 : 0.004)));
+  return std::sqrt(variance[group] + white[group] / (2.0 * white_mean_s(group)));
 }
 
 NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s) {

@@ -18,6 +18,9 @@ inline constexpr int noise_groups = 4;
 // longest correlation time of a disturbance: what is slower would take a constant for chance
 inline constexpr double slowest_disturbance_s = 1.0;
 
+// of white acceleration, the time that a calm room's reference floor was measured with: power = 2 white_mean_s × variance of such means
+constexpr double white_mean_s(std::size_t group) { return group < 2 ? 0.01 : 0.004; }
+
 // What nothing explains, in each group a slow Ornstein–Uhlenbeck process (air) beside white acceleration (rotors, commands between
 // samples), and the noise of the sensors; itself a result ("unexplained disturbance 0.06 m/s², 0.15 s").
 struct NoiseModel {
@@ -27,7 +30,7 @@ struct NoiseModel {
   std::array<double, noise_groups> measurement{};       // variances, SI²
   // A simulator is not believed more than this: integrators and build differ, even where the air is still.
   std::array<double, disturbance_groups> least_white{};
-  // Both parts, the white one averaged over the time that a calm room's reference floor was measured with (10 ms of force, 4 ms of torque).
+  // Both parts, the white one averaged over white_mean_s.
   double rms(std::size_t group) const;
 };
 

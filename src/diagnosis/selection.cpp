@@ -226,7 +226,7 @@ class Selector {
       finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
       result.findings.push_back(finding);
     }
-    rivals(result, chosen);
+    rivals(result, chosen, fit);
     stability(result, chosen);
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     for (const int g : search.candidates) {
@@ -249,7 +249,8 @@ class Selector {
     Fit fit = {}, kept_fit = {};
     bool trim = false;   // the other is below its tolerance
   };
-  std::optional<Exchange> exchange(const Eigen::MatrixXd& total, const SubsetSearch& search, const std::vector<int>& chosen, int group, int other) const {
+  std::optional<Exchange> exchange(const Eigen::MatrixXd& total, const SubsetSearch& search, const std::vector<int>& chosen,
+                                   const Fit& fit, int group, int other) const {
     Exchange e{.groups = chosen, .kept = chosen};
     std::replace(e.groups.begin(), e.groups.end(), group, other);
     if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(e.groups)) return std::nullopt;
@@ -258,7 +259,7 @@ class Selector {
     if (!possible(value, other)) return std::nullopt;
     e.trim = below_tolerance(s_, value, other);
     if (e.trim) e.kept.push_back(other);
-    e.kept_fit = solve(total, s_.with_biases(e.kept));
+    e.kept_fit = e.trim ? solve(total, s_.with_biases(e.kept)) : fit;
     return e;
   }
 
@@ -277,7 +278,7 @@ class Selector {
     double least = said(chosen, fit) - 0.1;
     for (std::size_t i = 0; i < chosen.size(); ++i)
       for (const int other : search.candidates) {
-        const std::optional<Exchange> e = exchange(total, search, chosen, chosen[i], other);
+        const std::optional<Exchange> e = exchange(total, search, chosen, fit, chosen[i], other);
         if (!e || e->fit.loss - e->kept_fit.loss > options_.trim_cost) continue;
         if (const double sum = said(e->groups, e->fit); sum < least) best = e->groups, least = sum;
       }
@@ -307,10 +308,7 @@ class Selector {
         const double wald = b.dot(block.ldlt().solve(b));
         const double p = boost::math::cdf(boost::math::complement(boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
         const bool bad = gain < needed || !(s_.shoots() || possible(value, g)) || !(p < options_.wald_p / static_cast<double>(catalogue_.groups().size()));
-        if (bad && (worst < 0 || gain < worst_gain)) {
-          worst = g;
-          worst_gain = gain;
-        }
+        if (bad && (worst < 0 || gain < worst_gain)) worst = g, worst_gain = gain;
         at += size;
       }
       if (worst < 0) return;
@@ -320,15 +318,16 @@ class Selector {
   }
 
   // replace each selected effect by every other, one at a time
-  void rivals(Selection& result, const std::vector<int>& chosen) const {
+  void rivals(Selection& result, const std::vector<int>& chosen, const Fit& fit) const {
     const Eigen::MatrixXd total = result.grams.total();
+    const Eigen::VectorXd own = block_losses(result.grams, s_.with_biases(chosen), fit.coefficient);
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     for (Finding& finding : result.findings) {
       for (const int other : search.candidates) {
-        const std::optional<Exchange> e = exchange(total, search, chosen, finding.group, other);
+        const std::optional<Exchange> e = exchange(total, search, chosen, fit, finding.group, other);
         if (!e) continue;
         const Eigen::VectorXd difference = block_losses(result.grams, s_.with_biases(e->groups), e->fit.coefficient) -
-                                           block_losses(result.grams, s_.with_biases(e->kept), e->kept_fit.coefficient);
+                                           (e->trim ? block_losses(result.grams, s_.with_biases(e->kept), e->kept_fit.coefficient) : own);
         Eigen::VectorXd sums = Eigen::VectorXd::Zero(result.grams.clusters);
         for (Eigen::Index b = 0; b < difference.size(); ++b)
           sums[result.grams.cluster[static_cast<std::size_t>(b)]] += difference[b];

@@ -47,9 +47,9 @@ NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleMo
   NoiseModel noise;
   const auto floor = reference_floor(vehicle);
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    // the air of a calm room, and a third of its reference floor for what is faster
+    // the air of a calm room, and for what is faster some times the least that is believed
     noise.variance[g] = (g < 2 ? 0.36 : 0.25) * floor[g] * floor[g];
-    noise.least_white[g] = 2.0 * (g < 2 ? 0.01 : 0.004) * std::pow(least_share_of_floor * floor[g], 2);
+    noise.least_white[g] = 2.0 * white_mean_s(g) * std::pow(least_share_of_floor * floor[g], 2);
     noise.white[g] = (g < 2 ? 2.0 : 8.0) * noise.least_white[g];
   }
   noise.time_s = {0.2, 0.2, 0.1, 0.1};
@@ -196,12 +196,11 @@ void Session::search_noise(const std::vector<int>& columns) {
   if (shoots() || linear_.front().forces_alone) return;
   const std::vector<int> fitted = present(columns);
   const Eigen::VectorXd coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
+  std::vector<Eigen::VectorXd> shift;
+  for (const LinearFlight& flight : linear_) shift.push_back(flight_shift(flight, fitted, coefficient));
   const auto misfit = [&](const NoiseModel& model) {
     std::vector<double> of(flights_.size());
-    for_each_flight([&](std::size_t f) {
-      const Eigen::VectorXd shift = flight_shift(linear_[f], fitted, coefficient);
-      of[f] = whiten(flights_[f], linear_[f], model, nullptr, &shift, false).minus_two_log_likelihood;
-    });
+    for_each_flight([&](std::size_t f) { of[f] = whiten(flights_[f], linear_[f], model, nullptr, &shift[f], false).minus_two_log_likelihood; });
     return std::accumulate(of.begin(), of.end(), 0.0);
   };
   double least = misfit(noise);
