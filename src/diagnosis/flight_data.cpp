@@ -305,7 +305,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   for (std::size_t k = 1; k < flight.samples.size(); ++k) {
     const RotorArray mean = inputs.mean(flight.samples[k].time_s - flight.sample_s, flight.samples[k].time_s);
     for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
-      flight.samples[k].saturated = flight.samples[k].saturated || mean[i] >= 0.999 * vehicle.max_speed_radps;
+      flight.samples[k].saturated = flight.samples[k].saturated || mean[i] > 1.001 * vehicle.max_speed_radps;
   }
   flight.as_recorded = options.as_recorded;
   smooth_motion(flight, {});

@@ -5,13 +5,16 @@
 
 namespace gustlab::diagnosis {
 
-LimitScan scan_limit(const Session& session) {
-  LimitScan best;
+namespace {
+
+constexpr double fewest_samples = 10.0, least_strength = 0.2;   // 1 when the limit is the true one
+
+// limits at the upper quantiles of what was commanded
+std::vector<double> limits_to_try(const Session& session) {
   const VehicleModel& vehicle = session.vehicle();
-  // commanded speeds above hover, highest first
-  std::vector<double> speeds;
+  std::vector<double> speeds, limits;
   for (const FlightData& flight : session.flights()) {
-    if (!flight.measured_speed.empty()) return best;
+    if (!flight.measured_speed.empty()) return {};
     for (const Sample& sample : flight.samples) {
       const RotorArray mean = flight.commands.mean(sample.time_s, sample.time_s + flight.sample_s);
       for (int i = 0; i < vehicle.rotor_count; ++i)
@@ -19,29 +22,58 @@ LimitScan scan_limit(const Session& session) {
     }
   }
   std::sort(speeds.rbegin(), speeds.rend());
-  const double hover = vehicle.hover_speed_radps();
   for (const double share : {0.0005, 0.001, 0.002, 0.004, 0.007, 0.011, 0.017, 0.026, 0.04, 0.06, 0.09, 0.13}) {
     const double limit = speeds[static_cast<std::size_t>(share * static_cast<double>(speeds.size()))];
-    if (limit < 1.02 * hover || limit > 0.999 * vehicle.max_speed_radps) continue;
-    double dp = 0.0, pp = 0.0, samples = 0.0;
-    for (std::size_t f = 0; f < session.flights().size(); ++f) {
-      const FlightData& flight = session.flights()[f];
-      const auto push = limit_change(flight, static_cast<int>(f), session.catalogue(), session.value(), limit);
+    if (limit > 1.02 * vehicle.hover_speed_radps() && limit < 0.999 * vehicle.max_speed_radps) limits.push_back(limit);
+  }
+  return limits;
+}
+
+// the best of some limits
+LimitScan best_of(const Session& session, const std::vector<int>& columns, const Eigen::VectorXd& coefficient, const std::vector<double>& limits) {
+  LimitScan best;
+  const auto count = static_cast<Eigen::Index>(limits.size());
+  std::vector<double> samples(limits.size(), 0.0);
+  std::vector<std::vector<Pushes>> change;
+  for (std::size_t f = 0; f < session.flights().size(); ++f) {
+    const FlightData& flight = session.flights()[f];
+    change.emplace_back(flight.samples.size(), Pushes::Zero(6, count));
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+      const std::vector<Push> push = limit_change(flight, static_cast<int>(f), session.catalogue(), session.value(), limits[i]);
       for (std::size_t k = 0; k < push.size(); ++k) {
-        if (push[k].isZero(0.0)) continue;
-        samples += 1.0;
-        for (int j = 2; j < 6; ++j) {
-          const double weight = std::pow(session.noise.rms(static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])), -2);
-          dp += weight * push[k][j] * session.smoothed[f].disturbance[k][j];
-          pp += weight * push[k][j] * push[k][j];
-        }
+        change[f][k].col(static_cast<Eigen::Index>(i)) = push[k];
+        samples[i] += push[k].isZero(0.0) ? 0.0 : 1.0;
       }
     }
-    if (samples < 10.0 || pp <= 0.0) continue;
-    const double strength = dp / pp;
-    if (strength > 0.2 && dp * strength > best.gain) best = {limit, dp * strength};
+  }
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count + 1, count + 1);
+  for (const Whitened& w : session.innovations(columns, coefficient, &change))
+    for (Eigen::Index r = 0; r < w.rows.rows(); ++r)
+      if (w.warm[static_cast<std::size_t>(r)]) gram += w.rows.row(r).transpose() * w.rows.row(r);
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const double dp = gram(at, count), pp = gram(at, at);
+    if (samples[i] < fewest_samples || pp <= 0.0 || dp < least_strength * pp) continue;
+    if (dp * dp / pp > best.gain) best = {limits[i], dp * dp / pp};
   }
   return best;
+}
+
+}  // namespace
+
+LimitScan scan_limit(const Session& session, const std::vector<int>& columns) {
+  const std::vector<double> limits = limits_to_try(session);
+  if (limits.empty()) return {};
+  const Eigen::VectorXd coefficient = solve(session.grams().total(), columns).coefficient;
+  const LimitScan coarse = best_of(session, columns, coefficient, limits);
+  if (coarse.gain == 0.0) return coarse;
+  // and between its neighbours
+  const auto at = std::find(limits.begin(), limits.end(), coarse.limit_radps);
+  const double above = at == limits.begin() ? session.vehicle().max_speed_radps : at[-1], below = at + 1 == limits.end() ? *at : at[1];
+  std::vector<double> between;
+  for (const double share : {0.2, 0.4, 0.6, 0.8}) between.push_back(*at + share * (above - *at)), between.push_back(*at + share * (below - *at));
+  const LimitScan fine = best_of(session, columns, coefficient, between);
+  return fine.gain > coarse.gain ? fine : coarse;
 }
 
 }  // namespace gustlab::diagnosis

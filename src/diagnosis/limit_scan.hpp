@@ -1,4 +1,4 @@
-// Does a rotor speed limit below the vehicle file's explain the disturbance?
+// Does a rotor speed limit below the vehicle file's explain what the model misses?
 #pragma once
 
 #include "diagnosis/session.hpp"
@@ -7,9 +7,9 @@ namespace gustlab::diagnosis {
 
 struct LimitScan {
   double limit_radps = 0.0;
-  double gain = 0.0;        // of the smoothed disturbance, in squared standard deviations per correlation time
+  double gain = 0.0;        // of the whitened innovations, χ²
 };
-// Tries limits at the upper quantiles of the commanded speeds.
-LimitScan scan_limit(const Session& session);
+// Tries limits at the upper quantiles of the commanded speeds, with the given columns at their least-squares values.
+LimitScan scan_limit(const Session& session, const std::vector<int>& columns);
 
 }  // namespace gustlab::diagnosis

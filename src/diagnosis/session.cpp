@@ -230,11 +230,12 @@ Grams Session::grams() const {
   return grams;
 }
 
-std::vector<Whitened> Session::innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const {
+std::vector<Whitened> Session::innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
+                                           const std::vector<std::vector<Pushes>>* extra) const {
   std::vector<Whitened> whitened(flights_.size());
   for_each_flight([&](std::size_t f) {
     const Eigen::VectorXd shift = flight_shift(linear_[f], columns, coefficient);
-    whitened[f] = whiten(flights_[f], linear_[f], noise, nullptr, &shift, false);
+    whitened[f] = whiten(flights_[f], linear_[f], noise, extra ? &(*extra)[f] : nullptr, &shift, false);
   });
   return whitened;
 }

@@ -41,8 +41,10 @@ class Session {
   // A coarse search for the likeliest disturbance, from where EM would take hundreds of steps.
   void search_noise(const std::vector<int>& columns);
   Grams grams() const;
-  // Innovations with the given columns taken out at these values (natural units, counted from the linearisation).
-  std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
+  // Innovations with the given columns taken out at these values (natural units, counted from the linearisation);
+  // `extra`: further columns per flight, before y.
+  std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
+                                    const std::vector<std::vector<Pushes>>* extra = nullptr) const;
 
   void take_weights(const Session& other) { weights_ = other.weights_; }
   bool shoots() const { return !shooting_flights_.empty(); }

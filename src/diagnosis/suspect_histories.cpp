@@ -9,7 +9,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// worth a column: share of the disturbance, squared standard deviations
+// worth a column: share of the disturbance, χ²
 constexpr double least_load_share = 0.01, least_limit_gain = 30.0;
 
 }  // namespace
@@ -17,8 +17,8 @@ constexpr double least_load_share = 0.01, least_limit_gain = 30.0;
 void suspect_histories(Session& session, const Eigen::VectorXd& value, const std::vector<int>& chosen) {
   const Catalogue& catalogue = session.catalogue();
   bool stale = false;
+  std::vector<int> others = chosen;
   if (!chosen.empty()) {
-    std::vector<int> others = chosen;
     Eigen::VectorXd bare = value;
     if (const int load = catalogue.find("slung_load"); std::erase(others, load) > 0) {
       for (const int c : columns_of(catalogue, {load})) bare[c] = 0.0;
@@ -29,7 +29,7 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
   }
   const PendulumScan load = scan_pendulum(session);
   const bool limited = std::find(chosen.begin(), chosen.end(), catalogue.find("saturation")) != chosen.end();
-  const LimitScan limit = limited ? LimitScan{} : scan_limit(session);
+  const LimitScan limit = limited ? LimitScan{} : scan_limit(session, session.with_biases(others));
   if (load.share > least_load_share) {
     std::vector<std::vector<Vector3>> force;
     for (std::size_t f = 0; f < session.flights().size(); ++f) {
