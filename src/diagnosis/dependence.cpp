@@ -13,11 +13,10 @@ namespace {
 constexpr double block_s = 0.5;
 constexpr Eigen::Index fewest_blocks = 30, first_shift = 4;
 constexpr double ridge = 30.0;   // of columns with unit deviation, in blocks
-// Standard deviations above the moved series: sixteen gusts reached 4.1, six jets, tethers and cross forces began at 7.8 (trials
-// of the independent reality, seeds 20012, 20014 and 20016).
-constexpr double surely = 5.5;
+// Standard deviations above the moved series.
+constexpr double surely = 4.9;
 
-// share of the squares of y (two axes) that lies in the space of a basis
+// how well a basis tells y (two axes): −log of the share of its squares that is left
 struct Projection {
   Eigen::MatrixXd basis;
   Eigen::LDLT<Eigen::MatrixXd> normal;
@@ -33,9 +32,9 @@ struct Projection {
     gram.diagonal().array() += ridge;
     normal.compute(gram);
   }
-  double share(const Eigen::MatrixXd& y) const {
+  double told(const Eigen::MatrixXd& y) const {
     const Eigen::MatrixXd left = y - basis * normal.solve(basis.transpose() * y);
-    return 1.0 - left.squaredNorm() / (y.squaredNorm() + 1e-300);
+    return -std::log((left.squaredNorm() + 1e-300) / (y.squaredNorm() + 1e-300));
   }
 };
 
@@ -81,16 +80,16 @@ bool depends_on_state(const Session& session, const std::vector<Smoothed>& smoot
   const Eigen::Index shortest = rows / static_cast<Eigen::Index>(session.flights().size());
   for (const auto* of : {&place, &velocity}) {
     const Projection projection(*of);
-    const auto share = [&](Eigen::Index shift) {
+    const auto told = [&](Eigen::Index shift) {
       Eigen::MatrixXd moved(rows, 2);
       for (int axis = 0; axis < 2; ++axis) moved.col(axis) = moved_along(y.col(axis), flight, shift);
-      return projection.share(moved);
+      return projection.told(moved);
     };
     std::vector<double> chance;
-    for (Eigen::Index shift = first_shift; shift + first_shift <= shortest; ++shift) chance.push_back(share(shift));
+    for (Eigen::Index shift = first_shift; shift + first_shift <= shortest; ++shift) chance.push_back(told(shift));
     const Eigen::Map<const Eigen::VectorXd> moved(chance.data(), static_cast<Eigen::Index>(chance.size()));
     const double sd = std::sqrt((moved.array() - moved.mean()).square().mean());
-    if (share(0) > moved.mean() + surely * sd) return true;
+    if (told(0) > moved.mean() + surely * sd) return true;
   }
   return false;
 }
