@@ -8,10 +8,10 @@
 #include <optional>
 #include <set>
 
+#include "diagnosis/stability.hpp"
 #include "diagnosis/subset_search.hpp"
 #include "diagnosis/suspect_histories.hpp"
 #include "diagnosis/trims.hpp"
-#include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -52,9 +52,10 @@ class Selector {
       const Grams grams = absolute(value);
       const std::vector<int> next = search(grams);
       value = refine(next, coefficients(grams, next));
-      visited[next] = value;
       const bool settled = round > 0 && next == chosen;
       chosen = next;
+      if (round == 0) value = likelier_lateness(chosen, value);
+      visited[chosen] = value;
       if (settled) break;
       if (round == 0) s_.forget_transitions();
       if (round == rounds - 1) value = best_visited(visited, chosen);
@@ -172,6 +173,25 @@ class Selector {
     return value;
   }
 
+  // Where the model was linearised a lag and a delay are the same: if one was chosen, the other is fitted in its place.
+  Eigen::VectorXd likelier_lateness(std::vector<int>& chosen, const Eigen::VectorXd& value) {
+    const std::array<int, 2> late = {catalogue_.find("motor_lag"), catalogue_.find("actuation_delay")};
+    for (const auto& [from, to] : {std::pair{late[0], late[1]}, {late[1], late[0]}}) {
+      const bool chosen_alone = std::count(chosen.begin(), chosen.end(), from) > 0 && std::count(chosen.begin(), chosen.end(), to) == 0;
+      if (to < 0 || !chosen_alone || below_tolerance(s_, value, from)) continue;
+      std::vector<int> other = chosen;
+      std::replace(other.begin(), other.end(), from, to);
+      std::sort(other.begin(), other.end());
+      const int was = columns_of(catalogue_, {from}).front(), is = columns_of(catalogue_, {to}).front();
+      Eigen::VectorXd start = value;
+      for (const int c : columns_of(catalogue_, {from})) start[c] = catalogue_.nominal()[c];
+      start[is] += value[was] - catalogue_.nominal()[was];
+      catalogue_.clamp(start);
+      return best_visited({{chosen, value}, {other, start}}, chosen);
+    }
+    return value;
+  }
+
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
@@ -227,7 +247,8 @@ class Selector {
       result.findings.push_back(finding);
     }
     rivals(result, chosen, fit);
-    stability(result, chosen);
+    const std::vector<double> included = inclusion(s_, result.grams, chosen, options_);
+    for (Finding& finding : result.findings) finding.inclusion = included[static_cast<std::size_t>(finding.group)];
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     for (const int g : search.candidates) {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
@@ -339,34 +360,6 @@ class Selector {
       std::stable_sort(finding.rivals.begin(), finding.rivals.end(), [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });
       if (finding.rivals.size() > 4) finding.rivals.resize(4);
     }
-  }
-
-  // complementary halves of the clusters, each searched anew
-  void stability(Selection& result, const std::vector<int>& chosen) const {
-    if (chosen.empty()) return;
-    const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
-    const RandomStream random(20261121, 0, "half_samples");
-    std::vector<int> count(catalogue_.groups().size(), 0);
-    const int most = static_cast<int>(chosen.size()) + 1;
-    for (int draw = 0; draw < options_.half_samples / 2; ++draw) {
-      std::vector<bool> first(static_cast<std::size_t>(result.grams.clusters));
-      for (std::size_t i = 0; i < first.size(); ++i)
-        first[i] = random.uniform4(static_cast<std::uint64_t>(draw) * 100000 + i)[0] < 0.5;
-      for (const bool half : {true, false}) {
-        Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(result.grams.columns + 1, result.grams.columns + 1);
-        double share = 0.0;
-        for (std::size_t b = 0; b < result.grams.block.size(); ++b)
-          if (first[static_cast<std::size_t>(result.grams.cluster[b])] == half) {
-            gram += result.grams.block[b];
-            share += 1.0 / static_cast<double>(result.grams.block.size());
-          }
-        const auto by_size = search.run(project_out(gram, s_.biases()), std::min(most, options_.most_effects), 5);
-        for (const int g : SubsetSearch::choose(by_size, options_.materiality * result.grams.rows * share).groups)
-          ++count[static_cast<std::size_t>(g)];
-      }
-    }
-    for (Finding& finding : result.findings)
-      finding.inclusion = static_cast<double>(count[static_cast<std::size_t>(finding.group)]) / options_.half_samples;
   }
 
   Session& s_;
