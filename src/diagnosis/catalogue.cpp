@@ -147,6 +147,14 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       bias.max = -bias.min;
       columns_.push_back(bias);
     }
+  for (int p = 0; !seen.trims && seen.torque && p < Surprise::RowsAtCompileTime; ++p) {
+    Column surprise;
+    surprise.parameter = command_surprise_of + p;
+    surprise.name = fmt::format("command_surprise_{}", p);
+    surprise.max = 1e3;
+    surprise.min = -surprise.max;
+    columns_.push_back(surprise);
+  }
   for (int f = 0; seen.trims && f < flights; ++f)
     for (int p = torque_trim; p <= command_clock; ++p) {
       Column trim;

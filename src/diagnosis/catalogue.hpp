@@ -26,8 +26,9 @@ struct Column {
   bool admits(double value) const { return value >= min - 0.02 * natural && value <= max + 0.02 * natural; }
 };
 
-// Of one flight, never a finding; trims and clock only where predictions half a second ahead are fitted.
-enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9 };
+// Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims and a clock. Elsewhere, of all
+// flights: eight coefficients of what was not foretold of the commands.
+enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_surprise_of = 10 };
 // What build tolerances and a re-seated battery leave from flight to flight: rad/s² (a third of a millimetre of a
 // Crazyflie's centre of mass), and a logger's clocks, s.
 inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02;

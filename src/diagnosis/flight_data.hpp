@@ -59,6 +59,9 @@ class CommandRecord final {
 // Standard deviation of white noise on a series, from its third differences (robust): median|Δ³y| / (0.6745 √20).
 double third_difference_noise(const std::vector<double>& values);
 
+// What was not foretold of the rotors' acceleration, and its memory: each roll, pitch, yaw [rad/s²], along the body's z [m/s²].
+using Surprise = Eigen::Matrix<double, 8, 1>;
+
 struct FlightData {
   std::string file;
   std::string label;                    // file name without folder
@@ -73,6 +76,7 @@ struct FlightData {
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
   // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected
   std::vector<Eigen::Matrix<double, 6, 1>> limit_change;
+  std::vector<Surprise> surprise;          // see command_surprise.hpp, per sample; empty: not known
   double sample_s = 0.01;               // median interval
   int substeps = 4;                     // per sample interval, on the instants at which commands were logged
   bool as_recorded = false;             // the recorded states are the motion

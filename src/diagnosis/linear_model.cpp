@@ -202,7 +202,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     out.y[k] = innovation(sample, predict_sensors(forces, flight.motion[k], x[k], t, force, turning[k]));
   }
 
-  // a slung load and a lower speed limit are histories: accelerations per unit of their first column
+  // a slung load, a lower speed limit and unforetold commands are histories: accelerations per unit of a column
   struct History {
     int column;
     std::function<Push(std::size_t)> push;
@@ -219,6 +219,16 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     return push;
   });
   add_history("saturation", !flight.limit_change.empty(), [&](std::size_t k) { return flight.limit_change[k]; });
+  for (int c = 0; c < catalogue.size() && !flight.surprise.empty(); ++c) {
+    const int p = catalogue.columns()[static_cast<std::size_t>(c)].parameter - command_surprise_of;
+    if (catalogue.columns()[static_cast<std::size_t>(c)].group >= 0 || p < 0) continue;
+    histories.push_back({c, [&, p](std::size_t k) {
+      Push push = Push::Zero();
+      if (p % 4 < 3) push[3 + p % 4] = flight.surprise[k][p];
+      else push.head<3>() = flight.surprise[k][p] * out.R_WB[k].col(2);
+      return push;
+    }});
+  }
   for (const History& history : histories)
     for (std::size_t k = 0; k < n && value[history.column] != 0.0; ++k) {
       const Push push = value[history.column] * history.push(k);
@@ -275,12 +285,6 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
   for (Eigen::Index j = 0; j < width; ++j) {
     const int c = out.columns[static_cast<std::size_t>(j)];
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    if (column.group < 0) {
-      if (column.parameter >= torque_trim) continue;
-      for (std::size_t k = 0; k < n; ++k) out.D[k](6 + column.parameter, j) = column.natural;
-      continue;
-    }
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(column.group)];
     const auto history = std::find_if(histories.begin(), histories.end(), [c](const History& h) { return h.column == c; });
     if (history != histories.end())
       for (std::size_t k = 0; k < n; ++k) {
@@ -288,6 +292,11 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
         out.B[k].col(j) = moved_by(push, out.interval_s[k]);
         out.D[k].col(j).tail<3>() = felt(push, out.R_WB[k]);
       }
+    if (column.group < 0) {
+      for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k) out.D[k](6 + column.parameter, j) = column.natural;
+      continue;
+    }
+    const Group& group = catalogue.groups()[static_cast<std::size_t>(column.group)];
     if (is_history(group.row->name)) continue;
     Eigen::VectorXd from = value, to = value;
     const double step = 1e-3 * column.natural;
