@@ -29,18 +29,19 @@ struct SmoothedPast final : MeasurementContext::Past {
 };
 
 // what the sensors of the model say at a sample
-Measured predict_sensors(const ForceModel& forces, const Motion& motion, const Point& x, double time_s,
+Measured predict_sensors(const ForceModel& forces, const FlightData& flight, std::size_t k, const Point& x,
                          const Vector3& specific_force, const Vector3& angular_acceleration) {
+  const double time_s = flight.samples[k].time_s - flight.start_s;
   const Matrix3 R = x.attitude.toRotationMatrix();
   const Vector3& arm = forces.vehicle().center_of_mass_B_m;
   Measured m;
   m.position_W_m = x.position - R * arm;
   m.velocity_W_mps = x.velocity - R * x.rate.cross(arm);
   m.attitude_WB = x.attitude;
-  m.body_rate_B_radps = x.rate;
+  m.body_rate_B_radps = x.rate - flight.rate_late_s * angular_acceleration;
   m.specific_force_B_mps2 = specific_force;
   SmoothedPast past;
-  Motion origin = motion;
+  Motion origin = flight.motion[k];
   origin.position_W_m = m.position_W_m;
   origin.velocity_W_mps = m.velocity_W_mps;
   past.motion = &origin;
@@ -149,15 +150,16 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
   for (std::size_t k = 0; k < n; ++k) x[k] = center_of_mass(flight.motion[k], arm);
   Evaluator evaluate{forces, {}, {}};
 
-  // an accelerometer away from the middle feels how the body turns
+  // an accelerometer away from the middle feels how the body turns, and a late gyro tells how it turned
+  const bool quick_turning = (with_force || flight.rate_late_s > 0.0) && out.torque_known;
   std::vector<Vector3> turning(n);
   for (std::size_t k = 0; k < n; ++k) {
     turning[k] = flight.motion[k].angular_acceleration_B_radps2;
-    if (with_force && out.torque_known)
+    if (quick_turning)
       evaluate.specific_force(x[k], flight.samples[k].time_s - flight.start_s, flight.samples[k].voltage_V, rotors.at_sample[k],
                               rotors.acceleration[k * count], turning[k]);
   }
-  if (with_force && out.torque_known) turning = angular_acceleration(flight, turning);
+  if (quick_turning) turning = angular_acceleration(flight, turning);
 
   // finite-difference steps of the error state
   constexpr std::array<double, 4> steps = {1e-4, 1e-3, 1e-4, 1e-3};
@@ -199,7 +201,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
                                                               rotors.at_sample[k], rise[0], modelled) - force) / step;
         }
     }
-    out.y[k] = innovation(sample, predict_sensors(forces, flight.motion[k], x[k], t, force, turning[k]));
+    out.y[k] = innovation(sample, predict_sensors(forces, flight, k, x[k], force, turning[k]));
   }
 
   // a slung load, a lower speed limit and unforetold commands are histories: accelerations per unit of a column
@@ -269,7 +271,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       Vector3 modelled, force = Vector3::Zero();
       if (with_force)
         force = at.specific_force(x[k], t, sample.voltage_V, history.at_sample[k], history.acceleration[k * count], modelled);
-      result.y[k] = innovation(sample, predict_sensors(model, flight.motion[k], x[k], t, force, turning[k]));
+      result.y[k] = innovation(sample, predict_sensors(model, flight, k, x[k], force, turning[k]));
     }
   };
   Column0 base, moved;

@@ -159,7 +159,8 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
       activity.push_back(std::sqrt(change));
       speed.push_back(fast);
       height.push_back(-high);
-      for (std::size_t g = 0; g < disturbance_groups; ++g) energy[g].push_back(e[g]);
+      for (std::size_t g = 0; g < disturbance_groups; ++g)
+        energy[g].push_back(e[g] / static_cast<double>(length * channels_of[g].size()));
     }
   }
   for (std::size_t g = 0; g < disturbance_groups; ++g)
@@ -175,7 +176,8 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
         low += energy[g][order[i]];
         high += energy[g][order[order.size() - 1 - i]];
       }
-      if (r > 0.45 && high > 3.0 * low) {
+      // where it is largest it must be more than a calm room's
+      if (r > 0.45 && high > 3.0 * low && std::sqrt(high / static_cast<double>(quarter)) > floor[g]) {
         if (g == 0) result.gust_like = false;
         result.alarms.push_back({"heteroscedastic", fmt::format("{} grows with {}", group_name[g], name), 0.001 * high / low, channels_of[g]});
         break;

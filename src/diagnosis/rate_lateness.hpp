@@ -1,0 +1,14 @@
+// How much later than the attitude the gyro is: its filter's delay.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/flight_data.hpp"
+
+namespace gustlab::diagnosis {
+
+// From attitudes and rates alone, torques left free, one for all flights [s]. 0 when it is not told, and when the attitude is the later
+// one: no sensor is early, so that is a late pose, which the dynamics must tell.
+double rate_lateness_s(const std::vector<FlightData>& flights, const VehicleModel& vehicle, int jobs);
+
+}  // namespace gustlab::diagnosis
