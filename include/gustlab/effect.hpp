@@ -125,6 +125,7 @@ struct EffectRow {
   bool per_flight;              // fitted per flight, otherwise per vehicle
   bool diagnosable;             // false: simulator only (measurement_noise, sindy_residual)
   bool external;                // a disturbance from outside, logged as fx…tz
+  bool commanded = false;       // seen only in how the vehicle answers its commands
   std::string_view says;        // one plain sentence of what it does
   std::string_view shows_in;    // the flight that makes it visible
   std::string_view confused_with;  // rivals, and what separates them

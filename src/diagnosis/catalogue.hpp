@@ -11,6 +11,10 @@
 
 namespace gustlab::diagnosis {
 
+// Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims and a clock. Elsewhere, of all
+// flights: eight coefficients of what was not foretold of the commands.
+enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_surprise_of = 10 };
+
 // One number that may be fitted.
 struct Column {
   int group = -1;        // −1: a nuisance (sensor bias, trim), always free and never a finding
@@ -22,13 +26,11 @@ struct Column {
   double tolerance = 0.0;
   double min = 0.0, max = 0.0;
   double nominal = 0.0;  // value in the vehicle file
+  bool of_surprise() const { return group < 0 && parameter >= command_surprise_of; }
   // a little beyond a bound is noise
   bool admits(double value) const { return value >= min - 0.02 * natural && value <= max + 0.02 * natural; }
 };
 
-// Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims and a clock. Elsewhere, of all
-// flights: eight coefficients of what was not foretold of the commands.
-enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_surprise_of = 10 };
 // What build tolerances and a re-seated battery leave from flight to flight: rad/s² (a third of a millimetre of a
 // Crazyflie's centre of mass), and a logger's clocks, s.
 inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02;

@@ -8,6 +8,8 @@ namespace {
 
 constexpr int most_rounds = 6;
 constexpr double least_tested = 10.0;   // χ² that a finding should save on the held-out flights
+// feedback of sensors that were not logged makes rotors seem weaker or later than they are: χ² over that of unforetold commands
+constexpr double least_over_unforetold = 2.0;
 constexpr double most_spread = 0.15;    // between regimes, as a share of the whole
 constexpr double surely_uneven = 18.0;  // χ² of two degrees of freedom: p = 0.001 over nine variables
 
@@ -40,12 +42,14 @@ Challenge challenge(Session& session, Selection& selection, const std::vector<Fl
     };
     for (std::size_t i = 0; i < selection.findings.size(); ++i) {
       if (selection.findings[i].calibration) continue;
+      const Group& group = session.catalogue().groups()[static_cast<std::size_t>(selection.findings[i].group)];
       if (does_not_pay(result.tested, i))
         withdraw_finding(i, result.tested.gain[i], "fits the flights it was found on, and does not pay on the held-out ones");
       else if (selection.findings[i].inclusion < least_included)
         withdraw_finding(i, result.tested.gain[i], "only suspected: not every part of the flights says so, and there is no pose to verify it on");
+      else if (group.row->commanded && selection.findings[i].gain < least_over_unforetold * selection.unforetold_gain)
+        withdraw_finding(i, selection.findings[i].gain, "only suspected: the commands tell more of what the log does not hold than this explains");
       // values of every flight's own catch whatever has a mean
-      const Group& group = session.catalogue().groups()[static_cast<std::size_t>(selection.findings[i].group)];
       const Regimes* r = group.row->per_flight ? uneven(result.regimes[i]) : nullptr;
       if (r && r->spread > spread) spread = r->spread, widest = i;
     }

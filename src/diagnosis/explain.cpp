@@ -122,10 +122,12 @@ void explain(const Session& session, const Selection& selection, const Challenge
     for (const Rival& rival : finding.rivals) {
       const std::string name = catalogue_name(group_of(rival.group));
       // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
-      const bool equivalent = rival.z < equivalent_z && rival.delta_score < 0.5 * finding.gain;
+      const bool equal = rival.z < equivalent_z && rival.delta_score < 0.5 * finding.gain;
+      // or no farther apart than what unforetold commands explain
+      const bool equivalent = equal || (group.row->commanded && rival.delta_score < std::min(selection.unforetold_gain, 0.5 * finding.gain));
       effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
       if (equivalent) effect.classmates.push_back(name);
-      calibration = calibration || (equivalent && rival.below_tolerance);
+      calibration = calibration || (equal && rival.below_tolerance);
     }
     // of a moment of inertia in yaw the same is true the other way round
     if (effect.effect == "inertia" && !effect.parameters.empty()) {

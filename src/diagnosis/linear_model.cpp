@@ -222,8 +222,9 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
   });
   add_history("saturation", !flight.limit_change.empty(), [&](std::size_t k) { return flight.limit_change[k]; });
   for (int c = 0; c < catalogue.size() && !flight.surprise.empty(); ++c) {
-    const int p = catalogue.columns()[static_cast<std::size_t>(c)].parameter - command_surprise_of;
-    if (catalogue.columns()[static_cast<std::size_t>(c)].group >= 0 || p < 0) continue;
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    if (!column.of_surprise()) continue;
+    const int p = column.parameter - command_surprise_of;
     histories.push_back({c, [&, p](std::size_t k) {
       Push push = Push::Zero();
       if (p % 4 < 3) push[3 + p % 4] = flight.surprise[k][p];
