@@ -198,7 +198,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   if (seen.ceiling_z_m) flight.vehicle.environment.ceiling_z_m = seen.ceiling_z_m;
   if (!seen.walls.empty()) flight.vehicle.environment.walls = seen.walls;
   flight.collective_only = options.forces_only || log.meta.actuator == ActuatorKind::collective_thrust;
-  flight.hold_known = log.meta.hold != Hold::unknown;
+  flight.hold_known = log.meta.hold == Hold::zoh;
   const bool linear = log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
 
   const auto& time = log.time_s;

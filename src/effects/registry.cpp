@@ -123,7 +123,7 @@ constexpr EffectRow rows[] = {
      .confused_with = "center_of_mass, rotor_tilt: thrust sweep and yaw",
      .source = "Freddi et al., IFAC 2011", .make = make_rotor_loss},
     {.name = "rotor_tilt", .place = Place::rotor, .order = 80,
-     .per_flight = false, .diagnosable = true, .external = false, .commanded = true,
+     .per_flight = false, .diagnosable = true, .external = false,
      .says = "all rotors push along a tilted axis",
      .shows_in = "yaw, thrust sweep",
      .confused_with = "attitude_offset: torque excitation (alike in translation)",
