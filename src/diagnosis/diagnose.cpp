@@ -298,7 +298,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   }
   std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading, offset, 0),
                           held = prepare(logs.holdout, vehicle, reading, offset, logs.fit.size());
-  const double late_s = attitude && !forces_only && reading.common_filter_s == 0.0 ? rate_lateness_s(flights, vehicle, options.jobs) : 0.0;
+  const double late_s = attitude && !forces_only && reading.common_filter_s == 0.0 ? rate_lateness_s(flights) : 0.0;
   for (auto* some : {&flights, &held})
     for (FlightData& flight : *some) flight.rate_late_s = late_s;
   if (late_s > 0.0) out.notes.push_back(fmt::format("the gyro is {:.1f} ms later than the attitude, as a filter makes it: taken into account", 1e3 * late_s));

@@ -7,8 +7,9 @@
 
 namespace gustlab::diagnosis {
 
-// From attitudes and rates alone, torques left free, one for all flights [s]. 0 when it is not told, and when the attitude is the later
-// one: no sensor is early, so that is a late pose, which the dynamics must tell.
-double rate_lateness_s(const std::vector<FlightData>& flights, const VehicleModel& vehicle, int jobs);
+// From attitudes and rates alone, one for all flights [s]: turns between attitudes a tenth of a second apart are compared with the
+// integral of the gyro, which a delay d makes shorter by d times the change of the rate. 0 when it is not told, and when the attitude is
+// the later one: no sensor is early, so that is a late pose, which the dynamics must tell.
+double rate_lateness_s(const std::vector<FlightData>& flights);
 
 }  // namespace gustlab::diagnosis
