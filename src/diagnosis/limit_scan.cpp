@@ -33,19 +33,18 @@ std::vector<double> limits_to_try(const Session& session) {
 LimitScan best_of(const Session& session, const std::vector<int>& columns, const Eigen::VectorXd& coefficient, const std::vector<double>& limits) {
   LimitScan best;
   const auto count = static_cast<Eigen::Index>(limits.size());
-  std::vector<double> samples(limits.size(), 0.0);
-  std::vector<std::vector<Pushes>> change;
-  for (std::size_t f = 0; f < session.flights().size(); ++f) {
+  std::vector<std::vector<Pushes>> change(session.flights().size());
+  session.for_each_flight([&](std::size_t f) {
     const FlightData& flight = session.flights()[f];
-    change.emplace_back(flight.samples.size(), Pushes::Zero(6, count));
-    for (std::size_t i = 0; i < limits.size(); ++i) {
-      const std::vector<Push> push = limit_change(flight, static_cast<int>(f), session.catalogue(), session.value(), limits[i]);
-      for (std::size_t k = 0; k < push.size(); ++k) {
-        change[f][k].col(static_cast<Eigen::Index>(i)) = push[k];
-        samples[i] += push[k].isZero(0.0) ? 0.0 : 1.0;
-      }
-    }
-  }
+    change[f].assign(flight.samples.size(), Pushes::Zero(6, count));
+    const auto pushes = limit_changes(flight, static_cast<int>(f), session.catalogue(), session.value(), limits);
+    for (std::size_t i = 0; i < limits.size(); ++i)
+      for (std::size_t k = 0; k < pushes[i].size(); ++k) change[f][k].col(static_cast<Eigen::Index>(i)) = pushes[i][k];
+  });
+  std::vector<double> samples(limits.size(), 0.0);
+  for (const auto& flight : change)
+    for (const Pushes& push : flight)
+      for (std::size_t i = 0; i < limits.size(); ++i) samples[i] += push.col(static_cast<Eigen::Index>(i)).isZero(0.0) ? 0.0 : 1.0;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count + 1, count + 1);
   for (const Whitened& w : session.innovations(columns, coefficient, &change))
     for (Eigen::Index r = 0; r < w.rows.rows(); ++r)

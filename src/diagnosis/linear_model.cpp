@@ -106,19 +106,21 @@ std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceMode
 
 }  // namespace
 
-std::vector<Push> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
-                               const Eigen::VectorXd& value, double limit_radps) {
-  FlightData limited;
-  limited = flight;
-  limited.vehicle.max_speed_radps = limit_radps;
+std::vector<std::vector<Push>> limit_changes(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+                                             const Eigen::VectorXd& value, const std::vector<double>& limits_radps) {
   const ForceModel free = force_model(flight, catalogue, value, flight_index, -1);
-  const ForceModel bound = force_model(limited, catalogue, value, flight_index, -1);
   const auto before = mid_interval(flight, free, rotor_history(flight, free));
-  const auto after = mid_interval(limited, bound, rotor_history(limited, bound));
-  std::vector<Push> change(before.size());
-  for (std::size_t k = 0; k < change.size(); ++k)
-    change[k] << after[k].linear_W_mps2 - before[k].linear_W_mps2, after[k].angular_B_radps2 - before[k].angular_B_radps2;
-  return change;
+  FlightData limited = flight;
+  std::vector<std::vector<Push>> changes;
+  for (const double limit_radps : limits_radps) {
+    limited.vehicle.max_speed_radps = limit_radps;
+    const ForceModel bound = force_model(limited, catalogue, value, flight_index, -1);
+    const auto after = mid_interval(limited, bound, rotor_history(limited, bound));
+    std::vector<Push>& change = changes.emplace_back(before.size());
+    for (std::size_t k = 0; k < change.size(); ++k)
+      change[k] << after[k].linear_W_mps2 - before[k].linear_W_mps2, after[k].angular_B_radps2 - before[k].angular_B_radps2;
+  }
+  return changes;
 }
 
 Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const Pushes& push, double interval_s) {

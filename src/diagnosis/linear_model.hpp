@@ -61,8 +61,8 @@ RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces);
 void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                const std::vector<int>& wanted, LinearFlight& out);
 
-// What a lower speed limit would change along a flight: linear acceleration in W, angular in B, per sample.
-std::vector<Push> limit_change(const FlightData& flight, int flight_index, const Catalogue& catalogue,
-                               const Eigen::VectorXd& value, double limit_radps);
+// What lower speed limits would change along a flight: of each, linear acceleration in W, angular in B, per sample.
+std::vector<std::vector<Push>> limit_changes(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+                                             const Eigen::VectorXd& value, const std::vector<double>& limits_radps);
 
 }  // namespace gustlab::diagnosis

@@ -141,7 +141,7 @@ void Session::suspect_load(const Swing& swing, std::vector<std::vector<Vector3>>
 void Session::suspect_limit(double limit_radps) {
   catalogue_.set_speed_limit(limit_radps);
   for_each_flight([&](std::size_t f) {
-    flights_[f].limit_change = diagnosis::limit_change(flights_[f], static_cast<int>(f), catalogue_, value_, limit_radps);
+    flights_[f].limit_change = limit_changes(flights_[f], static_cast<int>(f), catalogue_, value_, {limit_radps}).front();
   });
 }
 

@@ -46,6 +46,8 @@ class Session {
   std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
                                     const std::vector<std::vector<Pushes>>* extra = nullptr) const;
 
+  // Each flight on a thread of its own; what a body writes belongs to its flight.
+  void for_each_flight(const std::function<void(std::size_t)>& body) const;
   void take_weights(const Session& other) { weights_ = other.weights_; }
   bool shoots() const { return !shooting_flights_.empty(); }
 
@@ -54,7 +56,6 @@ class Session {
 
  private:
   std::vector<int> present(const std::vector<int>& columns) const;
-  void for_each_flight(const std::function<void(std::size_t)>& body) const;
   int jobs_;
   VehicleModel vehicle_;
   std::vector<FlightData> flights_;
