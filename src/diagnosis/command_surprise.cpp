@@ -24,10 +24,7 @@ std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight) {
   const Point rest{Vector3(0.0, 0.0, 1e3), Vector3::Zero(), Quaternion::Identity(), Vector3::Zero()};
   std::vector<Eigen::Vector4d> result;
   for (std::size_t k = 0; k < flight.samples.size(); ++k) {
-    RotorArray mean{};
-    for (std::size_t s = k * count; s < (k + 1) * count; ++s)
-      for (std::size_t i = 0; i < max_rotors; ++i) mean[i] += rotors.mean[s][i] / static_cast<double>(count);
-    const Acceleration a = evaluate(rest, 0.0, flight.vehicle.nominal_voltage_V, mean, {});
+    const Acceleration a = evaluate(rest, 0.0, flight.vehicle.nominal_voltage_V, mean_of(&rotors.mean[k * count], rotors.substeps), {});
     result.emplace_back(a.angular_B_radps2.x(), a.angular_B_radps2.y(), a.angular_B_radps2.z(), a.linear_W_mps2.z());
   }
   return result;

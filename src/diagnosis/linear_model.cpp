@@ -84,13 +84,6 @@ std::vector<Vector3> angular_acceleration(const FlightData& flight, const std::v
   return result;
 }
 
-RotorArray mean_of(const RotorArray* values, int count) {
-  RotorArray mean{};
-  for (int s = 0; s < count; ++s)
-    for (std::size_t i = 0; i < max_rotors; ++i) mean[i] += values[s][i] / count;
-  return mean;
-}
-
 // accelerations at mid-interval along a flight
 std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceModel& forces, const RotorHistory& history) {
   std::vector<Acceleration> result(flight.samples.size());

@@ -80,6 +80,14 @@ struct Evaluator {
   }
 };
 
+// Mean of the rotors' speeds or accelerations over consecutive substeps.
+inline RotorArray mean_of(const RotorArray* values, int count) {
+  RotorArray mean{};
+  for (int s = 0; s < count; ++s)
+    for (std::size_t i = 0; i < max_rotors; ++i) mean[i] += values[s][i] / count;
+  return mean;
+}
+
 // The plant's motion over one sample interval: midpoint rule in substeps, rotor speeds held at their means.
 Point propagate(Evaluator& evaluate, Point x, double time_s, double interval_s, double voltage_V, int substeps,
                 const RotorArray* speed, const RotorArray* acceleration);

@@ -93,7 +93,7 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       corrected_(flights_.size()),
       shooting_flights_(std::move(shooting_flights)),
       shot_(shooting_flights_.size()) {
-  for_each_flight([&](std::size_t f) { flights_[f].surprise = command_surprise(flights_[f]); });
+  if (!shoots()) for_each_flight([&](std::size_t f) { flights_[f].surprise = command_surprise(flights_[f]); });
   for (int c = 0; c < catalogue_.size(); ++c) {
     all_.push_back(c);
     if (catalogue_.columns()[static_cast<std::size_t>(c)].group < 0) biases_.push_back(c);
