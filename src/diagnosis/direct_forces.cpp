@@ -6,8 +6,8 @@
 namespace gustlab::diagnosis {
 
 Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                       const std::vector<Pushes>* extra, const Eigen::VectorXd* shift, bool with_columns) {
-  const Eigen::Index own = with_columns ? static_cast<Eigen::Index>(flight.columns.size()) : 0;
+                       const std::vector<Pushes>* extra) {
+  const auto own = static_cast<Eigen::Index>(flight.columns.size());
   const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
   Whitened out;
   out.rows.resize(static_cast<Eigen::Index>(3 * flight.size()), own + more + 1);
@@ -21,7 +21,7 @@ Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const
       auto row = out.rows.row(row_index);
       if (own > 0) row.head(own) = flight.D[k].row(r);
       if (more > 0) row.segment(own, more) = extra_felt.row(axis);
-      row[own + more] = flight.y[k][r] - (shift ? flight.D[k].row(r).dot(*shift) : 0.0);
+      row[own + more] = flight.y[k][r];
       const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(axis)]);
       const double variance = noise.variance[g] * std::max(1.0, 2.0 * noise.time_s[g] / flight.interval_s[k]);
       row /= std::sqrt(variance);
@@ -36,7 +36,7 @@ Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const
   return out;
 }
 
-Smoothed smooth_forces(const LinearFlight& flight, const Eigen::VectorXd& shift) {
+Smoothed smooth_forces(const LinearFlight& flight) {
   Smoothed out;
   out.disturbance.assign(flight.size(), Eigen::Matrix<double, 6, 1>::Zero());
   out.disturbance_variance.assign(flight.size(), Eigen::Matrix<double, 6, 1>::Zero());
@@ -48,8 +48,7 @@ Smoothed smooth_forces(const LinearFlight& flight, const Eigen::VectorXd& shift)
       linked = false;
       continue;
     }
-    Vector3 residual = flight.y[k].tail<3>();
-    if (shift.size() > 0) residual -= flight.D[k].bottomRows<3>() * shift;
+    const Vector3 residual = flight.y[k].tail<3>();
     out.disturbance[k].head<3>() = flight.R_WB[k] * residual;
     for (std::size_t j = 0; j < 3; ++j) {
       const double d = residual[static_cast<Eigen::Index>(j)];

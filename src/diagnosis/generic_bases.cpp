@@ -165,8 +165,8 @@ std::vector<BasisFamily> channel_bases(const Session& session) {
 Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
   const auto chosen = static_cast<Eigen::Index>(columns.size());
   const Eigen::Index width = chosen + family.size + 1;
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(width, width);
-  for (std::size_t f = 0; f < session.flights().size(); ++f) {
+  std::vector<Eigen::MatrixXd> of_flight(session.flights().size());
+  session.for_each_flight([&](std::size_t f) {
     const LinearFlight& linear = session.linear()[f];
     const Whitened w = whiten(session.flights()[f], linear, session.noise, &family.columns[f]);
     const auto own = static_cast<Eigen::Index>(linear.columns.size());
@@ -184,9 +184,12 @@ Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, con
         if (to[static_cast<std::size_t>(j)] >= 0) picked(count, to[static_cast<std::size_t>(j)]) = w.rows(r, j);
       ++count;
     }
-    gram += picked.topRows(count).transpose() * picked.topRows(count);
-  }
-  return gram;
+    of_flight[f] = Eigen::MatrixXd::Zero(width, width);
+    of_flight[f].selfadjointView<Eigen::Lower>().rankUpdate(picked.topRows(count).transpose());
+  });
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(width, width);
+  for (const Eigen::MatrixXd& part : of_flight) gram += part;
+  return gram.selfadjointView<Eigen::Lower>();
 }
 
 std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families, const std::vector<int>& columns,

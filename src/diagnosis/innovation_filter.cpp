@@ -11,7 +11,7 @@ namespace {
 
 using Matrix18 = Eigen::Matrix<double, 18, 18>;
 using Vector18 = Eigen::Matrix<double, 18, 1>;
-using Columns = Eigen::Matrix<double, 18, Eigen::Dynamic>;
+using Columns = Eigen::Matrix<double, 18, Eigen::Dynamic, Eigen::RowMajor>;
 
 // how far the smoothed trajectory may be from the truth at the start of a segment (Crazyflie to Iris)
 constexpr std::array<double, 4> prior_variance = {4e-6, 4e-3, 4e-4, 4e-2};
@@ -90,26 +90,50 @@ void start(const NoiseModel& noise, Matrix18& P, const LinearFlight& flight, std
     P(12 + i, 12 + i) = noise.variance[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(i)])];
 }
 
+// [F Γ] M, where Γ moves only the error's own axis: two entries a column
+template <int columns>
+Eigen::Matrix<double, 12, columns> upper_times(const Transition& t, const Eigen::Matrix<double, 18, columns>& M) {
+  const Matrix12 F = t.A.topLeftCorner<12, 12>();
+  Eigen::Matrix<double, 12, columns> result = F.lazyProduct(M.template topRows<12>());
+  for (int i = 0; i < 12; ++i) {
+    const int d = 12 + i % 3 + (i < 6 ? 0 : 3);
+    result.row(i) += t.A(i, d) * M.row(d);
+  }
+  return result;
+}
+
+// M A of the same A
+Matrix18 times(const Matrix18& M, const Transition& t) {
+  const Matrix12 F = t.A.topLeftCorner<12, 12>();
+  Matrix18 result;
+  result.leftCols<12>() = M.leftCols<12>().lazyProduct(F);
+  result.rightCols<6>() = M.rightCols<6>() * t.A.diagonal().tail<6>().asDiagonal();
+  for (int i = 0; i < 12; ++i) {
+    const int d = 12 + i % 3 + (i < 6 ? 0 : 3);
+    result.col(d) += t.A(i, d) * M.col(i);
+  }
+  return result;
+}
+
 // P⁺ = A P Aᵀ + process, with A's lower-left block zero and its lower-right diagonal
 void propagate(const Transition& t, Matrix18& P) {
-  const Eigen::Matrix<double, 12, 18> upper = t.A.topRows<12>() * P;
-  Matrix18 next;
-  next.topLeftCorner<12, 12>() = upper * t.A.topRows<12>().transpose();
+  const Eigen::Matrix<double, 12, 18> upper = upper_times<18>(t, P);
   const Eigen::Matrix<double, 6, 1> decay = t.A.diagonal().tail<6>();
-  next.topRightCorner<12, 6>() = upper.rightCols<6>() * decay.asDiagonal();
-  next.bottomLeftCorner<6, 12>() = next.topRightCorner<12, 6>().transpose();
-  next.bottomRightCorner<6, 6>() = decay.asDiagonal() * P.bottomRightCorner<6, 6>() * decay.asDiagonal();
-  next.diagonal() += t.process;
-  P = 0.5 * (next + next.transpose());
+  P.bottomRightCorner<6, 6>() = decay.asDiagonal() * P.bottomRightCorner<6, 6>() * decay.asDiagonal();
+  P.topRightCorner<12, 6>() = upper.rightCols<6>() * decay.asDiagonal();
+  P.bottomLeftCorner<6, 12>() = P.topRightCorner<12, 6>().transpose();
+  const Matrix12 corner = upper_times<12>(t, upper.transpose());
+  P.topLeftCorner<12, 12>() = 0.5 * (corner + corner.transpose());
+  P.diagonal() += t.process;
 }
 
 }  // namespace
 
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<Pushes>* extra, const Eigen::VectorXd* shift, bool with_columns) {
-  if (flight.forces_alone) return whiten_forces(data, flight, noise, extra, shift, with_columns);
+                const std::vector<Pushes>* extra) {
+  if (flight.forces_alone) return whiten_forces(data, flight, noise, extra);
   const std::size_t n = flight.size();
-  const Eigen::Index own = with_columns ? static_cast<Eigen::Index>(flight.columns.size()) : 0;
+  const auto own = static_cast<Eigen::Index>(flight.columns.size());
   const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
   const Eigen::Index width = own + more + 1;
   Whitened out;
@@ -144,9 +168,7 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
       }
       if (own > 0) e.head(own) += flight.D[k].row(r);
       if (more > 0 && r >= first_force_row) e.segment(own, more) += extra_felt.row(r - first_force_row);
-      double y = flight.y[k][r];
-      if (shift) y -= flight.D[k].row(r).dot(*shift);
-      e[width - 1] = y - e[width - 1];
+      e[width - 1] = flight.y[k][r] - e[width - 1];
       double variance = noise.measurement[static_cast<std::size_t>(noise_group(r))];
       for (int i = 0; i < h.size; ++i)
         variance += h.value[static_cast<std::size_t>(i)] * gain[h.at[static_cast<std::size_t>(i)]];
@@ -158,8 +180,8 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
       out.warm.push_back(since_start >= 20);
       ++row_index;
       gain /= variance;
-      X.leftCols(width - 1) -= gain * e.head(width - 1);
-      X.col(width - 1) += gain * e[width - 1];
+      e[width - 1] = -e[width - 1];
+      for (int i = 0; i < 18; ++i) X.row(i) -= gain[i] * e;
       P -= gain * (variance * gain.transpose());
     }
     ++since_start;
@@ -171,7 +193,6 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
     if (own > 0) next.topLeftCorner(12, own) += flight.B[k];
     if (more > 0) next.block(0, own, 12, more) += moved_by((*extra)[k], flight.interval_s[k]);
     next.col(width - 1).head<12>() += flight.b[k];
-    if (shift) next.col(width - 1).head<12>() += flight.B[k] * *shift;
     X.swap(next);
     propagate(t, P);
   }
@@ -179,8 +200,8 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
   return out;
 }
 
-Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen::VectorXd& shift) {
-  if (flight.forces_alone) return smooth_forces(flight, shift);
+Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
+  if (flight.forces_alone) return smooth_forces(flight);
   const std::size_t n = flight.size();
   struct Step {
     Vector18 x;                 // after the measurements of this sample
@@ -196,7 +217,6 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
   Vector18 x = Vector18::Zero();
   Matrix18 P = Matrix18::Zero();
   Transition t;
-  const bool shifted = shift.size() > 0;
   for (std::size_t k = 0; k < n; ++k) {
     Step& step = steps[k];
     if (flight.starts[k]) {
@@ -210,7 +230,6 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
       const Row h = measurement_row(flight, k, r);
       Vector18 gain = Vector18::Zero();
       double e = flight.y[k][r];
-      if (shifted) e -= flight.D[k].row(r).dot(shift);
       for (int i = 0; i < h.size; ++i) {
         gain += h.value[static_cast<std::size_t>(i)] * P.col(h.at[static_cast<std::size_t>(i)]);
         e -= h.value[static_cast<std::size_t>(i)] * x[h.at[static_cast<std::size_t>(i)]];
@@ -233,7 +252,6 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
     transition(flight, k, noise, t);
     x = t.A * x;
     x.head<12>() += flight.b[k];
-    if (shifted) x.head<12>() += flight.B[k] * shift;
     propagate(t, P);
   }
 
@@ -255,7 +273,7 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
       const Vector18 lambda_next = lambda;
       const Matrix18 Lambda_next = Lambda;
       lambda = t.A.transpose() * lambda_next;
-      Lambda = t.A.transpose() * (Lambda_next * t.A);
+      Lambda = times(times(Lambda_next, t).transpose(), t);
       Lambda = (0.5 * (Lambda + Lambda.transpose())).eval();
       for (int j = 0; j < 6; ++j) {
         // Cov(d_{k+1}, d_k | all) = [A P_k]_{jj} − P⁻_{k+1} Λ_{k+1} A P_k
@@ -285,7 +303,6 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen
       const int r = step.row[static_cast<std::size_t>(i)];
       const Row h = measurement_row(flight, k, r);
       double residual = flight.y[k][r];
-      if (shifted) residual -= flight.D[k].row(r).dot(shift);
       Vector18 Ph = Vector18::Zero();
       for (int q = 0; q < h.size; ++q) {
         residual -= h.value[static_cast<std::size_t>(q)] * smoothed[h.at[static_cast<std::size_t>(q)]];

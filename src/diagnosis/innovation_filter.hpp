@@ -45,8 +45,7 @@ struct Whitened {
 
 // `extra`: further columns (m pushes per sample), appended before y.
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<Pushes>* extra = nullptr, const Eigen::VectorXd* shift = nullptr,
-                bool with_columns = true);
+                const std::vector<Pushes>* extra = nullptr);
 
 // Sufficient statistics of one flight for EM, and the smoothed disturbance.
 struct Smoothed {
@@ -56,8 +55,7 @@ struct Smoothed {
   std::array<double, noise_groups> residual{}, residual_count{};
   std::vector<Eigen::Matrix<double, 6, 1>> disturbance, disturbance_variance;   // both parts; variance of the slow one
 };
-// `shift`: values of the flight's columns (natural units) taken out of the data first.
-Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise, const Eigen::VectorXd& shift);
+Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise);
 
 // One EM update from the statistics of several flights.
 NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s);

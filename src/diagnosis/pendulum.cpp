@@ -2,8 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "util/parallel.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -133,14 +136,19 @@ PendulumScan swung_out(const Session& session, const PendulumScan& small, const 
     smoothed.push_back(&session.smoothed[f]);
     from.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), small.mass_kg, small.swing, session.vehicle().gravity_mps2));
   }
-  PendulumScan best = small;
-  for (const double longer : {1.0, 0.92, 1.08}) {
+  constexpr std::array<double, 3> longer = {1.0, 0.92, 1.08};
+  std::array<PendulumScan, longer.size()> swung;
+  parallel_for(std::ssize(longer), session.jobs(), [&](std::int64_t i) {
+    const auto at = static_cast<std::size_t>(i);
     SwingingLoad load{small.swing, small.mass_kg, fit.coefficient[1]};
-    load.swing.length_m *= longer;
+    load.swing.length_m *= longer[at];
     std::vector<SwingStart> starts = from;
     const double share = 1.0 - fit_swing(flights, smoothed, session.vehicle().mass_kg, load, starts, true) / (squares + 1e-300);
-    if (share > best.share) best = {load.swing, share, load.mass_kg, starts};
-  }
+    swung[at] = {load.swing, share, load.mass_kg, starts};
+  });
+  PendulumScan best = small;
+  for (const PendulumScan& wide : swung)
+    if (wide.share > best.share) best = wide;
   return best;
 }
 
@@ -161,29 +169,37 @@ PendulumScan scan_pendulum(const Session& session) {
   // without the load, at any swing
   const double squares = solve_all(regressions({shortest_m, least_damping}), false).left;
   Solution best_fit;
-  const auto try_swing = [&](const Swing& swing) {
-    if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping || swing.damping > most_damping) return false;
-    const std::vector<Regression> flights = regressions(swing);
-    const Solution with = solve_all(flights, true);
-    const double share = 1.0 - with.left / (squares + 1e-300);
-    if (with.coefficient[0] <= 1e-3 * vehicle.mass_kg || share <= best.share) return false;
-    if (swing_rms(flights, with) > widest_swing * gravity * with.coefficient[0]) return false;
-    best = {{swing.length_m, swing.damping, 0.03 * swing.length_m}, share, with.coefficient[0], {}};
-    best_fit = with;
-    return true;
+  const auto better = [&](const std::vector<Swing>& swings) {
+    std::vector<PendulumScan> scans(swings.size());
+    std::vector<Solution> fits(swings.size());
+    parallel_for(std::ssize(swings), session.jobs(), [&](std::int64_t i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Swing& swing = swings[at];
+      if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping || swing.damping > most_damping) return;
+      const std::vector<Regression> flights = regressions(swing);
+      fits[at] = solve_all(flights, true);
+      const double load_kg = fits[at].coefficient[0];
+      if (load_kg <= 1e-3 * vehicle.mass_kg || swing_rms(flights, fits[at]) > widest_swing * gravity * load_kg) return;
+      scans[at] = {{swing.length_m, swing.damping, 0.03 * swing.length_m}, 1.0 - fits[at].left / (squares + 1e-300), load_kg, {}};
+    });
+    bool found = false;
+    for (std::size_t i = 0; i < scans.size(); ++i)
+      if (scans[i].share > best.share) best = scans[i], best_fit = fits[i], found = true;
+    return found;
   };
+  std::vector<Swing> grid;
   for (const double damping : {0.01, 0.05})
-    for (double length_m = shortest_m; length_m < longest_m; length_m *= 1.03) try_swing({length_m, damping});
-  if (best.share == 0.0) return best;
+    for (double length_m = shortest_m; length_m < longest_m; length_m *= 1.03) grid.push_back({length_m, damping});
+  if (!better(grid)) return best;
   // from the best of these uphill, in ever smaller steps
   for (double step = 0.5; step > 0.05;) {
     const Swing from = best.swing;
-    bool higher = false;
+    std::vector<Swing> near;
     for (const double sign : {-1.0, 1.0}) {
-      higher |= try_swing({from.length_m * std::exp(sign * 0.03 * step), from.damping});
-      higher |= try_swing({from.length_m, from.damping * std::exp(sign * step)});
+      near.push_back({from.length_m * std::exp(sign * 0.03 * step), from.damping});
+      near.push_back({from.length_m, from.damping * std::exp(sign * step)});
     }
-    if (!higher) step *= 0.5;
+    if (!better(near)) step *= 0.5;
   }
   return swung_out(session, best, best_fit, squares);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "diagnosis/command_surprise.hpp"
 #include "util/parallel.hpp"
@@ -149,13 +150,19 @@ void Session::forget_transitions() {
   for (LinearFlight& flight : linear_) flight.F.clear();
 }
 
-Eigen::VectorXd flight_shift(const LinearFlight& flight, const std::vector<int>& columns,
-                             const Eigen::VectorXd& coefficient) {
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(flight.columns.size()));
-  for (std::size_t j = 0; j < flight.columns.size(); ++j)
-    for (std::size_t i = 0; i < columns.size(); ++i)
-      if (columns[i] == flight.columns[j]) shift[static_cast<Eigen::Index>(j)] = coefficient[static_cast<Eigen::Index>(i)];
-  return shift;
+LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
+  LinearFlight rest = flight;
+  rest.columns.clear();
+  rest.B.clear(), rest.D.clear();
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto at = std::find(flight.columns.begin(), flight.columns.end(), columns[i]) - flight.columns.begin();
+    if (at == std::ssize(flight.columns)) continue;
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      rest.b[k] += coefficient[static_cast<Eigen::Index>(i)] * flight.B[k].col(at);
+      rest.y[k] -= coefficient[static_cast<Eigen::Index>(i)] * flight.D[k].col(at);
+    }
+  }
+  return rest;
 }
 
 // columns that were differentiated in the last linearisation
@@ -185,7 +192,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
     if (iteration % 2 == 0 && !shoots()) coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
     smoothed.assign(flights_.size(), Smoothed{});
     for_each_flight([&](std::size_t f) {
-      smoothed[f] = smooth(linear_[f], noise, flight_shift(linear_[f], fitted, coefficient));
+      smoothed[f] = smooth(taken_out(linear_[f], fitted, coefficient), noise);
     });
     before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
@@ -198,26 +205,39 @@ void Session::search_noise(const std::vector<int>& columns) {
   if (shoots() || linear_.front().forces_alone) return;
   const std::vector<int> fitted = present(columns);
   const Eigen::VectorXd coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
-  std::vector<Eigen::VectorXd> shift;
-  for (const LinearFlight& flight : linear_) shift.push_back(flight_shift(flight, fitted, coefficient));
-  const auto misfit = [&](const NoiseModel& model) {
-    std::vector<double> of(flights_.size());
-    for_each_flight([&](std::size_t f) { of[f] = whiten(flights_[f], linear_[f], model, nullptr, &shift[f], false).minus_two_log_likelihood; });
-    return std::accumulate(of.begin(), of.end(), 0.0);
+  std::vector<LinearFlight> rest;
+  for (const LinearFlight& flight : linear_) rest.push_back(taken_out(flight, fitted, coefficient));
+  const auto misfits = [&](const std::vector<NoiseModel>& models) {
+    const std::size_t flights = rest.size();
+    std::vector<double> of(models.size() * flights), sum(models.size(), 0.0);
+    parallel_for(std::ssize(of), jobs_, [&](std::int64_t at) {
+      const auto i = static_cast<std::size_t>(at), f = i % flights;
+      of[i] = whiten(flights_[f], rest[f], models[i / flights]).minus_two_log_likelihood;
+    });
+    for (std::size_t i = 0; i < of.size(); ++i) sum[i / flights] += of[i];
+    return sum;
   };
-  double least = misfit(noise);
-  for (const auto& [factor, sweeps] : {std::pair{2.0, 3}, {1.4, 2}})
-    for (int sweep = 0, moved = 1; sweep < sweeps && moved > 0; ++sweep) {
-      moved = 0;
-      for (std::size_t g = 0; g < disturbance_groups; ++g)
-        for (const double by : {factor, 1.0 / factor})
-          for (const auto part : {&NoiseModel::variance, &NoiseModel::time_s, &NoiseModel::white}) {
+  double least = misfits({noise}).front();
+  for (const auto& [factor, sweeps] : {std::pair{2.0, 3}, {1.4, 2}}) {
+    // groups hardly depend on each other: one that stays will stay
+    std::array<bool, disturbance_groups> moved;
+    moved.fill(true);
+    for (int sweep = 0; sweep < sweeps; ++sweep)
+      for (std::size_t g = 0; g < disturbance_groups; ++g) {
+        if (!std::exchange(moved[g], false)) continue;
+        for (const auto part : {&NoiseModel::variance, &NoiseModel::time_s, &NoiseModel::white}) {
+          std::vector<NoiseModel> trials;
+          for (const double by : {factor, 1.0 / factor}) {
             NoiseModel trial = noise;
             (trial.*part)[g] *= part == &NoiseModel::time_s ? by : by * by;
-            if (trial.time_s[g] > slowest_disturbance_s || trial.white[g] < trial.least_white[g]) continue;
-            if (const double here = misfit(trial); here < least - 1.0) least = here, noise = trial, ++moved;
+            if (trial.time_s[g] <= slowest_disturbance_s && trial.white[g] >= trial.least_white[g]) trials.push_back(trial);
           }
-    }
+          const std::vector<double> here = misfits(trials);
+          for (std::size_t i = 0; i < trials.size(); ++i)
+            if (here[i] < least - 1.0) least = here[i], noise = trials[i], moved[g] = true;
+        }
+      }
+  }
 }
 
 Grams Session::grams() const {
@@ -236,8 +256,7 @@ std::vector<Whitened> Session::innovations(const std::vector<int>& columns, cons
                                            const std::vector<std::vector<Pushes>>* extra) const {
   std::vector<Whitened> whitened(flights_.size());
   for_each_flight([&](std::size_t f) {
-    const Eigen::VectorXd shift = flight_shift(linear_[f], columns, coefficient);
-    whitened[f] = whiten(flights_[f], linear_[f], noise, extra ? &(*extra)[f] : nullptr, &shift, false);
+    whitened[f] = whiten(flights_[f], taken_out(linear_[f], columns, coefficient), noise, extra ? &(*extra)[f] : nullptr);
   });
   return whitened;
 }

@@ -25,6 +25,7 @@ class Session {
   const std::vector<int>& biases() const { return biases_; }
   // The columns of some groups and the biases, in this order.
   std::vector<int> with_biases(const std::vector<int>& groups) const;
+  int jobs() const { return jobs_; }
   double sample_s() const { return flights_.front().sample_s; }
 
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
@@ -69,8 +70,8 @@ class Session {
   ShootingWeights weights_;
 };
 
-// Values per flight of a list of columns, in the order of a flight's own columns.
-Eigen::VectorXd flight_shift(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient);
+// A flight with some columns at these values, and no column left.
+LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient);
 // Typical size of the noise before anything is known.
 NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleModel& vehicle);
 // What a calm room leaves unexplained, per group, sd in m/s² and rad/s² (Crazyflie prototype, scaled by size).

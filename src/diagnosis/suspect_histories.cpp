@@ -31,12 +31,12 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
   const bool limited = std::find(chosen.begin(), chosen.end(), catalogue.find("saturation")) != chosen.end();
   const LimitScan limit = limited ? LimitScan{} : scan_limit(session, session.with_biases(others));
   if (load.share > least_load_share) {
-    std::vector<std::vector<Vector3>> force;
-    for (std::size_t f = 0; f < session.flights().size(); ++f) {
+    std::vector<std::vector<Vector3>> force(session.flights().size());
+    session.for_each_flight([&](std::size_t f) {
       const FlightData& flight = session.flights()[f];
-      force.push_back(load.starts.empty() ? pendulum_force(flight, session.smoothed[f], session.vehicle().mass_kg, load.swing, load.mass_kg)
-                                          : swinging_force(flight, load.swing, load.starts[f]));
-    }
+      force[f] = load.starts.empty() ? pendulum_force(flight, session.smoothed[f], session.vehicle().mass_kg, load.swing, load.mass_kg)
+                                     : swinging_force(flight, load.swing, load.starts[f]);
+    });
     session.suspect_load(load.swing, std::move(force));
     stale = true;
   }
