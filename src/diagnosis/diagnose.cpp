@@ -16,7 +16,7 @@
 #include "diagnosis/log_checks.hpp"
 #include "diagnosis/next_flight.hpp"
 #include "diagnosis/quasi_static.hpp"
-#include "diagnosis/rate_lateness.hpp"
+#include "diagnosis/sensor_lateness.hpp"
 #include "diagnosis/residual_effect.hpp"
 #include "diagnosis/subset_search.hpp"
 #include "diagnosis/vehicle_check.hpp"
@@ -298,10 +298,13 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   }
   std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading, offset, 0),
                           held = prepare(logs.holdout, vehicle, reading, offset, logs.fit.size());
-  const double late_s = attitude && !forces_only && reading.common_filter_s == 0.0 ? rate_lateness_s(flights) : 0.0;
-  for (auto* some : {&flights, &held})
-    for (FlightData& flight : *some) flight.rate_late_s = late_s;
-  if (late_s > 0.0) out.notes.push_back(fmt::format("the gyro is {:.1f} ms later than the attitude, as a filter makes it: taken into account", 1e3 * late_s));
+  if (attitude && !forces_only && reading.common_filter_s == 0.0) {
+    const double rate_s = rate_lateness_s(flights), force_s = force_lateness_s(flights, rate_s);
+    for (auto* some : {&flights, &held})
+      for (FlightData& flight : *some) flight.rate_late_s = rate_s, flight.force_late_s = force_s;
+    for (const auto& [sensor, late_s] : {std::pair{"gyro", rate_s}, {"accelerometer", force_s}})
+      if (late_s > 0.0) out.notes.push_back(fmt::format("the {} is {:.1f} ms later than the pose, as a filter makes it: taken into account", sensor, 1e3 * late_s));
+  }
   for (std::size_t i = 0; i < offset.size(); ++i) {
     const FlightData& flight = i < flights.size() ? flights[i] : held[i - flights.size()];
     out.flights.push_back({flight.label, i < flights.size() ? "fit" : "holdout", flight.duration_s(), offset[i]});

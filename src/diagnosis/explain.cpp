@@ -1,8 +1,10 @@
 #include "diagnosis/explain.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "config/toml.hpp"
@@ -102,6 +104,15 @@ std::string why_not_told(const Session& session, const Selection& selection, con
 }  // namespace
 
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
+  const NoiseModel& noise = selection.noise_selected;
+  if (noise.errors_last()) {
+    constexpr std::array<const char*, noise_groups> sensor = {"position {:.2g} mm", "attitude {:.2g} mrad", "gyro {:.2g} mrad/s", "accelerometer {:.2g} mm/s²"};
+    std::vector<std::string> sizes;
+    for (std::size_t g = 0; g < noise_groups; ++g)
+      if (noise.lasting_variance[g] > noise.measurement[g])
+        sizes.push_back(fmt::format(fmt::runtime(std::string(sensor[g]) + " for {:.2g} s"), 1e3 * std::sqrt(noise.lasting_variance[g]), noise.lasting_time_s[g]));
+    if (!sizes.empty()) out.notes.push_back(fmt::format("errors of the sensors last, as an estimator's, an interpolated pose's or a filtered sensor's do: {}; taken into account", fmt::join(sizes, ", ")));
+  }
   const Catalogue& catalogue = session.catalogue();
   const auto group_of = [&](int g) -> const Group& { return catalogue.groups()[static_cast<std::size_t>(g)]; };
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {

@@ -72,7 +72,7 @@ struct FlightData {
   CommandRecord measured_speed;         // rotor* columns, when there
   bool collective_only = false;         // torques unknown, or not to be told
   bool has_voltage = false;
-  double rate_late_s = 0.0;             // of the gyro behind the attitude
+  double rate_late_s = 0.0, force_late_s = 0.0;  // of gyro and accelerometer behind the pose
   bool hold_known = false;              // interpolated commands were resampled, or sent faster than the log
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
   // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected

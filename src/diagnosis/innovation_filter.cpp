@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "diagnosis/direct_forces.hpp"
 
@@ -9,17 +10,21 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-using Matrix18 = Eigen::Matrix<double, 18, 18>;
-using Vector18 = Eigen::Matrix<double, 18, 1>;
-using Columns = Eigen::Matrix<double, 18, Eigen::Dynamic, Eigen::RowMajor>;
+// A state is the error state, the disturbance, and, where errors of the sensors last, these.
+template <int size>
+using Square = Eigen::Matrix<double, size, size>;
+template <int size>
+using Vector = Eigen::Matrix<double, size, 1>;
+template <int size>
+constexpr int slow = size - error_size;
 
 // how far the smoothed trajectory may be from the truth at the start of a segment (Crazyflie to Iris)
 constexpr std::array<double, 4> prior_variance = {4e-6, 4e-3, 4e-4, 4e-2};
 
 // one row of H: the few entries that are not zero
 struct Row {
-  std::array<int, 12> at;
-  std::array<double, 12> value;
+  std::array<int, 13> at;
+  std::array<double, 13> value;
   int size = 0;
   void add(int index, double v) {
     at[static_cast<std::size_t>(size)] = index;
@@ -27,8 +32,10 @@ struct Row {
   }
 };
 
+template <int size>
 Row measurement_row(const LinearFlight& flight, std::size_t k, int row) {
   Row h;
+  if (size > state_size) h.add(state_size + row, 1.0);
   if (row < 3) {
     h.add(row, 1.0);
     // the logged origin turns about the centre of mass: δ(−R r) = R [r]× δϑ
@@ -49,16 +56,25 @@ int noise_group(int row) { return row / 3; }
 // what the white acceleration of an axis changes: velocity, body rate
 int white_row(int axis) { return axis < 3 ? 3 + axis : 6 + axis; }
 
-// transition of error and disturbance over one interval
+// of a slow part: variance and correlation time
+std::pair<double, double> memory(const NoiseModel& noise, int part) {
+  if (part >= 6) return {noise.lasting_variance[static_cast<std::size_t>(part / 3 - 2)], noise.lasting_time_s[static_cast<std::size_t>(part / 3 - 2)]};
+  const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(part)]);
+  return {noise.variance[g], noise.time_s[g]};
+}
+
+// transition of a state over one interval
+template <int size>
 struct Transition {
-  Matrix18 A;
-  Vector18 process;  // variance added
+  Square<size> A;
+  Vector<size> process;  // variance added
 };
 
-void transition(const LinearFlight& flight, std::size_t k, const NoiseModel& noise, Transition& out) {
+template <int size>
+void transition(const LinearFlight& flight, std::size_t k, const NoiseModel& noise, Transition<size>& out) {
   const double dt = flight.interval_s[k];
   out.A.setZero();
-  out.A.topLeftCorner<12, 12>() = flight.F[k];
+  out.A.template topLeftCorner<12, 12>() = flight.F[k];
   for (int i = 0; i < 3; ++i) {
     out.A(i, 12 + i) = 0.5 * dt * dt;
     out.A(3 + i, 12 + i) = dt;
@@ -66,19 +82,19 @@ void transition(const LinearFlight& flight, std::size_t k, const NoiseModel& noi
     out.A(9 + i, 15 + i) = dt;
   }
   out.process.setConstant(1e-14);
-  out.process.segment<3>(6).setConstant(1e-14);
-  for (int i = 0; i < 6; ++i) {
-    const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(i)]);
-    const double decay = std::exp(-dt / noise.time_s[g]);
+  for (int i = 0; i < slow<size>; ++i) {
+    const auto [variance, time_s] = memory(noise, i);
+    const double decay = std::exp(-dt / time_s);
     out.A(12 + i, 12 + i) = decay;
-    out.process[12 + i] = noise.variance[g] * (1.0 - decay * decay);
-    out.process[white_row(i)] += noise.white[g] * dt;
+    out.process[12 + i] = variance * (1.0 - decay * decay);
   }
+  for (int i = 0; i < 6; ++i) out.process[white_row(i)] += noise.white[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(i)])] * dt;
   // torques unknown: the rotation is free, so that only forces tell
-  if (!flight.torque_known) out.process.segment<3>(9).setConstant(1e4 * dt);
+  if (!flight.torque_known) out.process.template segment<3>(9).setConstant(1e4 * dt);
 }
 
-void start(const NoiseModel& noise, Matrix18& P, const LinearFlight& flight, std::size_t k) {
+template <int size>
+void start(const NoiseModel& noise, Square<size>& P, const LinearFlight& flight, std::size_t k) {
   P.setZero();
   for (int i = 0; i < 12; ++i) P(i, i) = prior_variance[static_cast<std::size_t>(i / 3)];
   // what is never measured is not known to a millimetre
@@ -86,14 +102,13 @@ void start(const NoiseModel& noise, Matrix18& P, const LinearFlight& flight, std
     for (int i = 0; i < 6; ++i) P(i, i) = 1.0;
   if (!flight.measured[k][3])
     for (int i = 6; i < 9; ++i) P(i, i) = 0.25;
-  for (int i = 0; i < 6; ++i)
-    P(12 + i, 12 + i) = noise.variance[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(i)])];
+  for (int i = 0; i < slow<size>; ++i) P(12 + i, 12 + i) = memory(noise, i).first;
 }
 
 // [F Γ] M, where Γ moves only the error's own axis: two entries a column
-template <int columns>
-Eigen::Matrix<double, 12, columns> upper_times(const Transition& t, const Eigen::Matrix<double, 18, columns>& M) {
-  const Matrix12 F = t.A.topLeftCorner<12, 12>();
+template <int size, int columns>
+Eigen::Matrix<double, 12, columns> upper_times(const Transition<size>& t, const Eigen::Matrix<double, size, columns>& M) {
+  const Matrix12 F = t.A.template topLeftCorner<12, 12>();
   Eigen::Matrix<double, 12, columns> result = F.lazyProduct(M.template topRows<12>());
   for (int i = 0; i < 12; ++i) {
     const int d = 12 + i % 3 + (i < 6 ? 0 : 3);
@@ -103,11 +118,12 @@ Eigen::Matrix<double, 12, columns> upper_times(const Transition& t, const Eigen:
 }
 
 // M A of the same A
-Matrix18 times(const Matrix18& M, const Transition& t) {
-  const Matrix12 F = t.A.topLeftCorner<12, 12>();
-  Matrix18 result;
-  result.leftCols<12>() = M.leftCols<12>().lazyProduct(F);
-  result.rightCols<6>() = M.rightCols<6>() * t.A.diagonal().tail<6>().asDiagonal();
+template <int size>
+Square<size> times(const Square<size>& M, const Transition<size>& t) {
+  const Matrix12 F = t.A.template topLeftCorner<12, 12>();
+  Square<size> result;
+  result.template leftCols<12>() = M.template leftCols<12>().lazyProduct(F);
+  result.template rightCols<slow<size>>() = M.template rightCols<slow<size>>() * t.A.diagonal().template tail<slow<size>>().asDiagonal();
   for (int i = 0; i < 12; ++i) {
     const int d = 12 + i % 3 + (i < 6 ? 0 : 3);
     result.col(d) += t.A(i, d) * M.col(i);
@@ -116,22 +132,21 @@ Matrix18 times(const Matrix18& M, const Transition& t) {
 }
 
 // P⁺ = A P Aᵀ + process, with A's lower-left block zero and its lower-right diagonal
-void propagate(const Transition& t, Matrix18& P) {
-  const Eigen::Matrix<double, 12, 18> upper = upper_times<18>(t, P);
-  const Eigen::Matrix<double, 6, 1> decay = t.A.diagonal().tail<6>();
-  P.bottomRightCorner<6, 6>() = decay.asDiagonal() * P.bottomRightCorner<6, 6>() * decay.asDiagonal();
-  P.topRightCorner<12, 6>() = upper.rightCols<6>() * decay.asDiagonal();
-  P.bottomLeftCorner<6, 12>() = P.topRightCorner<12, 6>().transpose();
-  const Matrix12 corner = upper_times<12>(t, upper.transpose());
-  P.topLeftCorner<12, 12>() = 0.5 * (corner + corner.transpose());
+template <int size>
+void propagate(const Transition<size>& t, Square<size>& P) {
+  constexpr int rest = slow<size>;
+  const Eigen::Matrix<double, 12, size> upper = upper_times<size, size>(t, P);
+  const Vector<rest> decay = t.A.diagonal().template tail<rest>();
+  P.template bottomRightCorner<rest, rest>() = decay.asDiagonal() * P.template bottomRightCorner<rest, rest>() * decay.asDiagonal();
+  P.template topRightCorner<12, rest>() = upper.template rightCols<rest>() * decay.asDiagonal();
+  P.template bottomLeftCorner<rest, 12>() = P.template topRightCorner<12, rest>().transpose();
+  const Matrix12 corner = upper_times<size, 12>(t, upper.transpose());
+  P.template topLeftCorner<12, 12>() = 0.5 * (corner + corner.transpose());
   P.diagonal() += t.process;
 }
 
-}  // namespace
-
-Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<Pushes>* extra) {
-  if (flight.forces_alone) return whiten_forces(data, flight, noise, extra);
+template <int size>
+Whitened whiten_with(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise, const std::vector<Pushes>* extra) {
   const std::size_t n = flight.size();
   const auto own = static_cast<Eigen::Index>(flight.columns.size());
   const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
@@ -139,12 +154,13 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
   Whitened out;
   out.rows.resize(static_cast<Eigen::Index>(n * row_count), width);
 
-  Matrix18 P = Matrix18::Zero();
-  Columns X = Columns::Zero(18, width);
-  Transition t;
+  Square<size> P = Square<size>::Zero();
+  using Columns = Eigen::Matrix<double, size, Eigen::Dynamic, Eigen::RowMajor>;
+  Columns X = Columns::Zero(size, width);
+  Transition<size> t;
   Eigen::RowVectorXd e(width);
   Eigen::Matrix<double, 3, Eigen::Dynamic> extra_felt;
-  Vector18 gain;
+  Vector<size> gain;
   Eigen::Index row_index = 0;
   std::size_t since_start = 0;
   for (std::size_t k = 0; k < n; ++k) {
@@ -156,7 +172,7 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
     if (more > 0 && flight.measured[k].tail<3>().any()) extra_felt = felt((*extra)[k], flight.R_WB[k]);
     for (int r = 0; r < row_count; ++r) {
       if (!flight.measured[k][r]) continue;
-      const Row h = measurement_row(flight, k, r);
+      const Row h = measurement_row<size>(flight, k, r);
       gain.setZero();
       // the last column is y − h x; the others D − h ξ, with ξ driven by −B … signs alike: innovation of a column
       e.setZero();
@@ -181,18 +197,18 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
       ++row_index;
       gain /= variance;
       e[width - 1] = -e[width - 1];
-      for (int i = 0; i < 18; ++i) X.row(i) -= gain[i] * e;
+      for (int i = 0; i < size; ++i) X.row(i) -= gain[i] * e;
       P -= gain * (variance * gain.transpose());
     }
     ++since_start;
     if (k + 1 == n || flight.starts[k + 1]) continue;
     transition(flight, k, noise, t);
-    Columns next(18, width);
-    next.topRows<12>().noalias() = t.A.topRows<12>() * X;
-    next.bottomRows<6>() = t.A.diagonal().tail<6>().asDiagonal() * X.bottomRows<6>();
+    Columns next(size, width);
+    next.template topRows<12>().noalias() = t.A.template topLeftCorner<12, state_size>() * X.template topRows<state_size>();
+    next.template bottomRows<slow<size>>() = t.A.diagonal().template tail<slow<size>>().asDiagonal() * X.template bottomRows<slow<size>>();
     if (own > 0) next.topLeftCorner(12, own) += flight.B[k];
     if (more > 0) next.block(0, own, 12, more) += moved_by((*extra)[k], flight.interval_s[k]);
-    next.col(width - 1).head<12>() += flight.b[k];
+    next.col(width - 1).template head<12>() += flight.b[k];
     X.swap(next);
     propagate(t, P);
   }
@@ -200,23 +216,23 @@ Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseM
   return out;
 }
 
-Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
-  if (flight.forces_alone) return smooth_forces(flight);
+template <int size>
+Smoothed smooth_with(const LinearFlight& flight, const NoiseModel& noise) {
   const std::size_t n = flight.size();
   struct Step {
-    Vector18 x;                 // after the measurements of this sample
-    Matrix18 P;
-    Vector18 x_before;
-    Matrix18 P_before;          // before them
+    Vector<size> x;                 // after the measurements of this sample
+    Square<size> P;
+    Vector<size> x_before;
+    Square<size> P_before;          // before them
     int rows = 0;
     std::array<double, row_count> innovation, variance;
     std::array<int, row_count> row;
-    std::array<Vector18, row_count> gain;
+    std::array<Vector<size>, row_count> gain;
   };
   std::vector<Step> steps(n);
-  Vector18 x = Vector18::Zero();
-  Matrix18 P = Matrix18::Zero();
-  Transition t;
+  Vector<size> x = Vector<size>::Zero();
+  Square<size> P = Square<size>::Zero();
+  Transition<size> t;
   for (std::size_t k = 0; k < n; ++k) {
     Step& step = steps[k];
     if (flight.starts[k]) {
@@ -227,8 +243,8 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
     step.P_before = P;
     for (int r = 0; r < row_count; ++r) {
       if (!flight.measured[k][r]) continue;
-      const Row h = measurement_row(flight, k, r);
-      Vector18 gain = Vector18::Zero();
+      const Row h = measurement_row<size>(flight, k, r);
+      Vector<size> gain = Vector<size>::Zero();
       double e = flight.y[k][r];
       for (int i = 0; i < h.size; ++i) {
         gain += h.value[static_cast<std::size_t>(i)] * P.col(h.at[static_cast<std::size_t>(i)]);
@@ -251,7 +267,7 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
     if (k + 1 == n || flight.starts[k + 1]) continue;
     transition(flight, k, noise, t);
     x = t.A * x;
-    x.head<12>() += flight.b[k];
+    x.template head<12>() += flight.b[k];
     propagate(t, P);
   }
 
@@ -259,8 +275,8 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
   Smoothed out;
   out.disturbance.assign(n, Eigen::Matrix<double, 6, 1>::Zero());
   out.disturbance_variance.resize(n);
-  Vector18 lambda = Vector18::Zero();
-  Matrix18 Lambda = Matrix18::Zero();
+  Vector<size> lambda = Vector<size>::Zero();
+  Square<size> Lambda = Square<size>::Zero();
   for (std::size_t k = n; k-- > 0;) {
     const Step& step = steps[k];
     const bool linked = k + 1 < n && !flight.starts[k + 1];
@@ -270,19 +286,20 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
     } else {
       // here λ, Λ are of sample k + 1 before its measurements
       transition(flight, k, noise, t);
-      const Vector18 lambda_next = lambda;
-      const Matrix18 Lambda_next = Lambda;
+      const Vector<size> lambda_next = lambda;
+      const Square<size> Lambda_next = Lambda;
       lambda = t.A.transpose() * lambda_next;
-      Lambda = times(times(Lambda_next, t).transpose(), t);
+      Lambda = times<size>(times<size>(Lambda_next, t).transpose(), t);
       Lambda = (0.5 * (Lambda + Lambda.transpose())).eval();
-      for (int j = 0; j < 6; ++j) {
+      for (int j = 0; j < slow<size>; ++j) {
         // Cov(d_{k+1}, d_k | all) = [A P_k]_{jj} − P⁻_{k+1} Λ_{k+1} A P_k
-        const Vector18 through = t.A * step.P.col(12 + j);
+        const Vector<size> through = t.A * step.P.col(12 + j);
         const double covariance = through[12 + j] - steps[k + 1].P_before.row(12 + j) * (Lambda_next * through);
         const double mean_next = steps[k + 1].x_before[12 + j] - steps[k + 1].P_before.row(12 + j).dot(lambda_next);
         const double mean = step.x[12 + j] - step.P.row(12 + j).dot(lambda);
         out.lagged[static_cast<std::size_t>(j)] += mean_next * mean + covariance;
         out.pairs[static_cast<std::size_t>(j)] += 1.0;
+        if (j >= 6) continue;
         // of white acceleration with variance q of what it changes: mean −q λ, second moment q + q² (λ² − Λ)
         const int at = white_row(j);
         const double power = noise.white[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])], q = power * flight.interval_s[k];
@@ -290,20 +307,19 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
         out.disturbance[k][j] = -power * lambda_next[at];
       }
     }
-    for (int j = 0; j < 6; ++j) {
+    for (int j = 0; j < slow<size>; ++j) {
       const double mean = step.x[12 + j] - step.P.row(12 + j).dot(lambda);
       const double variance = step.P(12 + j, 12 + j) - step.P.row(12 + j) * Lambda * step.P.col(12 + j);
-      out.disturbance[k][j] += mean;
-      out.disturbance_variance[k][j] = variance;
+      if (j < 6) out.disturbance[k][j] += mean, out.disturbance_variance[k][j] = variance;
       out.second[static_cast<std::size_t>(j)] += mean * mean + variance;
       out.count[static_cast<std::size_t>(j)] += 1.0;
     }
-    const Vector18 smoothed = step.x - step.P * lambda;
+    const Vector<size> smoothed = step.x - step.P * lambda;
     for (int i = 0; i < step.rows; ++i) {
       const int r = step.row[static_cast<std::size_t>(i)];
-      const Row h = measurement_row(flight, k, r);
+      const Row h = measurement_row<size>(flight, k, r);
       double residual = flight.y[k][r];
-      Vector18 Ph = Vector18::Zero();
+      Vector<size> Ph = Vector<size>::Zero();
       for (int q = 0; q < h.size; ++q) {
         residual -= h.value[static_cast<std::size_t>(q)] * smoothed[h.at[static_cast<std::size_t>(q)]];
         Ph += h.value[static_cast<std::size_t>(q)] * step.P.col(h.at[static_cast<std::size_t>(q)]);
@@ -317,10 +333,10 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
     // back through the measurements of this sample: C = I − K h
     for (int i = step.rows; i-- > 0;) {
       const auto at = static_cast<std::size_t>(i);
-      const Row h = measurement_row(flight, k, step.row[at]);
-      const Vector18& K = step.gain[at];
+      const Row h = measurement_row<size>(flight, k, step.row[at]);
+      const Vector<size>& K = step.gain[at];
       const double kl = K.dot(lambda);
-      const Vector18 LK = Lambda * K;
+      const Vector<size> LK = Lambda * K;
       const double kLk = K.dot(LK);
       for (int q = 0; q < h.size; ++q) {
         const auto a = h.at[static_cast<std::size_t>(q)];
@@ -338,52 +354,16 @@ Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
   return out;
 }
 
-double NoiseModel::rms(std::size_t group) const {
-  return std::sqrt(variance[group] + white[group] / (2.0 * white_mean_s(group)));
+}  // namespace
+
+Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise, const std::vector<Pushes>* extra) {
+  if (flight.forces_alone) return whiten_forces(data, flight, noise, extra);
+  return noise.errors_last() ? whiten_with<state_size + row_count>(data, flight, noise, extra) : whiten_with<state_size>(data, flight, noise, extra);
 }
 
-NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s) {
-  NoiseModel next = noise;
-  for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0, white = 0.0;
-    for (const Smoothed& f : flights)
-      for (std::size_t j = 0; j < 6; ++j)
-        if (disturbance_group[j] == static_cast<int>(g)) {
-          second += f.second[j], count += f.count[j], white += f.white[j];
-          lagged += f.lagged[j], pairs += f.pairs[j];
-        }
-    if (count == 0.0) continue;
-    next.variance[g] = std::max(second / count, 1e-12);
-    next.white[g] = std::max(white / pairs, noise.least_white[g]);
-    const double correlation = std::clamp(lagged / pairs / (second / count), 0.02, 0.9995);
-    // what is faster is the white part's, where there is one
-    next.time_s[g] = std::clamp(-sample_s / std::log(correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
-  }
-  for (std::size_t g = 0; g < noise_groups; ++g) {
-    double sum = 0.0, count = 0.0;
-    for (const Smoothed& f : flights) sum += f.residual[g], count += f.residual_count[g];
-    if (count > 0.0) next.measurement[g] = std::max(sum / count, 1e-14);
-  }
-  return next;
-}
-
-NoiseModel extrapolated(const NoiseModel& first, const NoiseModel& second, const NoiseModel& third) {
-  constexpr double slowest = 0.95, farthest = 1.5;
-  // the limit of a geometric series
-  const auto limit = [&](double a, double b, double c) {
-    const double before = std::log(b / a), last = std::log(c / b);
-    const double rate = before * last > 0.0 ? std::min(last / before, slowest) : 0.0;
-    return c * std::exp(std::clamp(last * rate / (1.0 - rate), -farthest, farthest));
-  };
-  NoiseModel result = third;
-  for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    result.variance[g] = limit(first.variance[g], second.variance[g], third.variance[g]);
-    result.time_s[g] = std::min(limit(first.time_s[g], second.time_s[g], third.time_s[g]), slowest_disturbance_s);
-    result.white[g] = std::max(limit(first.white[g], second.white[g], third.white[g]), third.least_white[g]);
-  }
-  for (std::size_t g = 0; g < noise_groups; ++g)
-    result.measurement[g] = limit(first.measurement[g], second.measurement[g], third.measurement[g]);
-  return result;
+Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
+  if (flight.forces_alone) return smooth_forces(flight);
+  return noise.errors_last() ? smooth_with<state_size + row_count>(flight, noise) : smooth_with<state_size>(flight, noise);
 }
 
 }  // namespace gustlab::diagnosis

@@ -28,8 +28,12 @@ struct NoiseModel {
   std::array<double, disturbance_groups> time_s{};      // its correlation time
   std::array<double, disturbance_groups> white{};       // power of the white part, (m/s²)² s or (rad/s²)² s
   std::array<double, noise_groups> measurement{};       // variances, SI²
+  // Of errors that last (an estimator's, an interpolated pose's, a filtered gyro's): an Ornstein–Uhlenbeck process beside them.
+  std::array<double, noise_groups> lasting_variance{}, lasting_time_s{};
+  bool errors_last() const { return lasting_time_s[0] > 0.0; }
   // A simulator is not believed more than this: integrators and build differ, even where the air is still.
   std::array<double, disturbance_groups> least_white{};
+  bool possible() const;  // no slower than the slowest disturbance, no less white than the least
   // Both parts, the white one averaged over white_mean_s.
   double rms(std::size_t group) const;
 };
@@ -47,10 +51,13 @@ struct Whitened {
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
                 const std::vector<Pushes>* extra = nullptr);
 
+// Autocorrelation of the warm innovations of y (NaN where there are few): [lag − 1][channel], over all flights.
+std::vector<std::array<double, row_count>> lag_correlation(const std::vector<Whitened>& flights, std::size_t lags);
+
 // Sufficient statistics of one flight for EM, and the smoothed disturbance.
 struct Smoothed {
-  std::array<double, 6> second{}, lagged{};      // Σ E[d²], Σ E[d_k d_{k−1}]
-  std::array<double, 6> pairs{}, count{};
+  // of the disturbance and of errors that last: Σ E[d²], Σ E[d_k d_{k−1}]
+  std::array<double, 6 + row_count> second{}, lagged{}, pairs{}, count{};
   std::array<double, 6> white{};                 // Σ E[w²] / Δt of the white part, over pairs
   std::array<double, noise_groups> residual{}, residual_count{};
   std::vector<Eigen::Matrix<double, 6, 1>> disturbance, disturbance_variance;   // both parts; variance of the slow one

@@ -84,6 +84,21 @@ std::vector<Vector3> angular_acceleration(const FlightData& flight, const std::v
   return result;
 }
 
+// what an accelerometer behind its filter shows of the force on it
+std::vector<Vector3> shown_late(const FlightData& flight, const std::vector<Vector3>& force) {
+  if (flight.force_late_s == 0.0) return force;
+  std::vector<Vector3> shown = force;
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    const double felt_s = flight.samples[k].time_s - flight.force_late_s;
+    std::size_t j = k;
+    while (j > 0 && !flight.samples[j].starts_segment && flight.samples[j].time_s > felt_s) --j;
+    if (j == k || flight.samples[j].time_s > felt_s) continue;
+    const double part = (felt_s - flight.samples[j].time_s) / (flight.samples[j + 1].time_s - flight.samples[j].time_s);
+    shown[k] = (1.0 - part) * force[j] + part * force[j + 1];
+  }
+  return shown;
+}
+
 // accelerations at mid-interval along a flight
 std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceModel& forces, const RotorHistory& history) {
   std::vector<Acceleration> result(flight.samples.size());
@@ -147,14 +162,16 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
 
   // an accelerometer away from the middle feels how the body turns, and a late gyro tells how it turned
   const bool quick_turning = (with_force || flight.rate_late_s > 0.0) && out.torque_known;
-  std::vector<Vector3> turning(n);
+  std::vector<Vector3> turning(n), force(n, Vector3::Zero());
   for (std::size_t k = 0; k < n; ++k) {
-    turning[k] = flight.motion[k].angular_acceleration_B_radps2;
-    if (quick_turning)
-      evaluate.specific_force(x[k], flight.samples[k].time_s - flight.start_s, flight.samples[k].voltage_V, rotors.at_sample[k],
-                              rotors.acceleration[k * count], turning[k]);
+    Vector3 modelled = turning[k] = flight.motion[k].angular_acceleration_B_radps2;
+    if (quick_turning || with_force)
+      force[k] = evaluate.specific_force(x[k], flight.samples[k].time_s - flight.start_s, flight.samples[k].voltage_V,
+                                         rotors.at_sample[k], rotors.acceleration[k * count], modelled);
+    if (quick_turning) turning[k] = modelled;
   }
   if (quick_turning) turning = angular_acceleration(flight, turning);
+  const std::vector<Vector3> shown = shown_late(flight, force);
 
   // finite-difference steps of the error state
   constexpr std::array<double, 4> steps = {1e-4, 1e-3, 1e-4, 1e-3};
@@ -186,17 +203,13 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
         Eigen::Vector3i::Constant((c & has_rate) != 0).cast<bool>(),
         Eigen::Vector3i::Constant((c & has_force) != 0).cast<bool>();
     Vector3 modelled;
-    Vector3 force = Vector3::Zero();
-    if (with_force) {
-      force = evaluate.specific_force(x[k], t, sample.voltage_V, rotors.at_sample[k], rise[0], modelled);
-      if (need_F)
-        for (int i = 0; i < 9; ++i) {
-          const double step = steps[static_cast<std::size_t>(i / 3 + 1)];
-          out.force_rows[k].col(i) = (evaluate.specific_force(x[k].plus(i + 3, step), t, sample.voltage_V,
-                                                              rotors.at_sample[k], rise[0], modelled) - force) / step;
-        }
-    }
-    out.y[k] = innovation(sample, predict_sensors(forces, flight, k, x[k], force, turning[k]));
+    if (with_force && need_F)
+      for (int i = 0; i < 9; ++i) {
+        const double step = steps[static_cast<std::size_t>(i / 3 + 1)];
+        out.force_rows[k].col(i) = (evaluate.specific_force(x[k].plus(i + 3, step), t, sample.voltage_V,
+                                                            rotors.at_sample[k], rise[0], modelled) - force[k]) / step;
+      }
+    out.y[k] = innovation(sample, predict_sensors(forces, flight, k, x[k], with_force ? shown[k] : Vector3::Zero(), turning[k]));
   }
 
   // a slung load, a lower speed limit and unforetold commands are histories: accelerations per unit of a column
@@ -252,6 +265,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
   const auto evaluate_all = [&](const ForceModel& model, const RotorHistory& history, Column0& result) {
     Evaluator at{model, {}, {}};
     result.acceleration.resize(n), result.y.resize(n);
+    std::vector<Vector3> felt_now(n, Vector3::Zero());
     for (std::size_t k = 0; k < n; ++k) {
       const Sample& sample = flight.samples[k];
       const std::size_t k1 = k + 1 < n && !flight.samples[k + 1].starts_segment ? k + 1 : k;
@@ -264,11 +278,13 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       result.acceleration[k] = at(middle, t + 0.5 * out.interval_s[k], sample.voltage_V,
                                   mean_of(&history.mean[k * count], history.substeps),
                                   mean_of(&history.acceleration[k * count], history.substeps));
-      Vector3 modelled, force = Vector3::Zero();
+      Vector3 modelled;
       if (with_force)
-        force = at.specific_force(x[k], t, sample.voltage_V, history.at_sample[k], history.acceleration[k * count], modelled);
-      result.y[k] = innovation(sample, predict_sensors(model, flight, k, x[k], force, turning[k]));
+        felt_now[k] = at.specific_force(x[k], t, sample.voltage_V, history.at_sample[k], history.acceleration[k * count], modelled);
     }
+    felt_now = shown_late(flight, felt_now);
+    for (std::size_t k = 0; k < n; ++k)
+      result.y[k] = innovation(flight.samples[k], predict_sensors(model, flight, k, x[k], felt_now[k], turning[k]));
   };
   Column0 base, moved;
   evaluate_all(forces, rotors, base);

@@ -103,26 +103,16 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   // autocorrelation of the whitened innovations over 25 lags
   const Fit fit = solve(session.grams().total(), columns);
   const auto whitened = session.innovations(columns, fit.coefficient);
-  std::array<std::array<double, 26>, row_count> sums{};
-  for (const Whitened& w : whitened) {
-    std::array<std::vector<double>, row_count> z;
-    for (std::size_t i = 0; i < w.time_s.size(); ++i)
-      if (w.warm[i]) z[static_cast<std::size_t>(w.channel[i])].push_back(w.rows(static_cast<Eigen::Index>(i), w.rows.cols() - 1));
-    for (std::size_t c = 0; c < row_count; ++c) {
-      if (z[c].size() < 100) continue;
-      const double mean = std::accumulate(z[c].begin(), z[c].end(), 0.0) / static_cast<double>(z[c].size());
-      for (std::size_t lag = 0; lag <= 25; ++lag)
-        for (std::size_t i = lag; i < z[c].size(); ++i) sums[c][lag] += (z[c][i] - mean) * (z[c][i - lag] - mean);
-    }
-  }
+  const auto correlated = lag_correlation(whitened, 25);
   for (std::size_t c = 0; c < row_count; ++c) {
-    if (sums[c][0] <= 0.0) continue;
-    std::size_t at = 1;
-    for (std::size_t lag = 2; lag <= 25; ++lag)
-      if (std::abs(sums[c][lag]) > std::abs(sums[c][at])) at = lag;
-    const double r = std::abs(sums[c][at]) / sums[c][0];
+    if (std::isnan(correlated[0][c])) continue;
+    std::size_t at = 0;
+    for (std::size_t lag = 1; lag < correlated.size(); ++lag)
+      if (std::abs(correlated[lag][c]) > std::abs(correlated[at][c])) at = lag;
+    const double r = std::abs(correlated[at++][c]);
     const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(), [](const FlightData& f) { return f.read_slower; });
-    if (r > 0.15 && own_rate)
+    // where errors of the sensors are known to last, colour that one correlation time does not follow is theirs
+    if (r > (noise.errors_last() ? 0.3 : 0.15) && own_rate)
       result.alarms.push_back({"whiteness", fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], at), 0.01 * r,
                                {channel_name[c % 3 + (c < 3 || c > 8 ? 0 : 3)]}});
   }

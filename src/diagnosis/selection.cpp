@@ -48,6 +48,13 @@ class Selector {
       if (anew_) s_.linearise(value, s_.all_columns());
       if (round == 1 && !chosen.empty()) suspect_histories(s_, value, chosen);
       if (round == 0) s_.search_noise(s_.all_columns());
+      if (round == 0 && s_.noise.errors_last()) {
+        // before and after are told apart with the same sensors
+        const NoiseModel found = s_.noise;
+        s_.learn_noise(6, s_.biases());
+        result.noise_nominal = std::exchange(s_.noise, found);
+        result.smoothed_nominal = s_.smoothed;
+      }
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);
       const std::vector<int> next = search(grams);

@@ -36,6 +36,9 @@ constexpr double fastest_sample_s = 0.008;
 // of all flights together, about
 constexpr double most_windows = 600.0;
 
+// of innovations, sample to sample (white errors: up to 0.05); of twice the logarithm of a likelihood
+constexpr double least_correlation = 0.1, least_gain_of_memory = 50.0;
+
 // a third of what a calm room leaves (measured: below it the two integrators' difference is named)
 constexpr double least_share_of_floor = 0.35;
 
@@ -207,37 +210,64 @@ void Session::search_noise(const std::vector<int>& columns) {
   const Eigen::VectorXd coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
   std::vector<LinearFlight> rest;
   for (const LinearFlight& flight : linear_) rest.push_back(taken_out(flight, fitted, coefficient));
+  const NoiseModel calm = noise;
+  const double forgetful = descend(rest, noise);
+  // errors of the sensors may last
+  std::vector<Whitened> whitened(rest.size());
+  for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], rest[f], noise); });
+  const auto correlation = lag_correlation(whitened, 1);
+  if (std::none_of(correlation[0].begin(), correlation[0].end(), [](double r) { return std::abs(r) > least_correlation; })) return;
+  NoiseModel lasting = calm;
+  lasting.lasting_variance = {1.6e-5, 2.5e-5, noise.measurement[2], noise.measurement[3]};   // 4 mm, 5 mrad
+  lasting.lasting_time_s = {0.1, 0.1, 0.5 * sample_s(), 0.5 * sample_s()};
+  const double remembering = descend(rest, lasting);
+  if (remembering < forgetful - least_gain_of_memory) noise = lasting;
+}
+
+double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const {
+  const std::size_t count = flights.size();
   const auto misfits = [&](const std::vector<NoiseModel>& models) {
-    const std::size_t flights = rest.size();
-    std::vector<double> of(models.size() * flights), sum(models.size(), 0.0);
+    std::vector<double> of(models.size() * count), sum(models.size(), 0.0);
     parallel_for(std::ssize(of), jobs_, [&](std::int64_t at) {
-      const auto i = static_cast<std::size_t>(at), f = i % flights;
-      of[i] = whiten(flights_[f], rest[f], models[i / flights]).minus_two_log_likelihood;
+      const auto i = static_cast<std::size_t>(at), f = i % count;
+      of[i] = whiten(flights_[f], flights[f], models[i / count]).minus_two_log_likelihood;
     });
-    for (std::size_t i = 0; i < of.size(); ++i) sum[i / flights] += of[i];
+    for (std::size_t i = 0; i < of.size(); ++i) sum[i / count] += of[i];
     return sum;
   };
-  double least = misfits({noise}).front();
+  // a variance or a power is tried in steps of the square of what a time is
+  struct Part {
+    std::function<double&(NoiseModel&)> of;
+    bool time = false;
+  };
+  std::vector<std::vector<Part>> groups;
+  for (std::size_t g = 0; g < disturbance_groups; ++g)
+    groups.push_back({{[g](NoiseModel& m) -> double& { return m.variance[g]; }}, {[g](NoiseModel& m) -> double& { return m.time_s[g]; }, true},
+                      {[g](NoiseModel& m) -> double& { return m.white[g]; }}});
+  for (std::size_t g = 0; g < noise_groups && model.errors_last(); ++g)
+    groups.push_back({{[g](NoiseModel& m) -> double& { return m.lasting_variance[g]; }}, {[g](NoiseModel& m) -> double& { return m.lasting_time_s[g]; }, true}});
+  double least = misfits({model}).front();
   for (const auto& [factor, sweeps] : {std::pair{2.0, 3}, {1.4, 2}}) {
     // groups hardly depend on each other: one that stays will stay
-    std::array<bool, disturbance_groups> moved;
-    moved.fill(true);
+    std::vector<bool> moved(groups.size(), true);
     for (int sweep = 0; sweep < sweeps; ++sweep)
-      for (std::size_t g = 0; g < disturbance_groups; ++g) {
-        if (!std::exchange(moved[g], false)) continue;
-        for (const auto part : {&NoiseModel::variance, &NoiseModel::time_s, &NoiseModel::white}) {
+      for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (!moved[g]) continue;
+        moved[g] = false;
+        for (const Part& part : groups[g]) {
           std::vector<NoiseModel> trials;
           for (const double by : {factor, 1.0 / factor}) {
-            NoiseModel trial = noise;
-            (trial.*part)[g] *= part == &NoiseModel::time_s ? by : by * by;
-            if (trial.time_s[g] <= slowest_disturbance_s && trial.white[g] >= trial.least_white[g]) trials.push_back(trial);
+            NoiseModel trial = model;
+            part.of(trial) *= part.time ? by : by * by;
+            if (trial.possible()) trials.push_back(trial);
           }
           const std::vector<double> here = misfits(trials);
           for (std::size_t i = 0; i < trials.size(); ++i)
-            if (here[i] < least - 1.0) least = here[i], noise = trials[i], moved[g] = true;
+            if (here[i] < least - 1.0) least = here[i], model = trials[i], moved[g] = true;
         }
       }
   }
+  return least;
 }
 
 Grams Session::grams() const {

@@ -39,7 +39,8 @@ class Session {
   void forget_transitions();
   // EM on the noise, with the given columns at their least-squares values (ridged) all along.
   void learn_noise(int iterations, const std::vector<int>& columns);
-  // A coarse search for the likeliest disturbance, from where EM would take hundreds of steps.
+  // A coarse search for the likeliest disturbance, from where EM would take hundreds of steps, and for errors of the sensors
+  // that last, where innovations are not white.
   void search_noise(const std::vector<int>& columns);
   Grams grams() const;
   // Innovations with the given columns taken out at these values (natural units, counted from the linearisation);
@@ -57,6 +58,8 @@ class Session {
 
  private:
   std::vector<int> present(const std::vector<int>& columns) const;
+  // Changes the model, a part at a time, to a likelier one; returns −2 log likelihood.
+  double descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const;
   int jobs_;
   VehicleModel vehicle_;
   std::vector<FlightData> flights_;

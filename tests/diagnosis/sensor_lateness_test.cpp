@@ -1,5 +1,5 @@
 // A gyro behind its filter: how late it is, and a clean flight with it stays clean.
-#include "diagnosis/rate_lateness.hpp"
+#include "diagnosis/sensor_lateness.hpp"
 
 #include <gmock/gmock.h>
 

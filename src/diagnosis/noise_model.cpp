@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include "diagnosis/innovation_filter.hpp"
+
+namespace gustlab::diagnosis {
+
+bool NoiseModel::possible() const {
+  const auto quick = [](double t) { return t <= slowest_disturbance_s; };
+  return std::all_of(time_s.begin(), time_s.end(), quick) && std::all_of(lasting_time_s.begin(), lasting_time_s.end(), quick) &&
+         std::equal(white.begin(), white.end(), least_white.begin(), std::greater_equal<>());
+}
+
+double NoiseModel::rms(std::size_t group) const {
+  return std::sqrt(variance[group] + white[group] / (2.0 * white_mean_s(group)));
+}
+
+NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s) {
+  NoiseModel next = noise;
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0, white = 0.0;
+    for (const Smoothed& f : flights)
+      for (std::size_t j = 0; j < 6; ++j)
+        if (disturbance_group[j] == static_cast<int>(g)) {
+          second += f.second[j], count += f.count[j], white += f.white[j];
+          lagged += f.lagged[j], pairs += f.pairs[j];
+        }
+    if (count == 0.0) continue;
+    next.variance[g] = std::max(second / count, 1e-12);
+    next.white[g] = std::max(white / pairs, noise.least_white[g]);
+    const double correlation = std::clamp(lagged / pairs / (second / count), 0.02, 0.9995);
+    // what is faster is the white part's, where there is one
+    next.time_s[g] = std::clamp(-sample_s / std::log(correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
+  }
+  for (std::size_t g = 0; g < noise_groups && noise.errors_last(); ++g) {
+    double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0;
+    for (const Smoothed& f : flights)
+      for (std::size_t j = 6 + 3 * g; j < 9 + 3 * g; ++j) second += f.second[j], count += f.count[j], lagged += f.lagged[j], pairs += f.pairs[j];
+    next.lasting_variance[g] = std::max(second / count, 1e-12);
+    next.lasting_time_s[g] = std::clamp(-sample_s / std::log(std::clamp(lagged / pairs / (second / count), 0.02, 0.9995)), 0.2 * sample_s, slowest_disturbance_s);
+  }
+  for (std::size_t g = 0; g < noise_groups; ++g) {
+    double sum = 0.0, count = 0.0;
+    for (const Smoothed& f : flights) sum += f.residual[g], count += f.residual_count[g];
+    if (count > 0.0) next.measurement[g] = std::max(sum / count, 1e-14);
+  }
+  return next;
+}
+
+NoiseModel extrapolated(const NoiseModel& first, const NoiseModel& second, const NoiseModel& third) {
+  constexpr double slowest = 0.95, farthest = 1.5;
+  // the limit of a geometric series
+  const auto limit = [&](double a, double b, double c) {
+    const double before = std::log(b / a), last = std::log(c / b);
+    const double rate = before * last > 0.0 ? std::min(last / before, slowest) : 0.0;
+    return c * std::exp(std::clamp(last * rate / (1.0 - rate), -farthest, farthest));
+  };
+  NoiseModel result = third;
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    result.variance[g] = limit(first.variance[g], second.variance[g], third.variance[g]);
+    result.time_s[g] = std::min(limit(first.time_s[g], second.time_s[g], third.time_s[g]), slowest_disturbance_s);
+    result.white[g] = std::max(limit(first.white[g], second.white[g], third.white[g]), third.least_white[g]);
+  }
+  for (std::size_t g = 0; g < noise_groups && third.errors_last(); ++g) {
+    result.lasting_variance[g] = limit(first.lasting_variance[g], second.lasting_variance[g], third.lasting_variance[g]);
+    result.lasting_time_s[g] = std::min(limit(first.lasting_time_s[g], second.lasting_time_s[g], third.lasting_time_s[g]), slowest_disturbance_s);
+  }
+  for (std::size_t g = 0; g < noise_groups; ++g)
+    result.measurement[g] = limit(first.measurement[g], second.measurement[g], third.measurement[g]);
+  return result;
+}
+
+std::vector<std::array<double, row_count>> lag_correlation(const std::vector<Whitened>& flights, std::size_t lags) {
+  constexpr std::size_t fewest = 100;
+  std::vector<std::array<double, row_count>> sums(lags + 1);
+  std::array<bool, row_count> enough{};
+  for (auto& of_lag : sums) of_lag.fill(0.0);
+  for (const Whitened& w : flights) {
+    std::array<std::vector<double>, row_count> z;
+    for (std::size_t i = 0; i < w.time_s.size(); ++i)
+      if (w.warm[i]) z[static_cast<std::size_t>(w.channel[i])].push_back(w.rows(static_cast<Eigen::Index>(i), w.rows.cols() - 1));
+    for (std::size_t c = 0; c < row_count; ++c) {
+      if (z[c].size() < fewest) continue;
+      enough[c] = true;
+      const double mean = std::accumulate(z[c].begin(), z[c].end(), 0.0) / static_cast<double>(z[c].size());
+      for (std::size_t lag = 0; lag <= lags; ++lag)
+        for (std::size_t i = lag; i < z[c].size(); ++i) sums[lag][c] += (z[c][i] - mean) * (z[c][i - lag] - mean);
+    }
+  }
+  for (std::size_t lag = 1; lag <= lags; ++lag)
+    for (std::size_t c = 0; c < row_count; ++c) sums[lag][c] = enough[c] ? sums[lag][c] / sums[0][c] : std::numeric_limits<double>::quiet_NaN();
+  sums.erase(sums.begin());
+  return sums;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,116 @@
+#include "diagnosis/sensor_lateness.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "diagnosis/recorded_motion.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double window_s = 0.1;
+constexpr double surely = 5.0;                      // standard errors
+constexpr double least_s = 0.0005, most_s = 0.02;   // a filter's
+
+// y = d x, about each flight's means, which hold the sensor's biases, and beside a scale of the sensor, which would add `scaled` to y
+struct Window {
+  Vector3 x = Vector3::Zero(), y = Vector3::Zero(), scaled = Vector3::Zero();
+};
+
+class Lateness {
+ public:
+  void add(std::vector<Window> flight) {
+    if (flight.size() < 2) return;
+    Window mean;
+    const double share = 1.0 / static_cast<double>(flight.size());
+    for (const Window& w : flight) mean.x += share * w.x, mean.y += share * w.y, mean.scaled += share * w.scaled;
+    double ss = 0.0, sx = 0.0, sy = 0.0;
+    for (Window& w : flight) {
+      w.x -= mean.x, w.y -= mean.y, w.scaled -= mean.scaled;
+      ss += w.scaled.squaredNorm(), sx += w.scaled.dot(w.x), sy += w.scaled.dot(w.y);
+    }
+    for (Window& w : flight) {
+      if (ss > 0.0) w.x -= sx / ss * w.scaled, w.y -= sy / ss * w.scaled;
+      xx_ += w.x.squaredNorm(), xy_ += w.x.dot(w.y), yy_ += w.y.squaredNorm();
+      count_ += 3.0;
+    }
+  }
+  double deviation_s() const {
+    if (xx_ <= 0.0) return std::numeric_limits<double>::infinity();
+    return std::sqrt(std::max(0.0, yy_ / xx_ - std::pow(xy_ / xx_, 2)) / count_);
+  }
+  double seconds() const {
+    const double late_s = xx_ > 0.0 ? xy_ / xx_ : 0.0;
+    return late_s > std::max(least_s, surely * deviation_s()) && late_s < most_s ? late_s : 0.0;
+  }
+
+ private:
+  double xx_ = 0.0, xy_ = 0.0, yy_ = 0.0, count_ = 0.0;
+};
+
+// first samples of windows of so many intervals, without a gap, with the sensor in every sample and the pose at both ends
+std::vector<std::size_t> whole_windows(const FlightData& flight, std::size_t length, unsigned sensor, unsigned pose) {
+  std::vector<std::size_t> windows;
+  for (std::size_t first = 0; first + length < flight.samples.size(); first += length) {
+    bool whole = (flight.samples[first].channels & flight.samples[first + length].channels & pose) == pose;
+    for (std::size_t k = first; k <= first + length; ++k)
+      whole = whole && (flight.samples[k].channels & sensor) == sensor && (k == first || !flight.samples[k].starts_segment);
+    if (whole) windows.push_back(first);
+  }
+  return windows;
+}
+
+std::size_t samples_in(const FlightData& flight, double duration_s) {
+  return static_cast<std::size_t>(std::max(1.0, std::round(duration_s / flight.sample_s)));
+}
+
+}  // namespace
+
+double rate_lateness_s(const std::vector<FlightData>& flights) {
+  Lateness lateness;
+  for (const FlightData& flight : flights) {
+    const std::size_t length = samples_in(flight, window_s);
+    std::vector<Window> windows;
+    for (const std::size_t first : whole_windows(flight, length, has_rate, has_attitude)) {
+      const Sample &from = flight.samples[first], &to = flight.samples[first + length];
+      Quaternion by_gyro = from.attitude_WB;
+      for (std::size_t k = first + 1; k <= first + length; ++k) {
+        const Sample &before = flight.samples[k - 1], &now = flight.samples[k];
+        by_gyro = turned(by_gyro, 0.5 * (now.time_s - before.time_s) * (before.body_rate_B_radps + now.body_rate_B_radps));
+      }
+      windows.push_back({to.body_rate_B_radps - to.attitude_WB.conjugate() * (from.attitude_WB * from.body_rate_B_radps),
+                         turn_between(by_gyro, to.attitude_WB)});
+    }
+    lateness.add(std::move(windows));
+  }
+  return lateness.seconds();
+}
+
+double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
+  Lateness lateness;
+  for (const FlightData& flight : flights) {
+    const std::size_t half = samples_in(flight, 0.5 * window_s);
+    std::vector<Window> windows;
+    for (const std::size_t first : whole_windows(flight, 2 * half, has_force | has_attitude, has_position)) {
+      const Sample& middle = flight.samples[first + half];
+      if (!(middle.channels & has_position)) continue;
+      Window w;
+      // a second difference is the acceleration weighed by a triangle
+      for (std::size_t k = first; k <= first + 2 * half; ++k) {
+        const Sample& sample = flight.samples[k];
+        const Vector3 force = sample.attitude_WB * sample.specific_force_B_mps2;
+        const double weight_s = (k == first || k == first + 2 * half ? 0.5 : 1.0) * flight.sample_s;
+        w.scaled += weight_s * (static_cast<double>(half) * flight.sample_s - std::abs(sample.time_s - middle.time_s)) * force;
+        if (k != first + half) w.x += (k > first + half ? weight_s : -weight_s) * force;
+      }
+      w.y = flight.samples[first].position_W_m - 2.0 * middle.position_W_m + flight.samples[first + 2 * half].position_W_m - w.scaled;
+      windows.push_back(w);
+    }
+    lateness.add(std::move(windows));
+  }
+  return lateness.deviation_s() < least_s ? lateness.seconds() : rate_s;
+}
+
+}  // namespace gustlab::diagnosis

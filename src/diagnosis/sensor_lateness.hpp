@@ -1,0 +1,20 @@
+// How much later than the pose gyro and accelerometer are: their filters' delay, from what was recorded alone.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/flight_data.hpp"
+
+namespace gustlab::diagnosis {
+
+// One for all flights [s]. 0 when it is not told, and when the pose is the later one: no sensor is early, so that is a late pose,
+// which the dynamics must tell.
+//
+// Turns between attitudes a tenth of a second apart are compared with the integral of the gyro, which a delay d makes shorter by d
+// times the change of the rate.
+double rate_lateness_s(const std::vector<FlightData>& flights);
+// Second differences of positions are compared with the double integral of the accelerometer, turned into W by the attitude.
+// `rate_s`: of the gyro, which is as late where the positions do not tell (one chip, filtered alike).
+double force_lateness_s(const std::vector<FlightData>& flights, double rate_s);
+
+}  // namespace gustlab::diagnosis
