@@ -293,8 +293,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   }
   if (hold_unknown) {
     reading.linear_hold = linear_is_likelier(logs.fit, vehicle, reading, options.jobs);
-    out.notes.push_back(fmt::format("the logs do not say how commands are held between samples: {} is the likelier",
-                                    *reading.linear_hold ? "linear" : "zoh"));
+    out.notes.push_back(fmt::format("the logs do not say how commands are held between samples: {} is the likelier", *reading.linear_hold ? "linear" : "zoh"));
   }
   std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading, offset, 0),
                           held = prepare(logs.holdout, vehicle, reading, offset, logs.fit.size());
@@ -302,8 +301,6 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
     const double rate_s = rate_lateness_s(flights), force_s = force_lateness_s(flights, rate_s);
     for (auto* some : {&flights, &held})
       for (FlightData& flight : *some) flight.rate_late_s = rate_s, flight.force_late_s = force_s;
-    for (const auto& [sensor, late_s] : {std::pair{"gyro", rate_s}, {"accelerometer", force_s}})
-      if (late_s > 0.0) out.notes.push_back(fmt::format("the {} is {:.1f} ms later than the pose, as a filter makes it: taken into account", sensor, 1e3 * late_s));
   }
   for (std::size_t i = 0; i < offset.size(); ++i) {
     const FlightData& flight = i < flights.size() ? flights[i] : held[i - flights.size()];

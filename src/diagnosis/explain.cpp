@@ -101,18 +101,24 @@ std::string why_not_told(const Session& session, const Selection& selection, con
   return {};
 }
 
+// late and lasting: what was taken into account
+void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis& out) {
+  const FlightData& flight = session.flights().front();
+  for (const auto& [sensor, late_s] : {std::pair{"gyro", flight.rate_late_s}, {"accelerometer", flight.force_late_s}})
+    if (late_s > 0.0) out.notes.push_back(fmt::format("the {} is {:.1f} ms later than the pose, as a filter makes it: taken into account", sensor, 1e3 * late_s));
+  if (!noise.errors_last()) return;
+  constexpr std::array<std::pair<const char*, const char*>, noise_groups> sensor = {{{"position", "mm"}, {"attitude", "mrad"}, {"gyro", "mrad/s"}, {"accelerometer", "mm/s²"}}};
+  std::vector<std::string> sizes;
+  for (std::size_t g = 0; g < noise_groups; ++g)
+    if (noise.lasting_variance[g] > noise.measurement[g])
+      sizes.push_back(fmt::format("{} {:.2g} {} for {:.2g} s", sensor[g].first, 1e3 * std::sqrt(noise.lasting_variance[g]), sensor[g].second, noise.lasting_time_s[g]));
+  out.notes.push_back(fmt::format("errors of the sensors last, as those of an estimator, of interpolated poses or behind a filter: {}; taken into account", fmt::join(sizes, ", ")));
+}
+
 }  // namespace
 
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
-  const NoiseModel& noise = selection.noise_selected;
-  if (noise.errors_last()) {
-    constexpr std::array<const char*, noise_groups> sensor = {"position {:.2g} mm", "attitude {:.2g} mrad", "gyro {:.2g} mrad/s", "accelerometer {:.2g} mm/s²"};
-    std::vector<std::string> sizes;
-    for (std::size_t g = 0; g < noise_groups; ++g)
-      if (noise.lasting_variance[g] > noise.measurement[g])
-        sizes.push_back(fmt::format(fmt::runtime(std::string(sensor[g]) + " for {:.2g} s"), 1e3 * std::sqrt(noise.lasting_variance[g]), noise.lasting_time_s[g]));
-    if (!sizes.empty()) out.notes.push_back(fmt::format("errors of the sensors last, as an estimator's, an interpolated pose's or a filtered sensor's do: {}; taken into account", fmt::join(sizes, ", ")));
-  }
+  describe_sensors(session, selection.noise_selected, out);
   const Catalogue& catalogue = session.catalogue();
   const auto group_of = [&](int g) -> const Group& { return catalogue.groups()[static_cast<std::size_t>(g)]; };
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {

@@ -120,8 +120,10 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   // disturbance above what a calm room leaves
   constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    // half a second ahead tells what lasts: its spectral density against that of a calm room's air
-    const double lasting = std::sqrt(noise.variance[g] * noise.time_s[g] / calm_memory_s) / floor[g], ratio = std::max(noise.rms(g) / floor[g], lasting);
+    // half a second ahead tells what lasts: its spectral density against that of a calm room's air; poses whose errors last tell no more
+    const bool slow_only = noise.errors_last() && g < 2;
+    const double density = noise.variance[g] * noise.time_s[g] + (slow_only ? 0.5 * noise.white[g] : 0.0);
+    const double lasting = std::sqrt(density / calm_memory_s) / floor[g], ratio = slow_only ? lasting : std::max(noise.rms(g) / floor[g], lasting);
     if (ratio > most_of_floor && !(g < 2 && result.gust_like))
       result.alarms.push_back({"floor", fmt::format("{} is disturbed {:.1f} times as much as in a calm room{}", group_name[g], ratio, ratio == lasting ? ", slowly" : ""),
                                0.001 * ratio, channels_of[g]});

@@ -34,8 +34,7 @@ class Selector {
     const NoiseModel calm = s_.noise;
     s_.linearise(value, s_.all_columns());
     s_.learn_noise(6, s_.biases());
-    result.noise_nominal = s_.noise;
-    result.smoothed_nominal = s_.smoothed;
+    result.nominal_from(s_);
     suspect_histories(s_, value, {});
     // what nothing explains yet is no noise to begin with
     s_.noise = calm;
@@ -49,11 +48,10 @@ class Selector {
       if (round == 1 && !chosen.empty()) suspect_histories(s_, value, chosen);
       if (round == 0) s_.search_noise(s_.all_columns());
       if (round == 0 && s_.noise.errors_last()) {
-        // before and after are told apart with the same sensors
-        const NoiseModel found = s_.noise;
+        const NoiseModel found = s_.noise;  // before and after are told apart with the same sensors
         s_.learn_noise(6, s_.biases());
-        result.noise_nominal = std::exchange(s_.noise, found);
-        result.smoothed_nominal = s_.smoothed;
+        result.nominal_from(s_);
+        s_.noise = found;
       }
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);

@@ -48,6 +48,7 @@ struct Selection {
   Grams grams;                     // at the end, coefficients counted from the nominal vehicle
   std::vector<Smoothed> smoothed_nominal, smoothed_selected;
   std::vector<std::pair<int, double>> alone;   // every group: gain when it is added to the selection
+  void nominal_from(const Session& session) { noise_nominal = session.noise, smoothed_nominal = session.smoothed; }
   std::vector<int> groups() const;
   const Finding* find(int group) const;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "diagnosis/recorded_motion.hpp"
 
@@ -10,7 +9,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double window_s = 0.1;
+constexpr double turn_s = 0.1, way_s = 0.2;         // windows of attitudes and of positions
 constexpr double surely = 5.0;                      // standard errors
 constexpr double least_s = 0.0005, most_s = 0.02;   // a filter's
 
@@ -23,27 +22,32 @@ class Lateness {
  public:
   void add(std::vector<Window> flight) {
     if (flight.size() < 2) return;
-    Window mean;
-    const double share = 1.0 / static_cast<double>(flight.size());
-    for (const Window& w : flight) mean.x += share * w.x, mean.y += share * w.y, mean.scaled += share * w.scaled;
-    double ss = 0.0, sx = 0.0, sy = 0.0;
-    for (Window& w : flight) {
-      w.x -= mean.x, w.y -= mean.y, w.scaled -= mean.scaled;
-      ss += w.scaled.squaredNorm(), sx += w.scaled.dot(w.x), sy += w.scaled.dot(w.y);
+    for (const auto part : {&Window::x, &Window::y, &Window::scaled}) {
+      Vector3 mean = Vector3::Zero();
+      for (const Window& w : flight) mean += w.*part / static_cast<double>(flight.size());
+      for (Window& w : flight) w.*part -= mean;
     }
-    for (Window& w : flight) {
-      if (ss > 0.0) w.x -= sx / ss * w.scaled, w.y -= sy / ss * w.scaled;
+    double ss = 0.0;
+    for (const Window& w : flight) ss += w.scaled.squaredNorm();
+    for (const auto part : {&Window::x, &Window::y}) {
+      double along = 0.0;
+      for (const Window& w : flight) along += w.scaled.dot(w.*part);
+      for (Window& w : flight)
+        if (ss > 0.0) w.*part -= along / ss * w.scaled;
+    }
+    for (const Window& w : flight) {
       xx_ += w.x.squaredNorm(), xy_ += w.x.dot(w.y), yy_ += w.y.squaredNorm();
       count_ += 3.0;
     }
   }
-  double deviation_s() const {
-    if (xx_ <= 0.0) return std::numeric_limits<double>::infinity();
-    return std::sqrt(std::max(0.0, yy_ / xx_ - std::pow(xy_ / xx_, 2)) / count_);
+  bool sure(double late_s) const {
+    return xx_ > 0.0 && std::abs(xy_ / xx_ - late_s) > surely * std::sqrt(std::max(0.0, yy_ / xx_ - std::pow(xy_ / xx_, 2)) / count_);
   }
-  double seconds() const {
-    const double late_s = xx_ > 0.0 ? xy_ / xx_ : 0.0;
-    return late_s > std::max(least_s, surely * deviation_s()) && late_s < most_s ? late_s : 0.0;
+  // what it is when it is sure not to be `expected_s`
+  double seconds(double expected_s) const {
+    if (!sure(expected_s)) return expected_s;
+    const double late_s = xy_ / xx_;
+    return sure(0.0) && late_s > least_s && late_s < most_s ? late_s : 0.0;
   }
 
  private:
@@ -71,7 +75,7 @@ std::size_t samples_in(const FlightData& flight, double duration_s) {
 double rate_lateness_s(const std::vector<FlightData>& flights) {
   Lateness lateness;
   for (const FlightData& flight : flights) {
-    const std::size_t length = samples_in(flight, window_s);
+    const std::size_t length = samples_in(flight, turn_s);
     std::vector<Window> windows;
     for (const std::size_t first : whole_windows(flight, length, has_rate, has_attitude)) {
       const Sample &from = flight.samples[first], &to = flight.samples[first + length];
@@ -85,24 +89,27 @@ double rate_lateness_s(const std::vector<FlightData>& flights) {
     }
     lateness.add(std::move(windows));
   }
-  return lateness.seconds();
+  return lateness.seconds(0.0);
 }
 
 double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
   Lateness lateness;
   for (const FlightData& flight : flights) {
-    const std::size_t half = samples_in(flight, 0.5 * window_s);
+    const std::size_t half = samples_in(flight, 0.5 * way_s);
     std::vector<Window> windows;
-    for (const std::size_t first : whole_windows(flight, 2 * half, has_force | has_attitude, has_position)) {
+    for (const std::size_t first : whole_windows(flight, 2 * half, has_force | has_attitude | has_rate, has_position)) {
       const Sample& middle = flight.samples[first + half];
       if (!(middle.channels & has_position)) continue;
       Window w;
-      // a second difference is the acceleration weighed by a triangle
+      // a second difference is the acceleration weighed by a triangle; x is what changes in B, weighed alike, by parts
       for (std::size_t k = first; k <= first + 2 * half; ++k) {
         const Sample& sample = flight.samples[k];
         const Vector3 force = sample.attitude_WB * sample.specific_force_B_mps2;
+        const Vector3 turns = sample.attitude_WB * sample.body_rate_B_radps.cross(sample.specific_force_B_mps2);
         const double weight_s = (k == first || k == first + 2 * half ? 0.5 : 1.0) * flight.sample_s;
-        w.scaled += weight_s * (static_cast<double>(half) * flight.sample_s - std::abs(sample.time_s - middle.time_s)) * force;
+        const double triangle_s = static_cast<double>(half) * flight.sample_s - std::abs(sample.time_s - middle.time_s);
+        w.scaled += weight_s * triangle_s * force;
+        w.x -= weight_s * triangle_s * turns;
         if (k != first + half) w.x += (k > first + half ? weight_s : -weight_s) * force;
       }
       w.y = flight.samples[first].position_W_m - 2.0 * middle.position_W_m + flight.samples[first + 2 * half].position_W_m - w.scaled;
@@ -110,7 +117,7 @@ double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
     }
     lateness.add(std::move(windows));
   }
-  return lateness.deviation_s() < least_s ? lateness.seconds() : rate_s;
+  return lateness.seconds(rate_s);
 }
 
 }  // namespace gustlab::diagnosis

@@ -14,7 +14,7 @@ namespace gustlab::diagnosis {
 // times the change of the rate.
 double rate_lateness_s(const std::vector<FlightData>& flights);
 // Second differences of positions are compared with the double integral of the accelerometer, turned into W by the attitude.
-// `rate_s`: of the gyro, which is as late where the positions do not tell (one chip, filtered alike).
+// `rate_s`: of the gyro; the accelerometer is as late unless the positions surely tell otherwise (one chip, filtered alike).
 double force_lateness_s(const std::vector<FlightData>& flights, double rate_s);
 
 }  // namespace gustlab::diagnosis

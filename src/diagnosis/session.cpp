@@ -218,7 +218,8 @@ void Session::search_noise(const std::vector<int>& columns) {
   const auto correlation = lag_correlation(whitened, 1);
   if (std::none_of(correlation[0].begin(), correlation[0].end(), [](double r) { return std::abs(r) > least_correlation; })) return;
   NoiseModel lasting = calm;
-  lasting.lasting_variance = {1.6e-5, 2.5e-5, noise.measurement[2], noise.measurement[3]};   // 4 mm, 5 mrad
+  lasting.lasting_variance = {1.6e-5, 2.5e-5, any_channel(flights_, has_rate) ? noise.measurement[2] : 1e-12,
+                              any_channel(flights_, has_force) ? noise.measurement[3] : 1e-12};   // 4 mm, 5 mrad
   lasting.lasting_time_s = {0.1, 0.1, 0.5 * sample_s(), 0.5 * sample_s()};
   const double remembering = descend(rest, lasting);
   if (remembering < forgetful - least_gain_of_memory) noise = lasting;
@@ -241,13 +242,13 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
     bool time = false;
   };
   std::vector<std::vector<Part>> groups;
+  for (std::size_t g = 0; g < noise_groups && model.errors_last(); ++g)
+    groups.push_back({{[g](NoiseModel& m) -> double& { return m.lasting_variance[g]; }}, {[g](NoiseModel& m) -> double& { return m.lasting_time_s[g]; }, true}});
   for (std::size_t g = 0; g < disturbance_groups; ++g)
     groups.push_back({{[g](NoiseModel& m) -> double& { return m.variance[g]; }}, {[g](NoiseModel& m) -> double& { return m.time_s[g]; }, true},
                       {[g](NoiseModel& m) -> double& { return m.white[g]; }}});
-  for (std::size_t g = 0; g < noise_groups && model.errors_last(); ++g)
-    groups.push_back({{[g](NoiseModel& m) -> double& { return m.lasting_variance[g]; }}, {[g](NoiseModel& m) -> double& { return m.lasting_time_s[g]; }, true}});
   double least = misfits({model}).front();
-  for (const auto& [factor, sweeps] : {std::pair{2.0, 3}, {1.4, 2}}) {
+  for (const auto& [factor, sweeps] : {std::pair{2.0, 8}, {1.4, 4}}) {
     // groups hardly depend on each other: one that stays will stay
     std::vector<bool> moved(groups.size(), true);
     for (int sweep = 0; sweep < sweeps; ++sweep)
