@@ -115,8 +115,10 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       column.min = number.info.min;
       column.max = number.info.max;
       column.nominal = *number.value;
-      // a centre of mass a quarter of an arm away would be seen without any flight
+      // a centre of mass a quarter of an arm away, a force of a third of the weight or a vertical wind would be seen without any flight
       if (row.name == "center_of_mass") column.max = 0.25 * vehicle.arm_m(), column.min = -column.max;
+      if (row.name == "steady_wind" && number.name == "z") column.max = 5.0, column.min = -column.max;
+      if (row.name == "constant_force") column.max = 0.33 * vehicle.mass_kg * vehicle.gravity_mps2, column.min = -column.max;
       if (row.name == "saturation") {
         if (number.name != "max_speed") continue;
         column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;

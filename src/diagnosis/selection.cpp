@@ -41,7 +41,7 @@ class Selector {
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
-    constexpr int rounds = 4;
+    constexpr int rounds = 6;
     for (int round = 0; round < rounds; ++round) {
       anew_ = round > 0;
       if (anew_) s_.linearise(value, s_.all_columns());
