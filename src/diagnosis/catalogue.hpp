@@ -12,7 +12,7 @@
 namespace gustlab::diagnosis {
 
 // Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims and a clock. Elsewhere, of all
-// flights: eight coefficients of what was not foretold of the commands.
+// flights: coefficients of what was not foretold of the commands (command_surprise.hpp).
 enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_surprise_of = 10 };
 
 // One number that may be fitted.
