@@ -18,6 +18,9 @@ inline constexpr int noise_groups = 4;
 // longest correlation time of a disturbance: what is slower would take a constant for chance
 inline constexpr double slowest_disturbance_s = 1.0;
 
+// correlation time of a calm room's air
+inline constexpr double calm_memory_s = 0.2;
+
 // of white acceleration, the time that a calm room's reference floor was measured with: power = 2 white_mean_s × variance of such means
 constexpr double white_mean_s(std::size_t group) { return group < 2 ? 0.01 : 0.004; }
 
@@ -34,7 +37,8 @@ struct NoiseModel {
   // A simulator is not believed more than this: integrators and build differ, even where the air is still.
   std::array<double, disturbance_groups> least_white{};
   bool possible() const;  // no slower than the slowest disturbance, no less white than the least
-  // Both parts, the white one averaged over white_mean_s.
+  // Both parts, the white one averaged over white_mean_s. Of a force, where errors of the sensors hide what is fast: of a process of
+  // a calm room's memory that is as strong at low frequency.
   double rms(std::size_t group) const;
 };
 

@@ -15,6 +15,7 @@ bool NoiseModel::possible() const {
 }
 
 double NoiseModel::rms(std::size_t group) const {
+  if (errors_last() && group < 2) return std::sqrt((variance[group] * time_s[group] + 0.5 * white[group]) / calm_memory_s);
   return std::sqrt(variance[group] + white[group] / (2.0 * white_mean_s(group)));
 }
 

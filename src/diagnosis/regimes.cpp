@@ -11,7 +11,7 @@ namespace {
 
 constexpr double block_s = 0.5;
 constexpr int parts = 3;
-constexpr double few = 4.0;
+constexpr double few = 4.0, untold = 1.0;  // clusters; a deviation
 
 struct Variables {
   std::vector<std::string> name = {"speed", "vertical speed", "height", "x", "y", "tilt", "thrust", "command activity", "time"};
@@ -93,7 +93,7 @@ std::vector<Regimes> regimes_of(const Session& session, const Selection& selecti
       for (const double c : cluster) variance += c * c;
       for (const double i : clustered) squares += i * i;
       // what few clusters say has no error that they could tell
-      regimes.deviation.push_back(info[p] * info[p] > few * squares ? std::sqrt(variance) / info[p] : 1.0);
+      regimes.deviation.push_back(info[p] * info[p] > few * squares ? std::sqrt(variance) / info[p] : untold);
     }
     const double mean = std::accumulate(regimes.share.begin(), regimes.share.end(), 0.0) / parts;
     double between = 0.0, expected = 0.0;
@@ -120,10 +120,15 @@ std::vector<std::vector<Regimes>> regimes(const Session& session, const Selectio
 }
 
 double most_astray(const std::vector<Regimes>& regimes) {
-  double most = regimes.empty() ? 1.0 : 0.0;
+  double most = 0.0;
+  std::size_t told = 0;
   for (const Regimes& r : regimes)
-    for (std::size_t p = 0; p < r.share.size(); ++p) most = std::max(most, std::abs(r.share[p] - 1.0) + 2.0 * r.deviation[p]);
-  return most;
+    for (std::size_t p = 0; p < r.share.size(); ++p) {
+      if (r.deviation[p] == untold) continue;
+      ++told;
+      most = std::max(most, std::abs(r.share[p] - 1.0) + 2.0 * r.deviation[p]);
+    }
+  return 2 * told > parts * regimes.size() ? most : untold;
 }
 
 }  // namespace gustlab::diagnosis

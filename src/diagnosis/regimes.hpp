@@ -12,7 +12,8 @@ namespace gustlab::diagnosis {
 // Per finding: every variable's regimes, the widest spread first.
 std::vector<std::vector<Regimes>> regimes(const Session& session, const Selection& selection);
 
-// How far from its size over all flights a finding may be in any regime: the largest |share − 1| + 2 standard errors.
+// How far from its size over all flights a finding may be in any regime: the largest |share − 1| + 2 standard errors, of the regimes
+// that more than a few clusters tell; 1 when those are not most.
 double most_astray(const std::vector<Regimes>& regimes);
 
 }  // namespace gustlab::diagnosis

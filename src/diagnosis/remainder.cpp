@@ -24,7 +24,6 @@ const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
 
 // of a gust: correlation time, and disturbance that lasts half a second against all of a calm room's (clean flights: up to 0.45)
 constexpr double fastest_gust_s = 0.25, slowest_gust_s = 4.0, least_slow_share = 0.7;
-constexpr double calm_memory_s = 0.2;
 constexpr double scatter_share = 0.5;  // build scatter (sd) as a share of a reporting tolerance
 
 std::vector<double> ranks(const std::vector<double>& values) {
@@ -120,10 +119,8 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   // disturbance above what a calm room leaves
   constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    // half a second ahead tells what lasts: its spectral density against that of a calm room's air; poses whose errors last tell no more
-    const bool slow_only = noise.errors_last() && g < 2;
-    const double density = noise.variance[g] * noise.time_s[g] + (slow_only ? 0.5 * noise.white[g] : 0.0);
-    const double lasting = std::sqrt(density / calm_memory_s) / floor[g], ratio = slow_only ? lasting : std::max(noise.rms(g) / floor[g], lasting);
+    // half a second ahead tells what lasts: its spectral density against that of a calm room's air
+    const double lasting = std::sqrt(noise.variance[g] * noise.time_s[g] / calm_memory_s) / floor[g], ratio = std::max(noise.rms(g) / floor[g], lasting);
     if (ratio > most_of_floor && !(g < 2 && result.gust_like))
       result.alarms.push_back({"floor", fmt::format("{} is disturbed {:.1f} times as much as in a calm room{}", group_name[g], ratio, ratio == lasting ? ", slowly" : ""),
                                0.001 * ratio, channels_of[g]});
