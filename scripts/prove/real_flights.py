@@ -75,6 +75,11 @@ def names(diagnosis):
     return [label(effect) for effect in diagnosis["effects"]]
 
 
+def named(diagnosis, wanted):
+    """Whether a name is `wanted`; to be one of its class is not enough."""
+    return wanted in names(diagnosis)
+
+
 def among(diagnosis, wanted):
     """Whether a name, or one of its class, is `wanted` (rotor_loss#3 for a rotor)."""
     effect, _, rotor = wanted.partition("#")
@@ -127,7 +132,7 @@ def nanobench(bench, folder, corrupt):
     flights = sorted(path for path in folder.glob("B[236]*.csv.gz"))
     bad = sorted(corrupt.glob("B9*.csv.gz"))
     diagnosis, _ = bench.diagnose("nanobench", [*flights[:2], *bad], flights[2:])
-    rows = [row("nanobench", wanted, diagnosis, lambda d, wanted=wanted: among(d, wanted))
+    rows = [row("nanobench", wanted, diagnosis, lambda d, wanted=wanted: named(d, wanted))
             for wanted in ("battery_sag", "motor_lag", "rotor_drag")]
     aside = lambda d: any(f["role"] == "set_aside" and f["file"].startswith("B9") for f in d["flights"])
     return rows + [row("nanobench", "corrupt file set aside, with the reason", diagnosis,
