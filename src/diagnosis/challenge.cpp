@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace gustlab::diagnosis {
 
 namespace {
@@ -16,6 +18,16 @@ constexpr double surely_uneven = 18.0;  // χ² of two degrees of freedom: p = 0
 // what the held-out flights do not excite, they do not refute
 bool does_not_pay(const HoldoutTest& tested, std::size_t i) {
   return tested.rows > 0.0 && tested.gain[i] <= 0.0 && tested.expected[i] >= least_tested;
+}
+
+// An effect that only commands can show may be feigned by what the log does not hold of them, unless one that shows without
+// them explains about the same.
+bool feigned_by_commands(const Session& session, const Selection& selection, const Finding& finding) {
+  const auto commanded = [&](int group) { return session.catalogue().groups()[static_cast<std::size_t>(group)].row->commanded; };
+  if (!commanded(finding.group) || finding.gain >= least_over_unforetold * selection.unforetold_gain) return false;
+  return std::none_of(finding.rivals.begin(), finding.rivals.end(), [&](const Rival& rival) {
+    return !commanded(rival.group) && !rival.below_tolerance && rival.delta_score < 0.5 * finding.gain;
+  });
 }
 
 const Regimes* uneven(const std::vector<Regimes>& regimes) {
@@ -47,7 +59,7 @@ Challenge challenge(Session& session, Selection& selection, const std::vector<Fl
         withdraw_finding(i, result.tested.gain[i], "fits the flights it was found on, and does not pay on the held-out ones");
       else if (selection.findings[i].inclusion < least_included)
         withdraw_finding(i, result.tested.gain[i], "only suspected: not every part of the flights says so, and there is no pose to verify it on");
-      else if (group.row->commanded && selection.findings[i].gain < least_over_unforetold * selection.unforetold_gain)
+      else if (feigned_by_commands(session, selection, selection.findings[i]))
         withdraw_finding(i, selection.findings[i].gain, "only suspected: the commands tell more of what the log does not hold than this explains");
       // values of every flight's own catch whatever has a mean
       const Regimes* r = group.row->per_flight ? uneven(result.regimes[i]) : nullptr;

@@ -271,7 +271,10 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   const bool hold_unknown = std::any_of(logs.fit.begin(), logs.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });
 
   // rotor order, directions and time offsets are judged at the logs' own rate
-  const std::vector<FlightData> raw = prepare(logs.fit, vehicle, {}), raw_held = prepare(logs.holdout, vehicle, {});
+  std::vector<FlightData> raw = prepare(logs.fit, vehicle, {}), raw_held = prepare(logs.holdout, vehicle, {});
+  if (attitude && !forces_only && reading.common_filter_s == 0.0) reading.late = sensor_lateness(raw);
+  for (auto* some : {&raw, &raw_held})
+    for (FlightData& flight : *some) flight.late = reading.late;
   for (LogFinding& finding : check_rotors(raw, vehicle)) out.log_findings.push_back(std::move(finding));
   // on another clock than the motion, commands tell forces alone
   if (clocks_apart(raw, vehicle, out.log_findings) | clocks_apart(raw_held, vehicle, out.log_findings)) {
@@ -297,11 +300,6 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   }
   std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading, offset, 0),
                           held = prepare(logs.holdout, vehicle, reading, offset, logs.fit.size());
-  if (attitude && !forces_only && reading.common_filter_s == 0.0) {
-    const double rate_s = rate_lateness_s(flights), force_s = force_lateness_s(flights, rate_s);
-    for (auto* some : {&flights, &held})
-      for (FlightData& flight : *some) flight.rate_late_s = rate_s, flight.force_late_s = force_s;
-  }
   for (std::size_t i = 0; i < offset.size(); ++i) {
     const FlightData& flight = i < flights.size() ? flights[i] : held[i - flights.size()];
     out.flights.push_back({flight.label, i < flights.size() ? "fit" : "holdout", flight.duration_s(), offset[i]});

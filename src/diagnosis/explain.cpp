@@ -104,7 +104,7 @@ std::string why_not_told(const Session& session, const Selection& selection, con
 // late and lasting: what was taken into account
 void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis& out) {
   const FlightData& flight = session.flights().front();
-  for (const auto& [sensor, late_s] : {std::pair{"gyro", flight.rate_late_s}, {"accelerometer", flight.force_late_s}})
+  for (const auto& [sensor, late_s] : {std::pair{"gyro", flight.late.rate_s}, {"accelerometer", flight.late.force_s}})
     if (late_s > 0.0) out.notes.push_back(fmt::format("the {} is {:.1f} ms later than the pose, as a filter makes it: taken into account", sensor, 1e3 * late_s));
   if (!noise.errors_last()) return;
   constexpr std::array<std::pair<const char*, const char*>, noise_groups> sensor = {{{"position", "mm"}, {"attitude", "mrad"}, {"gyro", "mrad/s"}, {"accelerometer", "mm/s²"}}};

@@ -193,6 +193,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   flight.file = log.path;
   flight.label = log.path.substr(log.path.find_last_of('/') + 1);
   flight.vehicle = vehicle;
+  flight.late = options.late;
   const Environment& seen = log.meta.environment;
   if (seen.ground_z_m) flight.vehicle.environment.ground_z_m = seen.ground_z_m;
   if (seen.ceiling_z_m) flight.vehicle.environment.ceiling_z_m = seen.ceiling_z_m;

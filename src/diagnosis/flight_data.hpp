@@ -62,6 +62,11 @@ double third_difference_noise(const std::vector<double>& values);
 // What was not foretold of the rotors' acceleration, and its memory: each roll, pitch, yaw [rad/s²], along the body's z [m/s²].
 using Surprise = Eigen::Matrix<double, 8, 1>;
 
+// Gyro and accelerometer behind the pose, see sensor_lateness.hpp.
+struct SensorLateness {
+  double rate_s = 0.0, force_s = 0.0;
+};
+
 struct FlightData {
   std::string file;
   std::string label;                    // file name without folder
@@ -72,7 +77,7 @@ struct FlightData {
   CommandRecord measured_speed;         // rotor* columns, when there
   bool collective_only = false;         // torques unknown, or not to be told
   bool has_voltage = false;
-  double rate_late_s = 0.0, force_late_s = 0.0;  // of gyro and accelerometer behind the pose
+  SensorLateness late;
   bool hold_known = false;              // interpolated commands were resampled, or sent faster than the log
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
   // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected
@@ -97,6 +102,7 @@ struct ReadingOptions {
   // The recorded states are the motion: nothing is smoothed over more than a few samples, a recorded velocity counts.
   bool as_recorded = false;
   bool forces_only = false;             // torques are not told, and with a pose inertial data are not used
+  SensorLateness late = {};
 };
 
 // Rows (last with a value, next with one) between which a column has none for more than 0.1 s and five of its intervals.

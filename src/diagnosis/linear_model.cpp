@@ -38,7 +38,7 @@ Measured predict_sensors(const ForceModel& forces, const FlightData& flight, std
   m.position_W_m = x.position - R * arm;
   m.velocity_W_mps = x.velocity - R * x.rate.cross(arm);
   m.attitude_WB = x.attitude;
-  m.body_rate_B_radps = x.rate - flight.rate_late_s * angular_acceleration;
+  m.body_rate_B_radps = x.rate - flight.late.rate_s * angular_acceleration;
   m.specific_force_B_mps2 = specific_force;
   SmoothedPast past;
   Motion origin = flight.motion[k];
@@ -86,10 +86,10 @@ std::vector<Vector3> angular_acceleration(const FlightData& flight, const std::v
 
 // what an accelerometer behind its filter shows of the force on it
 std::vector<Vector3> shown_late(const FlightData& flight, const std::vector<Vector3>& force) {
-  if (flight.force_late_s == 0.0) return force;
+  if (flight.late.force_s == 0.0) return force;
   std::vector<Vector3> shown = force;
   for (std::size_t k = 0; k < force.size(); ++k) {
-    const double felt_s = flight.samples[k].time_s - flight.force_late_s;
+    const double felt_s = flight.samples[k].time_s - flight.late.force_s;
     std::size_t j = k;
     while (j > 0 && !flight.samples[j].starts_segment && flight.samples[j].time_s > felt_s) --j;
     if (j == k || flight.samples[j].time_s > felt_s) continue;
@@ -161,7 +161,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
   Evaluator evaluate{forces, {}, {}};
 
   // an accelerometer away from the middle feels how the body turns, and a late gyro tells how it turned
-  const bool quick_turning = (with_force || flight.rate_late_s > 0.0) && out.torque_known;
+  const bool quick_turning = (with_force || flight.late.rate_s > 0.0) && out.torque_known;
   std::vector<Vector3> turning(n), force(n, Vector3::Zero());
   for (std::size_t k = 0; k < n; ++k) {
     Vector3 modelled = turning[k] = flight.motion[k].angular_acceleration_B_radps2;

@@ -72,6 +72,11 @@ std::size_t samples_in(const FlightData& flight, double duration_s) {
 
 }  // namespace
 
+SensorLateness sensor_lateness(const std::vector<FlightData>& flights) {
+  const double rate_s = rate_lateness_s(flights);
+  return {rate_s, force_lateness_s(flights, rate_s)};
+}
+
 double rate_lateness_s(const std::vector<FlightData>& flights) {
   Lateness lateness;
   for (const FlightData& flight : flights) {
@@ -94,7 +99,9 @@ double rate_lateness_s(const std::vector<FlightData>& flights) {
 
 double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
   Lateness lateness;
+  bool recorded = false;
   for (const FlightData& flight : flights) {
+    for (const Sample& sample : flight.samples) recorded = recorded || (sample.channels & has_force);
     const std::size_t half = samples_in(flight, 0.5 * way_s);
     std::vector<Window> windows;
     for (const std::size_t first : whole_windows(flight, 2 * half, has_force | has_attitude | has_rate, has_position)) {
@@ -117,7 +124,7 @@ double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
     }
     lateness.add(std::move(windows));
   }
-  return lateness.seconds(rate_s);
+  return recorded ? lateness.seconds(rate_s) : 0.0;
 }
 
 }  // namespace gustlab::diagnosis

@@ -7,9 +7,10 @@
 
 namespace gustlab::diagnosis {
 
-// One for all flights [s]. 0 when it is not told, and when the pose is the later one: no sensor is early, so that is a late pose,
+// Of all flights alike. 0 when it is not told, and when the pose is the later one: no sensor is early, so that is a late pose,
 // which the dynamics must tell.
-//
+SensorLateness sensor_lateness(const std::vector<FlightData>& flights);
+
 // Turns between attitudes a tenth of a second apart are compared with the integral of the gyro, which a delay d makes shorter by d
 // times the change of the rate.
 double rate_lateness_s(const std::vector<FlightData>& flights);
