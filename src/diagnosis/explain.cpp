@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "config/toml.hpp"
 
@@ -170,6 +171,12 @@ void explain(const Session& session, const Selection& selection, const Challenge
       out.effects.push_back(effect);
     }
   }
+  for (const EffectFinding& effect : out.effects)
+    if (effect.effect == "constant_force" && session.flights().size() > 1) {
+      const double side_mps2 = std::hypot(effect.parameters[0].value, effect.parameters[1].value) / session.vehicle().mass_kg;
+      out.notes.push_back(fmt::format("a force to the side that is the same in every flight may as well be a position frame that is tilted, here by {:.2g}°",
+                                      std::atan(side_mps2 / session.vehicle().gravity_mps2) * 180.0 / std::numbers::pi));
+    }
   // the best of what was not chosen, and of what was chosen too small to name
   std::vector<std::pair<double, int>> others;
   for (const auto& [g, gain] : selection.alone) others.emplace_back(gain, g);
