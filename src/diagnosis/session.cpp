@@ -36,8 +36,9 @@ constexpr double fastest_sample_s = 0.008;
 // of all flights together, about
 constexpr double most_windows = 600.0;
 
-// of innovations, sample to sample (white errors: up to 0.05); of twice the logarithm of a likelihood
-constexpr double least_correlation = 0.1, least_gain_of_memory = 50.0;
+// of innovations, sample to sample (white errors: up to 0.05); of twice the logarithm of a likelihood, per innovation (white errors in
+// slow flight: 0.012, interpolated poses: 0.66)
+constexpr double least_correlation = 0.1, least_gain_of_memory = 0.03;
 
 // a third of what a calm room leaves (measured: below it the two integrators' difference is named)
 constexpr double least_share_of_floor = 0.35;
@@ -222,7 +223,8 @@ void Session::search_noise(const std::vector<int>& columns) {
                               any_channel(flights_, has_force) ? noise.measurement[3] : 1e-12};   // 4 mm, 5 mrad
   lasting.lasting_time_s = {0.1, 0.1, 0.5 * sample_s(), 0.5 * sample_s()};
   const double remembering = descend(rest, lasting);
-  if (remembering < forgetful - least_gain_of_memory) noise = lasting;
+  const double rows = std::accumulate(whitened.begin(), whitened.end(), 0.0, [](double sum, const Whitened& w) { return sum + static_cast<double>(w.time_s.size()); });
+  if (remembering < forgetful - least_gain_of_memory * rows) noise = lasting;
 }
 
 double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const {
