@@ -53,6 +53,9 @@ Row measurement_row(const LinearFlight& flight, std::size_t k, int row) {
 
 int noise_group(int row) { return row / 3; }
 
+// the state of the disturbance that moves an error: force its position and velocity, torque its attitude and rate
+int mover(int error) { return 12 + error % 3 + (error < 6 ? 0 : 3); }
+
 // what the white acceleration of an axis changes: velocity, body rate
 int white_row(int axis) { return axis < 3 ? 3 + axis : 6 + axis; }
 
@@ -75,12 +78,7 @@ void transition(const LinearFlight& flight, std::size_t k, const NoiseModel& noi
   const double dt = flight.interval_s[k];
   out.A.setZero();
   out.A.template topLeftCorner<12, 12>() = flight.F[k];
-  for (int i = 0; i < 3; ++i) {
-    out.A(i, 12 + i) = 0.5 * dt * dt;
-    out.A(3 + i, 12 + i) = dt;
-    out.A(6 + i, 15 + i) = 0.5 * dt * dt;
-    out.A(9 + i, 15 + i) = dt;
-  }
+  for (int i = 0; i < 12; ++i) out.A(i, mover(i)) = i % 6 < 3 ? 0.5 * dt * dt : dt;
   out.process.setConstant(1e-14);
   for (int i = 0; i < slow<size>; ++i) {
     const auto [variance, time_s] = memory(noise, i);
@@ -110,10 +108,7 @@ template <int size, int columns>
 Eigen::Matrix<double, 12, columns> upper_times(const Transition<size>& t, const Eigen::Matrix<double, size, columns>& M) {
   const Matrix12 F = t.A.template topLeftCorner<12, 12>();
   Eigen::Matrix<double, 12, columns> result = F.lazyProduct(M.template topRows<12>());
-  for (int i = 0; i < 12; ++i) {
-    const int d = 12 + i % 3 + (i < 6 ? 0 : 3);
-    result.row(i) += t.A(i, d) * M.row(d);
-  }
+  for (int i = 0; i < 12; ++i) result.row(i) += t.A(i, mover(i)) * M.row(mover(i));
   return result;
 }
 
@@ -124,10 +119,7 @@ Square<size> times(const Square<size>& M, const Transition<size>& t) {
   Square<size> result;
   result.template leftCols<12>() = M.template leftCols<12>().lazyProduct(F);
   result.template rightCols<slow<size>>() = M.template rightCols<slow<size>>() * t.A.diagonal().template tail<slow<size>>().asDiagonal();
-  for (int i = 0; i < 12; ++i) {
-    const int d = 12 + i % 3 + (i < 6 ? 0 : 3);
-    result.col(d) += t.A(i, d) * M.col(i);
-  }
+  for (int i = 0; i < 12; ++i) result.col(mover(i)) += t.A(i, mover(i)) * M.col(i);
   return result;
 }
 

@@ -10,7 +10,6 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-
 // the smoothed past of a sample, for late sensors
 struct SmoothedPast final : MeasurementContext::Past {
   const Motion* motion = nullptr;
@@ -209,7 +208,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
         out.force_rows[k].col(i) = (evaluate.specific_force(x[k].plus(i + 3, step), t, sample.voltage_V,
                                                             rotors.at_sample[k], rise[0], modelled) - force[k]) / step;
       }
-    out.y[k] = innovation(sample, predict_sensors(forces, flight, k, x[k], with_force ? shown[k] : Vector3::Zero(), turning[k]));
+    out.y[k] = innovation(sample, predict_sensors(forces, flight, k, x[k], shown[k], turning[k]));
   }
 
   // a slung load, a lower speed limit and unforetold commands are histories: accelerations per unit of a column

@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "diagnosis/innovation_filter.hpp"
 
@@ -19,29 +20,45 @@ double NoiseModel::rms(std::size_t group) const {
   return std::sqrt(variance[group] + white[group] / (2.0 * white_mean_s(group)));
 }
 
+namespace {
+
+// of slow parts with one law, over all flights: mean square and correlation from one sample to the next
+struct Memory {
+  double square, correlation;
+};
+
+template <class Belongs>
+std::optional<Memory> memory(const std::vector<Smoothed>& flights, const Belongs& belongs) {
+  double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0;
+  for (const Smoothed& f : flights)
+    for (std::size_t j = 0; j < f.second.size(); ++j)
+      if (belongs(j)) second += f.second[j], count += f.count[j], lagged += f.lagged[j], pairs += f.pairs[j];
+  if (count == 0.0) return std::nullopt;
+  return Memory{std::max(second / count, 1e-12), std::clamp(lagged / pairs / (second / count), 0.02, 0.9995)};
+}
+
+}  // namespace
+
 NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s) {
   NoiseModel next = noise;
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0, white = 0.0;
+    const auto ours = [g](std::size_t j) { return j < 6 && disturbance_group[j] == static_cast<int>(g); };
+    const auto slow = memory(flights, ours);
+    if (!slow) continue;
+    double white = 0.0, pairs = 0.0;
     for (const Smoothed& f : flights)
       for (std::size_t j = 0; j < 6; ++j)
-        if (disturbance_group[j] == static_cast<int>(g)) {
-          second += f.second[j], count += f.count[j], white += f.white[j];
-          lagged += f.lagged[j], pairs += f.pairs[j];
-        }
-    if (count == 0.0) continue;
-    next.variance[g] = std::max(second / count, 1e-12);
+        if (ours(j)) white += f.white[j], pairs += f.pairs[j];
+    next.variance[g] = slow->square;
     next.white[g] = std::max(white / pairs, noise.least_white[g]);
-    const double correlation = std::clamp(lagged / pairs / (second / count), 0.02, 0.9995);
     // what is faster is the white part's, where there is one
-    next.time_s[g] = std::clamp(-sample_s / std::log(correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
+    next.time_s[g] = std::clamp(-sample_s / std::log(slow->correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
   }
   for (std::size_t g = 0; g < noise_groups && noise.errors_last(); ++g) {
-    double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0;
-    for (const Smoothed& f : flights)
-      for (std::size_t j = 6 + 3 * g; j < 9 + 3 * g; ++j) second += f.second[j], count += f.count[j], lagged += f.lagged[j], pairs += f.pairs[j];
-    next.lasting_variance[g] = std::max(second / count, 1e-12);
-    next.lasting_time_s[g] = std::clamp(-sample_s / std::log(std::clamp(lagged / pairs / (second / count), 0.02, 0.9995)), 0.2 * sample_s, slowest_disturbance_s);
+    const auto error = memory(flights, [g](std::size_t j) { return j / 3 == g + 2; });
+    if (!error) continue;
+    next.lasting_variance[g] = error->square;
+    next.lasting_time_s[g] = std::clamp(-sample_s / std::log(error->correlation), 0.2 * sample_s, slowest_disturbance_s);
   }
   for (std::size_t g = 0; g < noise_groups; ++g) {
     double sum = 0.0, count = 0.0;

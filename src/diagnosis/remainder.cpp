@@ -24,6 +24,8 @@ const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
 
 // of a gust: correlation time, and disturbance that lasts half a second against all of a calm room's (clean flights: up to 0.45)
 constexpr double fastest_gust_s = 0.25, slowest_gust_s = 4.0, least_slow_share = 0.7;
+// of innovations; where errors of the sensors are known to last, colour that one correlation time does not follow is theirs
+constexpr double most_correlation = 0.15, most_correlation_of_lasting = 0.3;
 constexpr double scatter_share = 0.5;  // build scatter (sd) as a share of a reporting tolerance
 
 std::vector<double> ranks(const std::vector<double>& values) {
@@ -105,14 +107,12 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   const auto correlated = lag_correlation(whitened, 25);
   for (std::size_t c = 0; c < row_count; ++c) {
     if (std::isnan(correlated[0][c])) continue;
-    std::size_t at = 0;
-    for (std::size_t lag = 1; lag < correlated.size(); ++lag)
-      if (std::abs(correlated[lag][c]) > std::abs(correlated[at][c])) at = lag;
-    const double r = std::abs(correlated[at++][c]);
+    const auto most = std::max_element(correlated.begin(), correlated.end(), [c](const auto& a, const auto& b) { return std::abs(a[c]) < std::abs(b[c]); });
+    const double r = std::abs((*most)[c]);
+    const auto lag = most - correlated.begin() + 1;
     const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(), [](const FlightData& f) { return f.read_slower; });
-    // where errors of the sensors are known to last, colour that one correlation time does not follow is theirs
-    if (r > (noise.errors_last() ? 0.3 : 0.15) && own_rate)
-      result.alarms.push_back({"whiteness", fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], at), 0.01 * r,
+    if (r > (noise.errors_last() ? most_correlation_of_lasting : most_correlation) && own_rate)
+      result.alarms.push_back({"whiteness", fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], lag), 0.01 * r,
                                {channel_name[c % 3 + (c < 3 || c > 8 ? 0 : 3)]}});
   }
 

@@ -239,16 +239,20 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
     return sum;
   };
   // a variance or a power is tried in steps of the square of what a time is
+  using PerGroup = std::array<double, disturbance_groups>;
   struct Part {
-    std::function<double&(NoiseModel&)> of;
+    PerGroup NoiseModel::*values;
     bool time = false;
   };
-  std::vector<std::vector<Part>> groups;
+  struct Law {
+    std::size_t group;
+    std::vector<Part> parts;
+  };
+  std::vector<Law> groups;
   for (std::size_t g = 0; g < noise_groups && model.errors_last(); ++g)
-    groups.push_back({{[g](NoiseModel& m) -> double& { return m.lasting_variance[g]; }}, {[g](NoiseModel& m) -> double& { return m.lasting_time_s[g]; }, true}});
+    groups.push_back({g, {{&NoiseModel::lasting_variance}, {&NoiseModel::lasting_time_s, true}}});
   for (std::size_t g = 0; g < disturbance_groups; ++g)
-    groups.push_back({{[g](NoiseModel& m) -> double& { return m.variance[g]; }}, {[g](NoiseModel& m) -> double& { return m.time_s[g]; }, true},
-                      {[g](NoiseModel& m) -> double& { return m.white[g]; }}});
+    groups.push_back({g, {{&NoiseModel::variance}, {&NoiseModel::time_s, true}, {&NoiseModel::white}}});
   double least = misfits({model}).front();
   for (const auto& [factor, sweeps] : {std::pair{2.0, 8}, {1.4, 4}}) {
     // groups hardly depend on each other: one that stays will stay
@@ -257,11 +261,11 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
       for (std::size_t g = 0; g < groups.size(); ++g) {
         if (!moved[g]) continue;
         moved[g] = false;
-        for (const Part& part : groups[g]) {
+        for (const Part& part : groups[g].parts) {
           std::vector<NoiseModel> trials;
           for (const double by : {factor, 1.0 / factor}) {
             NoiseModel trial = model;
-            part.of(trial) *= part.time ? by : by * by;
+            (trial.*part.values)[groups[g].group] *= part.time ? by : by * by;
             if (trial.possible()) trials.push_back(trial);
           }
           const std::vector<double> here = misfits(trials);
