@@ -25,7 +25,7 @@ double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
   const std::vector<int> free = session.with_biases({session.catalogue().find("motor_lag")});
   session.linearise(session.value(), free);
   session.learn_noise(5, free);
-  const Fit fit = solve(session.grams().total(), free);
+  const Fit fit = solve(session.grams(free).total(), free);
   return session.innovations(free, fit.coefficient).front().minus_two_log_likelihood;
 }
 

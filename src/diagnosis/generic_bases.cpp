@@ -167,21 +167,17 @@ Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, con
   const Eigen::Index width = chosen + family.size + 1;
   std::vector<Eigen::MatrixXd> of_flight(session.flights().size());
   session.for_each_flight([&](std::size_t f) {
-    const LinearFlight& linear = session.linear()[f];
+    const LinearFlight linear = only(session.linear()[f], columns);
     const Whitened w = whiten(session.flights()[f], linear, session.noise, &family.columns[f]);
     const auto own = static_cast<Eigen::Index>(linear.columns.size());
-    std::vector<Eigen::Index> to(static_cast<std::size_t>(w.rows.cols()), -1);
-    for (std::size_t j = 0; j < linear.columns.size(); ++j) {
-      const auto at = std::find(columns.begin(), columns.end(), linear.columns[j]);
-      if (at != columns.end()) to[j] = at - columns.begin();
-    }
-    for (Eigen::Index j = own; j < w.rows.cols(); ++j) to[static_cast<std::size_t>(j)] = chosen + j - own;
+    std::vector<Eigen::Index> to;
+    for (const int c : linear.columns) to.push_back(std::find(columns.begin(), columns.end(), c) - columns.begin());
+    for (Eigen::Index j = own; j < w.rows.cols(); ++j) to.push_back(chosen + j - own);
     Eigen::MatrixXd picked = Eigen::MatrixXd::Zero(w.rows.rows(), width);
     Eigen::Index count = 0;
     for (Eigen::Index r = 0; r < w.rows.rows(); ++r) {
       if (!w.warm[static_cast<std::size_t>(r)]) continue;
-      for (Eigen::Index j = 0; j < w.rows.cols(); ++j)
-        if (to[static_cast<std::size_t>(j)] >= 0) picked(count, to[static_cast<std::size_t>(j)]) = w.rows(r, j);
+      for (Eigen::Index j = 0; j < w.rows.cols(); ++j) picked(count, to[static_cast<std::size_t>(j)]) = w.rows(r, j);
       ++count;
     }
     of_flight[f] = Eigen::MatrixXd::Zero(width, width);

@@ -63,7 +63,7 @@ LimitScan best_of(const Session& session, const std::vector<int>& columns, const
 LimitScan scan_limit(const Session& session, const std::vector<int>& columns) {
   const std::vector<double> limits = limits_to_try(session);
   if (limits.empty()) return {};
-  const Eigen::VectorXd coefficient = solve(session.grams().total(), columns).coefficient;
+  const Eigen::VectorXd coefficient = solve(session.grams(columns).total(), columns).coefficient;
   const LimitScan coarse = best_of(session, columns, coefficient, limits);
   if (coarse.gain == 0.0) return coarse;
   // and between its neighbours

@@ -31,7 +31,8 @@ Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const Pushes& push, double in
 // What an accelerometer feels of them: rows of the specific force in B.
 inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const Pushes& push, const Matrix3& R_WB) { return R_WB.transpose() * push.topRows<3>(); }
 
-struct LinearFlight {
+// The plant along one flight.
+struct LinearPlant {
   std::vector<Matrix12> F;
   std::vector<Vector12> b;                           // f(x̄_k) ⊟ x̄_{k+1}
   std::vector<double> interval_s;                    // to the next sample
@@ -40,12 +41,15 @@ struct LinearFlight {
   std::vector<Vector12> y;                           // measured ⊟ h(x̄)
   std::vector<Matrix3> R_WB;
   std::vector<Eigen::Matrix<double, 3, 9>> force_rows;  // ∂ specific force / ∂ (δv, δϑ, δω)
-  std::vector<int> columns;                          // of the catalogue, those that can act in this flight
-  std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
   Vector3 center_of_mass_B_m = Vector3::Zero();
   bool torque_known = true;
   bool forces_alone = false;                         // neither a pose nor torques: see direct_forces.hpp
   std::size_t size() const { return b.size(); }
+};
+// and what parameters change of it
+struct LinearFlight : LinearPlant {
+  std::vector<int> columns;                          // of the catalogue, those that can act in this flight
+  std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
 };
 
 // Rotor speeds over one sample interval, in substeps, and at its start.

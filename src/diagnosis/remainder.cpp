@@ -102,7 +102,7 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   result.omnibus_share = worst > 0.0 ? worst / (worst + explained) : 0.0;
 
   // autocorrelation of the whitened innovations over 25 lags
-  const Fit fit = solve(session.grams().total(), columns);
+  const Fit fit = solve(session.grams(columns).total(), columns);
   const auto whitened = session.innovations(columns, fit.coefficient);
   const auto correlated = lag_correlation(whitened, 25);
   for (std::size_t c = 0; c < row_count; ++c) {

@@ -155,9 +155,7 @@ void Session::forget_transitions() {
 }
 
 LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
-  LinearFlight rest = flight;
-  rest.columns.clear();
-  rest.B.clear(), rest.D.clear();
+  LinearFlight rest{flight, {}, {}, {}};
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto at = std::find(flight.columns.begin(), flight.columns.end(), columns[i]) - flight.columns.begin();
     if (at == std::ssize(flight.columns)) continue;
@@ -167,6 +165,21 @@ LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& colum
     }
   }
   return rest;
+}
+
+LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns) {
+  LinearFlight part{flight, {}, {}, {}};
+  std::vector<Eigen::Index> at;
+  for (std::size_t j = 0; j < flight.columns.size(); ++j)
+    if (std::find(columns.begin(), columns.end(), flight.columns[j]) != columns.end()) {
+      at.push_back(static_cast<Eigen::Index>(j));
+      part.columns.push_back(flight.columns[j]);
+    }
+  for (std::size_t k = 0; k < flight.B.size(); ++k) {
+    part.B.push_back(flight.B[k](Eigen::all, at));
+    part.D.push_back(flight.D[k](Eigen::all, at));
+  }
+  return part;
 }
 
 // columns that were differentiated in the last linearisation
@@ -187,16 +200,19 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   if (shoots()) {
     weights_ = shooting_weights(shot_, {}, {});
     for (int iteration = 0; iteration < 4; ++iteration) {
-      coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
+      coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
       weights_ = shooting_weights(shot_, fitted, coefficient);
     }
   }
   std::vector<NoiseModel> before;
+  std::vector<LinearFlight> rest(flights_.size());
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    if (iteration % 2 == 0 && !shoots()) coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
+    const bool anew = iteration % 2 == 0;
+    if (anew && !shoots()) coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
     smoothed.assign(flights_.size(), Smoothed{});
     for_each_flight([&](std::size_t f) {
-      smoothed[f] = smooth(taken_out(linear_[f], fitted, coefficient), noise);
+      if (anew) rest[f] = taken_out(linear_[f], fitted, coefficient);
+      smoothed[f] = smooth(rest[f], noise);
     });
     before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
@@ -208,7 +224,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
 void Session::search_noise(const std::vector<int>& columns) {
   if (shoots() || linear_.front().forces_alone) return;
   const std::vector<int> fitted = present(columns);
-  const Eigen::VectorXd coefficient = solve(grams().total(), fitted, 1e-4).coefficient;
+  const Eigen::VectorXd coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
   std::vector<LinearFlight> rest;
   for (const LinearFlight& flight : linear_) rest.push_back(taken_out(flight, fitted, coefficient));
   const NoiseModel calm = noise;
@@ -277,13 +293,23 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
   return least;
 }
 
-Grams Session::grams() const {
-  if (shoots()) return shooting_grams(shot_, weights_, catalogue_, value_);
-  std::vector<Whitened> whitened(flights_.size());
-  for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], linear_[f], noise); });
+Grams Session::grams() const { return shoots() ? shooting_grams(shot_, weights_, catalogue_, value_) : grams_of(linear_); }
+
+Grams Session::grams(const std::vector<int>& columns) const {
+  const auto wanted = [&](int c) { return std::find(columns.begin(), columns.end(), c) != columns.end(); };
+  if (shoots() || std::all_of(linear_.begin(), linear_.end(), [&](const LinearFlight& l) { return std::all_of(l.columns.begin(), l.columns.end(), wanted); }))
+    return grams();
+  std::vector<LinearFlight> parts(flights_.size());
+  for_each_flight([&](std::size_t f) { parts[f] = only(linear_[f], columns); });
+  return grams_of(parts);
+}
+
+Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
+  std::vector<Whitened> whitened(flights.size());
+  for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], flights[f], noise); });
   Grams grams;
-  for (std::size_t f = 0; f < flights_.size(); ++f)
-    accumulate(whitened[f], linear_[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+  for (std::size_t f = 0; f < flights.size(); ++f)
+    accumulate(whitened[f], flights[f].columns, static_cast<int>(f), catalogue_.size(), grams);
   // a faster log has more innovations, and tells no more of what air and noise do not hide
   grams.rows *= std::min(1.0, sample_s() / fastest_sample_s);
   return grams;

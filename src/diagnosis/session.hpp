@@ -43,6 +43,8 @@ class Session {
   // that last, where innovations are not white.
   void search_noise(const std::vector<int>& columns);
   Grams grams() const;
+  // Of these columns at least.
+  Grams grams(const std::vector<int>& columns) const;
   // Innovations with the given columns taken out at these values (natural units, counted from the linearisation);
   // `extra`: further columns per flight, before y.
   std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
@@ -57,6 +59,7 @@ class Session {
   std::vector<Smoothed> smoothed;   // of the last EM iteration
 
  private:
+  Grams grams_of(const std::vector<LinearFlight>& flights) const;
   std::vector<int> present(const std::vector<int>& columns) const;
   // Changes the model, a part at a time, to a likelier one; returns −2 log likelihood.
   double descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const;
@@ -73,6 +76,8 @@ class Session {
   ShootingWeights weights_;
 };
 
+// A flight with these columns alone.
+LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns);
 // A flight with some columns at these values, and no column left.
 LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient);
 // Typical size of the noise before anything is known.
