@@ -117,6 +117,11 @@ class Effect : public Parameterized {
   virtual void on_measurement(const MeasurementContext&, Measured&) const {}
 };
 
+// What a log must tell, or its sidecar know, before an effect can be told from it.
+enum class Need : unsigned { nothing = 0, attitude = 1, motion = 2, torque = 4, accelerometer = 8, ground = 16, ceiling = 32, wall = 64 };
+constexpr Need operator|(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
+constexpr Need operator&(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) & static_cast<unsigned>(b)); }
+
 // A row of the registry: what is said of an effect without making one. Order of rows is the catalogue's (DIAGNOSIS.md §5).
 struct EffectRow {
   std::string_view name;
@@ -126,11 +131,13 @@ struct EffectRow {
   bool diagnosable;             // false: simulator only (measurement_noise, sindy_residual)
   bool external;                // a disturbance from outside, logged as fx…tz
   bool commanded = false;       // seen only in how the vehicle answers its commands
+  Need needs = Need::nothing;
   std::string_view says;        // one plain sentence of what it does
   std::string_view shows_in;    // the flight that makes it visible
   std::string_view confused_with;  // rivals, and what separates them
   std::string_view source;
   std::unique_ptr<Effect> (*make)();
+  bool asks(Need need) const { return (needs & need) != Need::nothing; }
 };
 
 // An effect with the row that it came from.

@@ -33,6 +33,8 @@ struct ParameterInfo {
   double natural = 1.0;
   double tolerance = 0.0;
   Scale scale = Scale::one;
+  // what is larger either way would be seen without any flight (0: the bounds above hold for a fit, too)
+  double plausible = 0.0;
 };
 
 // A file that a parameter names. Its bytes, not its place, are part of a run's key.

@@ -46,21 +46,14 @@ class RotorSetter final : public ParameterVisitor {
 
 // found in the disturbance's spectrum
 bool has_no_column(std::string_view name) { return name == "gust"; }
-bool needs_attitude(std::string_view name) {
-  constexpr std::string_view fixed_in_world[] = {"steady_wind", "constant_force", "wall_effect", "slung_load", "attitude_offset",
-                                                 "yaw_offset", "pose_delay", "gyro_scale"};
-  return std::find(std::begin(fixed_in_world), std::end(fixed_in_world), name) != std::end(fixed_in_world);
-}
-bool needs_torque(std::string_view name) {
-  constexpr std::string_view turns_only[] = {"flapping_torque", "center_of_mass", "inertia", "rotor_loss", "yaw_torque_ratio",
-                                             "rotor_inertia", "gyro_scale"};
-  return std::find(std::begin(turns_only), std::end(turns_only), name) != std::end(turns_only);
-}
-bool needs_motion(std::string_view name) {
-  constexpr std::string_view of_motion[] = {"rotor_drag", "quadratic_drag", "axial_inflow", "translational_lift",
-                                            "flapping_torque", "ground_effect", "ceiling_effect", "wall_effect", "slung_load"};
-  return std::find(std::begin(of_motion), std::end(of_motion), name) != std::end(of_motion);
-}
+constexpr std::pair<Need, std::string_view> lacking[] = {
+    {Need::attitude, "no attitude in the logs"},
+    {Need::motion, "neither position nor velocity in the logs"},
+    {Need::torque, "these logs tell no torque"},
+    {Need::accelerometer, "no accelerometer in the logs"},
+    {Need::ground, "no ground height in the logs (environment.ground_z_m)"},
+    {Need::ceiling, "no ceiling height in the logs (environment.ceiling_z_m)"},
+    {Need::wall, "no walls in the logs (environment.walls)"}};
 
 }  // namespace
 
@@ -115,10 +108,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       column.min = number.info.min;
       column.max = number.info.max;
       column.nominal = *number.value;
-      // a centre of mass a quarter of an arm away, a force of a third of the weight or a vertical wind would be seen without any flight
-      if (row.name == "center_of_mass") column.max = 0.25 * vehicle.arm_m(), column.min = -column.max;
-      if (row.name == "steady_wind" && number.name == "z") column.max = 5.0, column.min = -column.max;
-      if (row.name == "constant_force") column.max = 0.33 * vehicle.mass_kg * vehicle.gravity_mps2, column.min = -column.max;
+      if (number.info.plausible > 0.0) column.max = number.info.plausible * scale, column.min = -column.max;
       if (row.name == "saturation") {
         if (number.name != "max_speed") continue;
         column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;
@@ -138,7 +128,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       add(row, 0);
   }
   for (int f = 0; f < flights; ++f)
-    for (int p = 0; p < (seen.force ? 6 : 3); ++p) {
+    for (int p = 0; p < (seen.tells(Need::accelerometer) ? 6 : 3); ++p) {
       Column bias;
       bias.parameter = p;
       bias.flight = f;
@@ -149,7 +139,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       bias.max = -bias.min;
       columns_.push_back(bias);
     }
-  for (int p = 0; !seen.trims && seen.torque && p < Surprise::RowsAtCompileTime; ++p) {
+  for (int p = 0; !seen.trims && seen.tells(Need::torque) && p < Surprise::RowsAtCompileTime; ++p) {
     Column surprise;
     surprise.parameter = command_surprise_of + p;
     surprise.name = fmt::format("command_surprise_{}", p);
@@ -172,10 +162,9 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
 }
 
 std::string Catalogue::why_left_out(const EffectRow& row) const {
-  if (!seen_.attitude && needs_attitude(row.name)) return "no attitude in the logs";
-  if (!seen_.motion && needs_motion(row.name)) return "neither position nor velocity in the logs";
-  if (!seen_.torque && needs_torque(row.name)) return "these logs tell no torque";
-  if (!seen_.torque && !seen_.motion && row.name == "mass") return "these logs tell thrust per mass only: see thrust_scale";
+  for (const auto& [need, why] : lacking)
+    if (row.asks(need) && !seen_.tells(need)) return std::string(why);
+  if (!seen_.tells(Need::torque) && !seen_.tells(Need::motion) && row.name == "mass") return "these logs tell thrust per mass only: see thrust_scale";
   // columns that were filtered differently differ in amplitude as if a sensor had another scale
   if (seen_.trims && row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
   return {};
@@ -191,7 +180,7 @@ std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
     effect->visit(setter);
   }
   // a lag that is alike up and down becomes two equal numbers, so that both can be fitted
-  if (group.row->name == "motor_lag" && seen_.motion) {
+  if (group.row->name == "motor_lag" && seen_.tells(Need::motion)) {
     const auto numbers = numbers_of(*effect);
     if (*numbers[1].value < 0.0) *numbers[1].value = *numbers[0].value;
   }

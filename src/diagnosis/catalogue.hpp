@@ -73,9 +73,10 @@ class Catalogue {
   // and without torque nothing that only turns the vehicle. Without velocity, a speed that falls more slowly than it
   // rises cannot be told from thrust that is lost in a climb: motor_lag then has one time constant.
   struct Seen {
-    bool voltage = false, force = false, attitude = true, motion = true;
-    bool torque = true;
+    Need told = Need::nothing;
+    bool voltage = false;
     bool trims = false;  // torque trims and command clocks are free in every flight
+    bool tells(Need need) const { return (told & need) != Need::nothing; }
   };
   Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen);
 

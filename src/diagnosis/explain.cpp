@@ -78,17 +78,6 @@ std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& s
 
 // why a group can hardly be told from these flights; empty when it can
 std::string why_not_told(const Session& session, const Selection& selection, const Group& group) {
-  const std::string_view name = group.row->name;
-  const auto& flights = session.flights();
-  const auto any = [&](const auto& test) { return std::any_of(flights.begin(), flights.end(), test); };
-  if (name == "ground_effect" && !any([](const FlightData& f) { return f.vehicle.environment.ground_z_m.has_value(); }))
-    return "no ground height in the logs (environment.ground_z_m)";
-  if (name == "ceiling_effect" && !any([](const FlightData& f) { return f.vehicle.environment.ceiling_z_m.has_value(); }))
-    return "no ceiling height in the logs (environment.ceiling_z_m)";
-  if (name == "wall_effect" && !any([](const FlightData& f) { return !f.vehicle.environment.walls.empty(); }))
-    return "no walls in the logs (environment.walls)";
-  if (name == "imu_lever" && !any([](const FlightData& f) { return !f.samples.empty() && (f.samples[f.samples.size() / 2].channels & has_force); }))
-    return "no accelerometer in the logs";
   // the strength that five standard deviations would need, against a typical one
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   double best = 1e300;

@@ -129,14 +129,8 @@ double unmatched(const Eigen::MatrixXd& gram, const std::vector<int>& columns, c
 }
 
 // histories that a scan would have to find do not fly here, and some effects need surroundings or sensors that are not there
-bool can_show(std::string_view name, const FlightData& like, unsigned seen) {
-  const Environment& around = like.vehicle.environment;
-  if (is_history(name) || name == "gust") return false;
-  if (name == "ground_effect") return around.ground_z_m.has_value();
-  if (name == "ceiling_effect") return around.ceiling_z_m.has_value();
-  if (name == "wall_effect") return !around.walls.empty();
-  if (name == "imu_lever") return (seen & has_force) != 0;
-  return true;
+bool can_show(std::string_view name, const Catalogue& catalogue) {
+  return !is_history(name) && name != "gust" && catalogue.why_left_out(*find_effect(name)).empty();
 }
 
 struct Pair {
@@ -163,7 +157,7 @@ void suggest_flight(const Session& session, const Selection& selection, int jobs
   const FlightData& like = session.flights().front();
   std::vector<std::string> unseen;
   for (const NotIdentifiable& n : out.not_identifiable)
-    if (can_show(n.effect, like, channels_of(like))) unseen.push_back(n.effect);
+    if (can_show(n.effect, session.catalogue())) unseen.push_back(n.effect);
   if (!ambiguous && unseen.empty()) return;
 
   // fly the library with what was found
@@ -210,7 +204,7 @@ void suggest_flight(const Session& session, const Selection& selection, int jobs
   std::vector<std::pair<std::string, int>> hidden;
   for (const std::string& name : unseen)
     for (const int g : groups_there(name)) hidden.emplace_back(name, g);
-  std::erase_if(pairs, [&](const Pair& p) { return !can_show(p.named, like, channels_of(like)) || !can_show(p.other, like, channels_of(like)); });
+  std::erase_if(pairs, [&](const Pair& p) { return !can_show(p.named, here) || !can_show(p.other, here); });
   if (pairs.empty() && hidden.empty()) return;
 
   std::vector<int> wanted = join(columns_of(there, chosen), next.biases());

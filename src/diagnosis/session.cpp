@@ -23,6 +23,20 @@ bool any_channel(const std::vector<FlightData>& flights, unsigned channel) {
   return false;
 }
 
+Need told_by(const std::vector<FlightData>& flights) {
+  Need told = Need::nothing;
+  for (const auto& [channel, need] : {std::pair<unsigned, Need>{has_attitude, Need::attitude}, {has_position | has_velocity, Need::motion}, {has_force, Need::accelerometer}})
+    if (any_channel(flights, channel)) told = told | need;
+  for (const FlightData& flight : flights) {
+    const Environment& around = flight.vehicle.environment;
+    if (!flight.collective_only) told = told | Need::torque;
+    if (around.ground_z_m) told = told | Need::ground;
+    if (around.ceiling_z_m) told = told | Need::ceiling;
+    if (!around.walls.empty()) told = told | Need::wall;
+  }
+  return told;
+}
+
 bool same(const SensorCorrection& a, const SensorCorrection& b) {
   return a.attitude_offset_B_rad == b.attitude_offset_B_rad && a.pose_delay_s == b.pose_delay_s &&
          a.rate_bias_B_radps == b.rate_bias_B_radps && a.rate_scale == b.rate_scale;
@@ -89,10 +103,7 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       vehicle_(vehicle),
       flights_(std::move(flights)),
       catalogue_(vehicle, static_cast<int>(flights_.size()),
-                 {any_voltage(flights_), any_channel(flights_, has_force), any_channel(flights_, has_attitude),
-                  any_channel(flights_, has_position | has_velocity),
-                  std::any_of(flights_.begin(), flights_.end(), [](const FlightData& f) { return !f.collective_only; }),
-                  !shooting_flights.empty()}),
+                 {told_by(flights_), any_voltage(flights_), !shooting_flights.empty()}),
       linear_(flights_.size()),
       value_(catalogue_.nominal()),
       corrected_(flights_.size()),
