@@ -45,10 +45,12 @@ std::string gain_in_words(const Json& diagnosis) {
   if (best >= before.size() || best >= after.size() || !before[best].is_number() || !after[best].is_number()) return "";
   const double from = before[best].get<double>(), to = after[best].get<double>();
   if (!(to < from)) return "";
-  const auto [factor, unit] = from < 0.01 ? Display{1e3, "mm"} : from < 1.0 ? Display{1e2, "cm"} : Display{1.0, "m"};
-  const auto length = [&, scale = factor](double metres) { return decimals(scale * metres, scale * from < 10.0 ? 1 : 0); };
-  return fmt::format("the position predicted {:g} s ahead is then wrong by {} instead of {} {}, on flights that were not used to find it",
-                     horizons[best].get<double>(), length(to), length(from), unit);
+  const auto length = [](double metres) {
+    const auto [factor, unit] = metres < 0.01 ? Display{1e3, "mm"} : metres < 1.0 ? Display{1e2, "cm"} : Display{1.0, "m"};
+    return fmt::format("{} {}", decimals(factor * metres, factor * metres < 10.0 ? 1 : 0), unit);
+  };
+  return fmt::format("the position predicted {:g} s ahead is then wrong by {} instead of {}, on flights that were not used to find it",
+                     horizons[best].get<double>(), length(to), length(from));
 }
 
 // what the residual is and where: the strongest channel with its first region

@@ -137,13 +137,13 @@ TEST(OneSentence, FitsTheVerdict) {
   Json diagnosis = example_diagnosis();
   EXPECT_EQ(report::one_sentence(diagnosis),
             "The simulation of crazyflie leaves out rotor drag, loss of rotor 3 and steady wind and has the wrong mass (or "
-            "thrust scale), and the recording itself has pose delay; the position predicted 0.5 s ahead is then wrong by 0.7 instead of "
+            "thrust scale), and the recording itself has pose delay; the position predicted 0.5 s ahead is then wrong by 7.4 mm instead of "
             "3.1 cm, on flights that were not used to find it.");
   while (diagnosis["effects"].size() > 1) diagnosis["effects"].erase(1);
   diagnosis["verdict"] = "partly_explained";
   EXPECT_EQ(report::one_sentence(diagnosis),
             "The simulation of crazyflie leaves out rotor drag (lateral force against the motion, proportional to rotor speed); the "
-            "position predicted 0.5 s ahead is then wrong by 0.7 instead of 3.1 cm, on flights that were not used to find it; "
+            "position predicted 0.5 s ahead is then wrong by 7.4 mm instead of 3.1 cm, on flights that were not used to find it; "
             "something else remains.");
   diagnosis["effects"].clear();
   diagnosis["verdict"] = "unexplained";
