@@ -82,6 +82,7 @@ void reproduce_command(const ReproduceArguments& options) {
     if (options.table == "all") throw ConfigError("--experiment stands for one table (which of the paper's is it compared with?) name table1, table2 or table3");
     for (Experiment& variant : read_variants(find_experiment(options.experiment))) {
       const std::string folder = variant_folder(options.out, variant);
+      published.check_vehicle(options.table, variant);
       reports.push_back({folder, {}, {}});
       reports.back().add(options.table, std::move(variant), true);
     }

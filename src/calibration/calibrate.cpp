@@ -9,6 +9,7 @@
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/random.hpp"
+#include "sweep/fresh_replicates.hpp"
 #include "sweep/sweep.hpp"
 
 namespace gustlab {
@@ -156,11 +157,8 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
                                    const Calibration& calibration, const Published& published, int jobs,
                                    const std::atomic<bool>& stop,
                                    const std::function<void(std::size_t done, std::size_t all)>& progress) {
-  const Experiment reported = read_experiment(experiment_path, overrides);
-  if (calibration.first_replicate < reported.first_replicate + reported.replicates &&
-      reported.first_replicate < calibration.first_replicate + calibration.replicates)
-    throw ConfigError(fmt::format("{}: calibrates on replicates that are reported ({} to {}) move first_replicate", calibration.where,
-                                  reported.first_replicate, reported.first_replicate + reported.replicates - 1));
+  check_fresh({"calibrates", calibration.where, calibration.first_replicate, calibration.replicates}, experiment_path, overrides);
+  published.check_vehicle(calibration.table, read_experiment(experiment_path, overrides));
   std::size_t all = 0, before = 0;
   for (const CalibrationStage& stage : calibration.stages) {
     all += static_cast<std::size_t>(stage.evaluations);

@@ -38,23 +38,25 @@ PublishedRow read_row(Table& table) {
   return row;
 }
 
-// each neighbouring pair of a chain is a claim
+// each pair of a chain is a claim
 void read_orders(Table& document, std::vector<Claim>& claims) {
   for (Table& table : document.tables("orders")) {
     const std::string name = table.need_text("table"), trajectory = table.need_text("trajectory");
     const std::vector<std::string> controllers = need_texts(table, "controllers");
     for (const std::string& metric : need_texts(table, "metrics"))
-      for (std::size_t k = 0; k + 1 < controllers.size(); ++k)
-        claims.push_back({ClaimKind::less, {name, trajectory, controllers[k]}, {name, trajectory, controllers[k + 1]},
-                          find_published_metric(metric, table.where("metrics")), 0.0, true, "", {}});
+      for (std::size_t k = 0; k < controllers.size(); ++k)
+        for (std::size_t more = k + 1; more < controllers.size(); ++more)
+          claims.push_back({ClaimKind::less, {name, trajectory, controllers[k]}, {name, trajectory, controllers[more]},
+                            find_published_metric(metric, table.where("metrics")), 0.0, true, "", {}});
   }
   for (Table& table : document.tables("trajectory_orders")) {
     const std::string name = table.need_text("table"), controller = table.need_text("controller");
     const std::vector<std::string> trajectories = need_texts(table, "trajectories");
     const std::size_t metric = need_metric(table, "metric");
-    for (std::size_t k = 0; k + 1 < trajectories.size(); ++k)
-      claims.push_back({ClaimKind::less, {name, trajectories[k], controller}, {name, trajectories[k + 1], controller}, metric,
-                        0.0, true, "", {}});
+    for (std::size_t k = 0; k < trajectories.size(); ++k)
+      for (std::size_t more = k + 1; more < trajectories.size(); ++more)
+        claims.push_back({ClaimKind::less, {name, trajectories[k], controller}, {name, trajectories[more], controller}, metric,
+                          0.0, true, "", {}});
   }
 }
 
@@ -97,11 +99,19 @@ const PublishedRow* Published::find(std::string_view table, std::string_view tra
   return row == rows.end() ? nullptr : &*row;
 }
 
+void Published::check_vehicle(const std::string& table, const Experiment& experiment) const {
+  const auto of = vehicles.find(table);
+  if (of != vehicles.end() && of->second != experiment.vehicle.name)
+    throw ConfigError(fmt::format("{}: {} flies {} (the paper's is of {}) its figures are not to be compared with another vehicle's", table,
+                                  experiment.name, experiment.vehicle.name, of->second));
+}
+
 Published read_published(const std::string& path) {
   Table document = Table::read_file(path);
   if (document.need_text("format") != published_format)
     document.fail("format", "this is no table of published figures", "", fmt::format("write format = \"{}\"", published_format));
   Published published;
+  for (Table& table : document.tables("vehicles")) published.vehicles[table.need_text("table")] = table.need_text("vehicle");
   for (Table& table : document.tables("rows")) published.rows.push_back(read_row(table));
   read_orders(document, published.claims);
   read_pairs(document, "reductions", ClaimKind::reduced, published.claims);

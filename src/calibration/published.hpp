@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include "metrics/statistics.hpp"
 #include "metrics/tracking_error.hpp"
+#include "simulation/experiment.hpp"
 
 namespace gustlab {
 
@@ -50,7 +52,10 @@ struct Claim {
 struct Published {
   std::vector<PublishedRow> rows;
   std::vector<Claim> claims;
+  std::map<std::string, std::string> vehicles;  // of each table
 
+  // Throws ConfigError when the experiment flies another vehicle than the table is of.
+  void check_vehicle(const std::string& table, const Experiment& experiment) const;
   const PublishedRow* find(std::string_view table, std::string_view trajectory, std::string_view controller) const;
 };
 

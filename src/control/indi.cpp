@@ -1,6 +1,7 @@
 #include "control/indi.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -18,6 +19,18 @@ constexpr double firmware_actuator_lag_s = 0.0625;
 constexpr double firmware_torque_limit = 32000.0;
 constexpr double firmware_k_thrust = 0.00024730;  // m/s² per count
 constexpr double firmware_most_thrust = 60000.0;
+
+// pinv(G) y. On its side, a vehicle's thrust is not turned by pitch, or by roll: there it is left as it is.
+Vector3 times_pseudo_inverse(const Matrix3& G, const Vector3& y) {
+  constexpr double least_share = 1e-3;   // a column of what the three span
+  Matrix3 inverse;
+  bool invertible = false;
+  G.computeInverseWithCheck(inverse, invertible, least_share * G.col(0).norm() * G.col(0).norm());
+  if (invertible) return inverse * y;
+  Eigen::CompleteOrthogonalDecomposition<Matrix3> decomposition;
+  decomposition.setThreshold(least_share);
+  return decomposition.compute(G).solve(y);
+}
 
 double follows(double lag_s, double period_s) { return lag_s > 0.0 ? 1.0 - std::exp(-period_s / lag_s) : 1.0; }
 
@@ -118,7 +131,7 @@ ThrustAttitude IndiPosition::update(const Observation& observation, const Refere
   const Vector3 level_y(-std::sin(angles.z()), std::cos(angles.z()), 0.0);
   Matrix3 G;
   G << -gravity_mps2_ * R.col(1), gravity_mps2_ * level_y.cross(R.col(2)), R.col(2);
-  const Vector3 increment = G.inverse() * missing;
+  const Vector3 increment = times_pseudo_inverse(G, missing);
 
   // thrust: what was asked for, through filter and actuator, plus the increment
   thrust_ += actuator_follows_ * (thrust_filter_.update(wanted_thrust_) - thrust_);

@@ -10,6 +10,7 @@
 
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
+#include "sweep/fresh_replicates.hpp"
 #include "sweep/sweep.hpp"
 
 namespace gustlab {
@@ -17,7 +18,6 @@ namespace gustlab {
 namespace {
 
 constexpr double uncompleted_m = 10.0;  // the error that a flight counts as when it is not completed
-constexpr std::int64_t last_table_replicate = 10;
 
 // the search moves in [0, 1]; values have four digits, so that a table of them says all
 double value_of(const TunedParameter& parameter, double share) {
@@ -88,20 +88,6 @@ TunedParameter read_parameter(config::Table table) {
   return parameter;
 }
 
-bool overlap(std::int64_t first, std::int64_t count, const Tuning& tuning) {
-  return first < tuning.first_replicate + tuning.replicates && tuning.first_replicate < first + count;
-}
-
-void check_fresh(const std::string& path, const std::vector<std::string>& overrides, const Tuning& tuning) {
-  const auto fail = [&](const std::string& whose) {
-    throw ConfigError(fmt::format("{}: tunes on replicates {} to {}, which are {} (what is reported must be fresh) move first_replicate",
-                                  tuning.replicates_where, tuning.first_replicate, tuning.first_replicate + tuning.replicates - 1, whose));
-  };
-  if (overlap(1, last_table_replicate, tuning)) fail("the tables'");
-  for (const Experiment& variant : read_variants(path, overrides))
-    if (overlap(variant.first_replicate, variant.replicates, tuning)) fail("those of " + variant.name);
-}
-
 // what the search would stumble over later
 void check_controllers(const std::string& path, const std::vector<std::string>& overrides, const Tuning& tuning) {
   for (const Tuning::Controller& controller : tuning.controllers) {
@@ -154,7 +140,7 @@ Tuning read_tuning(const std::string& path) {
 
 std::vector<TuneResult> tune(const std::string& experiment_path, const std::vector<std::string>& overrides, const Tuning& tuning, int jobs,
                              const std::atomic<bool>& stop, const std::function<void(std::size_t done, std::size_t all)>& progress) {
-  check_fresh(experiment_path, overrides, tuning);
+  check_fresh({"tunes", tuning.replicates_where, tuning.first_replicate, tuning.replicates}, experiment_path, overrides);
   check_controllers(experiment_path, overrides, tuning);
   std::vector<TuneResult> results;
   for (const Tuning::Controller& controller : tuning.controllers) {

@@ -88,16 +88,27 @@ TEST(Calibration, FindsGustsByTheSpreadOfTheRuns) {
   EXPECT_LT(fitted()[0].share_as_far, 0.05);
 }
 
+// GIVEN replicates of the tables, or of the experiment as its file stands WHEN calibrating, whatever --set says THEN it refuses
 TEST(Calibration, RefusesSeedsThatAreReported) {
   const TemporaryFolder folder;
   const std::string path = folder.write("e.toml", experiment_text);
+  const std::string far = folder.write("far.toml", "first_replicate = 501\n" + std::string(experiment_text));
   const std::atomic<bool> stop = false;
-  try {
-    calibrate(path, {}, calibration(2), published(0.1), 1, stop, [](std::size_t, std::size_t) {});
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("calibrates on replicates that are reported (1 to 2)"));
-  }
+  const auto message = [&](const std::string& experiment, std::int64_t first, const Published& paper) -> std::string {
+    try {
+      calibrate(experiment, {"first_replicate=900"}, calibration(first), paper, 1, stop, [](std::size_t, std::size_t) {});
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "calibrated";
+  };
+  EXPECT_THAT(message(path, 2, published(0.1)), HasSubstr("calibrates on replicates 2 to 3, which are the tables'"));
+  EXPECT_THAT(message(far, 502, published(0.1)), HasSubstr("which are those of "));
+  EXPECT_THAT(message(far, 901, published(0.1)), HasSubstr("which are those of "));
+  // figures of another vehicle are none to be fitted to
+  Published paper = published(0.1);
+  paper.vehicles["t"] = "iris";
+  EXPECT_THAT(message(path, 1001, paper), HasSubstr("flies crazyflie (the paper's is of iris)"));
 }
 
 std::string reading(const std::string& text) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <numbers>
 #include <tuple>
 
 #include "control/attitude.hpp"
@@ -174,7 +175,7 @@ TEST_P(ControllerContract, RejectsAConstantForce) {
 }
 
 // GIVEN a start away from the reference, tilted and turned WHEN it flies THEN it arrives, level
-TEST_P(ControllerContract, ConvergesFromEveryReasonableAttitude) {
+TEST_P(ControllerContract, ConvergesFromReasonableAttitudes) {
   for (std::uint64_t i = 0; i < 6; ++i) {
     const auto u = RandomStream(1, 0, "controllers_contract").uniform4(i);
     const auto controller = row.make();
@@ -188,6 +189,19 @@ TEST_P(ControllerContract, ConvergesFromEveryReasonableAttitude) {
     EXPECT_LT(end.final_error_m, 0.03) << "start " << i;
     EXPECT_LT(end.final_tilt_rad, 0.02) << "start " << i;
   }
+}
+
+// GIVEN any attitude, on its side or its head WHEN it flies THEN no command and no state is other than a number
+TEST_P(ControllerContract, StaysFiniteFromEveryAttitude) {
+  for (const double tilt_deg : {60.0, 90.0, 120.0, 170.0})
+    for (int i = 0; i < 12; ++i) {
+      const double azimuth = 0.05 + i * std::numbers::pi / 6.0;
+      const auto controller = row.make();
+      const auto trajectory = make_hover();
+      ControllerFlight f = flight(*controller, *trajectory, 2.0);
+      f.start_attitude_WB = Quaternion(Eigen::AngleAxisd(tilt_deg * std::numbers::pi / 180.0, Vector3(std::cos(azimuth), std::sin(azimuth), 0.0)));
+      EXPECT_TRUE(fly(f).finite) << tilt_deg << " degrees about " << azimuth << " rad";
+    }
 }
 
 TEST_P(ControllerContract, FollowsAnEight) {
