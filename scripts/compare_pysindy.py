@@ -6,8 +6,8 @@ usage: scripts/compare_pysindy.py [--preset release]
 Builds and runs bench_identification (20,000 samples × 7 terms × 3 targets, two constraints), makes the same numbers here by
 the same formulas as tests/identification/synthetic.hpp and tests/bench/identification.cpp, and runs PySINDy's ConstrainedSR3
 on them with the same settings. One thread each, best of several runs, the pass over the samples included on both sides.
-Needs scripts/setup.sh --test. Exit 1 when coefficients differ by more than 1e-6, or when none of the rows is 100 times
-faster.
+Needs scripts/setup.sh --test. Exit 1 when coefficients differ by more than 1e-6, or when a row is not 100 times faster; but for
+the last, PySINDy's default settings, whose single optimization stops after so few iterations that reading the samples is most of it.
 """
 
 import argparse
@@ -107,7 +107,7 @@ def main():
         print(f"{name:30s}{iterations:12d}{theirs_ms:11.2f}{ours_ms:11.3f}{ratios[-1]:8.0f}{difference:12.1e}")
     if not agree:
         print("coefficients or iterations differ", file=sys.stderr)
-    return 0 if agree and max(ratios) >= 100.0 else 1
+    return 0 if agree and min(ratios[:-1]) >= 100.0 else 1
 
 
 if __name__ == "__main__":
