@@ -27,6 +27,8 @@ class Session {
   std::vector<int> with_biases(const std::vector<int>& groups) const;
   int jobs() const { return jobs_; }
   double sample_s() const { return flights_.front().sample_s; }
+  // of the logs themselves, where they are read at a lower rate for being smoothed
+  double logged_sample_s() const { return (shoots() ? shooting_flights_ : flights_).front().sample_s; }
 
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
   // Where predictions are fitted, the filter's own part can be left out.

@@ -22,7 +22,7 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
     const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
     double tolerance = column.tolerance;
     // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
-    if (column.unit == "s" && tolerance > 0.0 && !told) tolerance = std::max(tolerance, unknown_hold_samples * session.sample_s());
+    if (column.unit == "s" && tolerance > 0.0 && !told) tolerance = std::max(tolerance, unknown_hold_samples * session.logged_sample_s());
     if (tolerance == 0.0) return std::numeric_limits<double>::infinity();
     largest = std::max(largest, std::abs(value[c] - column.nominal) / tolerance);
   }
