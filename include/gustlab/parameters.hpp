@@ -35,6 +35,8 @@ struct ParameterInfo {
   Scale scale = Scale::one;
   // what is larger either way would be seen without any flight (0: the bounds above hold for a fit, too)
   double plausible = 0.0;
+  // the tolerance where the logged attitude is an estimate, which follows the sensor that it is compared with
+  double estimate_tolerance = 0.0;
 };
 
 // A file that a parameter names. Its bytes, not its place, are part of a run's key.

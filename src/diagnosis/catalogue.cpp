@@ -105,6 +105,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       const double scale = scale_of(number.info.scale, vehicle);
       column.natural = number.info.natural * scale;
       column.tolerance = number.info.tolerance * scale;
+      column.estimate_tolerance = number.info.estimate_tolerance * scale;
       column.min = number.info.min;
       column.max = number.info.max;
       column.nominal = *number.value;

@@ -23,7 +23,7 @@ struct Column {
   std::string name;
   std::string unit;
   double natural = 1.0;  // typical size in SI, the regression's unit
-  double tolerance = 0.0;
+  double tolerance = 0.0, estimate_tolerance = 0.0;   // the latter where errors of the sensors last
   double min = 0.0, max = 0.0;
   double nominal = 0.0;  // value in the vehicle file
   bool of_surprise() const { return group < 0 && parameter >= command_surprise_of; }

@@ -97,11 +97,12 @@ FlightLog filtered_alike(FlightLog log, double sd_s) {
       if (column.name == names[i]) q[i] = &column.values;
   }
   if (q[0] && q[1] && q[2] && q[3])
-    for (std::size_t k = 1; k < log.rows(); ++k) {
+    for (std::size_t k = 0, last = 0; k < log.rows(); ++k) {
       double dot = 0.0;
-      for (const auto* c : q) dot += (*c)[k] * (*c)[k - 1];
+      for (const auto* c : q) dot += (*c)[k] * (*c)[last];
       if (dot < 0.0)
         for (auto* c : q) (*c)[k] *= -1.0;
+      if (!std::isnan(dot) || !std::isfinite((*q[0])[last])) last = k;
     }
   const auto& time = log.time_s;
   std::vector<double> raw;
@@ -283,8 +284,6 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
     // derived from the position
     if ((sample.channels & has_position) && !options.as_recorded) sample.channels &= ~has_velocity;
     sample.voltage_V = flight.has_voltage ? volts : 0.0;
-    if (!flight.samples.empty() && flight.samples.back().attitude_WB.coeffs().dot(sample.attitude_WB.coeffs()) < 0.0)
-      sample.attitude_WB.coeffs() *= -1.0;
     flight.samples.push_back(sample);
   }
   // where the pose is missing, there is nothing to linearise about

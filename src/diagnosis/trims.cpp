@@ -23,6 +23,7 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
     double tolerance = column.tolerance;
     // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
     if (column.unit == "s" && tolerance > 0.0 && !told) tolerance = std::max(tolerance, unknown_hold_samples * session.logged_sample_s());
+    if (session.noise.errors_last()) tolerance = std::max(tolerance, column.estimate_tolerance);
     if (tolerance == 0.0) return std::numeric_limits<double>::infinity();
     largest = std::max(largest, std::abs(value[c] - column.nominal) / tolerance);
   }
