@@ -16,12 +16,13 @@ namespace {
 constexpr double grouped_s = 0.008;   // over which the fastest logs are averaged
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-double median(std::vector<double> values) {
+double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
+double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
 // columns of one log by name; absent columns read as NaN
 class Columns {
@@ -294,10 +295,12 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   for (std::size_t k = 1; k < flight.samples.size(); ++k)
     steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);
   flight.sample_s = median(steps);
+  // of sensors with rows of their own, most intervals are parts of one
+  const double longest_s = 1.6 * std::max(flight.sample_s, quantile(steps, 0.75));
   flight.read_slower = stride > 1;
   flight.substeps = static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / options.substep_s - 1e-6)));
   for (std::size_t k = 0; k < flight.samples.size(); ++k)
-    flight.samples[k].starts_segment = k == 0 || steps[k - 1] > 1.6 * flight.sample_s;
+    flight.samples[k].starts_segment = k == 0 || steps[k - 1] > longest_s;
   flight.start_s = flight.samples.empty() ? 0.0 : flight.samples.front().time_s;
 
   // commands at a limit tell nothing of the small signal

@@ -47,6 +47,38 @@ Quaternion turned(const Quaternion& q, const Vector3& turn_B) {
   return angle > 0.0 ? q * Quaternion(Eigen::AngleAxisd(angle, turn_B / angle)) : q;
 }
 
+FlightLog with_shared_rows(const FlightLog& log) {
+  constexpr double farthest_s = 0.05;   // that a value may be from its neighbours
+  std::vector<const std::vector<double>*> motion;
+  for (const char* name : {"px", "vx", "qw", "wx"})
+    if (const auto* column = log.find(name)) motion.push_back(column);
+  const auto* attitude = log.find("qw");
+  const auto whole = [&](std::size_t row) { return std::all_of(motion.begin(), motion.end(), [row](const auto* c) { return std::isfinite((*c)[row]); }); };
+  bool shared = attitude == nullptr;
+  for (std::size_t row = 0; row < log.rows() && !shared; ++row) shared = whole(row);
+  if (shared) return log;
+
+  FlightLog merged = log;
+  merged.time_s.clear();
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < log.rows(); ++row)
+    if (std::isfinite((*attitude)[row])) rows.push_back(row), merged.time_s.push_back(log.time_s[row]);
+  for (std::size_t c = 0; c < log.columns.size(); ++c) {
+    const std::vector<double>& from = log.columns[c].values;
+    std::vector<double>& to = merged.columns[c].values;
+    to.clear();
+    for (const std::size_t row : rows) {
+      std::size_t before = row, after = row;
+      while (before > 0 && !std::isfinite(from[before])) --before;
+      while (after + 1 < from.size() && !std::isfinite(from[after])) ++after;
+      const double gap_s = log.time_s[after] - log.time_s[before];
+      const double part = gap_s > 0.0 ? (log.time_s[row] - log.time_s[before]) / gap_s : 0.0;
+      to.push_back(gap_s <= farthest_s ? from[before] + part * (from[after] - from[before]) : std::nan(""));
+    }
+  }
+  return merged;
+}
+
 RecordedMotion::RecordedMotion(const FlightLog& log)
     : time_s_(log.time_s),
       position_(triple(log, {"px", "py", "pz"})),

@@ -8,6 +8,9 @@
 
 namespace gustlab::diagnosis {
 
+// Of sensors that never share a row: the rows of the attitude, with all else between its neighbours. Any other log as it is.
+FlightLog with_shared_rows(const FlightLog& log);
+
 class RecordedMotion {
  public:
   // Throws DataError when the log has no attitude.

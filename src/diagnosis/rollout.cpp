@@ -39,7 +39,7 @@ struct Still final : MeasurementContext::Past {
 bool is_predictable(const EffectRow& row) { return row.name != "gust" && row.name != "measurement_noise"; }
 
 Recording::Recording(const FlightLog& flight_log, const VehicleModel& nominal, const ReplayOptions& options)
-    : log(flight_log), motion(flight_log) {
+    : log(with_shared_rows(flight_log)), motion(log) {
   FlightData data = prepare_flight(flight_log, nominal, {});
   vehicle = data.vehicle;
   vehicle.shapes.clear();
@@ -48,7 +48,7 @@ Recording::Recording(const FlightLog& flight_log, const VehicleModel& nominal, c
   inputs.delay(options.command_delay_s);
   collective_only = data.collective_only && !speed_is_measured;
   step_s = motion.sample_s() / std::max(1.0, std::ceil(motion.sample_s() / options.max_step_s - 1e-9));
-  if (const auto* volts = flight_log.find("vbat")) {
+  if (const auto* volts = log.find("vbat")) {
     double last = nominal.nominal_voltage_V;
     for (const double v : *volts) voltage_V.push_back(std::isfinite(v) ? last = v : last);
   }

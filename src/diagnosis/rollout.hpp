@@ -12,7 +12,7 @@ namespace gustlab::diagnosis {
 
 // What every rollout on one recording shares.
 struct Recording {
-  const FlightLog& log;
+  FlightLog log;                  // whose rows tell the whole motion
   RecordedMotion motion;
   VehicleModel vehicle;           // with the flight's surroundings, and nothing that touches the ground
   CommandRecord inputs;

@@ -22,14 +22,18 @@ class MotorLag final : public Effect {
   }
 
   void prepare(const VehicleModel&, double step_s, const RandomStream&) override {
+    step_s_ = step_s;
     up_ = response(up_s_, step_s);
     down_ = response(down_s_ < 0.0 ? up_s_ : down_s_, step_s);
   }
 
   void on_actuation(Actuation& actuation) const override {
+    // the rows of a log may be anything apart
+    const bool as_prepared = std::abs(actuation.step_s - step_s_) <= 1e-3 * step_s_;
+    const Response up = as_prepared ? up_ : response(up_s_, actuation.step_s), down = as_prepared ? down_ : response(down_s_ < 0.0 ? up_s_ : down_s_, actuation.step_s);
     for (std::size_t i = 0; i < static_cast<std::size_t>(actuation.count); ++i) {
       const double gap = actuation.start_speed_radps[i] - actuation.command_radps[i];
-      const Response& r = gap > 0.0 ? down_ : up_;
+      const Response& r = gap > 0.0 ? down : up;
       if (r.mean == 0.0) continue;
       actuation.end_speed_radps[i] = actuation.command_radps[i] + gap * r.end;
       actuation.mean_speed_radps[i] = actuation.command_radps[i] + gap * r.mean;
@@ -48,7 +52,8 @@ class MotorLag final : public Effect {
   }
 
   double up_s_ = 0.0, down_s_ = -1.0;
-  Response up_, down_;
+  double step_s_ = 0.0;
+  Response up_, down_;   // over that step
 };
 
 }  // namespace

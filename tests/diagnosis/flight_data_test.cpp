@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/recorded_motion.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
@@ -52,6 +53,47 @@ TEST(FlightData, AttitudeIsContinuousAcrossRowsWithoutOne) {
   smoothed.common_filter_s = 0.022;
   EXPECT_LT(worst_attitude_rad(prepare_flight(spin(), vehicle, smoothed)), 5e-2);
 }
+
+// the same spin, the attitude at 200 Hz in rows of its own between those of gyro and commands at 250 Hz
+FlightLog rows_apart() {
+  const FlightLog together = spin();
+  FlightLog log = together;
+  log.time_s.clear();
+  for (LogColumn& column : log.columns) column.values.clear();
+  std::size_t row = 0;
+  for (int pose = 0; pose < 1270; ++pose) {
+    const double pose_s = 0.0013 + 0.005 * pose;
+    for (; together.time_s[row] < pose_s; ++row) {
+      log.time_s.push_back(together.time_s[row]);
+      for (std::size_t c = 0; c < log.columns.size(); ++c)
+        log.columns[c].values.push_back(c < 4 ? std::numeric_limits<double>::quiet_NaN() : together.columns[c].values[row]);
+    }
+    log.time_s.push_back(pose_s);
+    const Quaternion q = attitude(pose_s);
+    const double values[] = {q.w(), q.x(), q.y(), q.z()};
+    for (std::size_t c = 0; c < log.columns.size(); ++c) log.columns[c].values.push_back(c < 4 ? values[c] : std::numeric_limits<double>::quiet_NaN());
+  }
+  return log;
+}
+
+// GIVEN sensors that never share a row WHEN read THEN the flight is one stretch, and its whole motion is known at the attitude's rows
+TEST(FlightData, SensorsMayHaveRowsOfTheirOwn) {
+  const FlightLog log = rows_apart();
+  const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), {});
+  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return s.starts_segment; }), 1);
+  EXPECT_LT(worst_attitude_rad(flight), 1e-3);
+  const FlightLog shared = with_shared_rows(log);
+  const RecordedMotion motion(shared);
+  ASSERT_EQ(motion.rows(), 1270u);
+  for (const std::size_t row : {std::size_t{10}, std::size_t{800}}) {
+    EXPECT_TRUE(motion.complete(row));
+    EXPECT_NEAR(motion.body_rate_B_radps(row).norm(), spin_radps, 1e-6);
+    EXPECT_LT(motion.attitude_WB(row).angularDistance(attitude(shared.time_s[row])), 1e-9);
+  }
+}
+
+// a log with one whole row is left as it is
+TEST(FlightData, SharedRowsStay) { EXPECT_EQ(with_shared_rows(spin()).rows(), spin().rows()); }
 
 }  // namespace
 }  // namespace gustlab::diagnosis

@@ -19,7 +19,7 @@ Actuation actuate(const std::vector<Wanted>& wanted, Actuation actuation, bool s
   ForceModel forces(small_quadrotor(), make_effect_list(wanted));
   forces.set_speed_is_measured(speed_is_measured);
   forces.prepare(0.002, 1, 1);
-  actuation.step_s = 0.002;
+  if (actuation.step_s == 0.0) actuation.step_s = 0.002;
   forces.actuate(actuation);
   return actuation;
 }
@@ -43,6 +43,14 @@ TEST(MotorLag, IsTheExactFirstOrderResponse) {
   EXPECT_NEAR(out.mean_speed_radps[0], 2000 - 1000 * (1 - std::exp(-0.002 / 0.05)) * 0.05 / 0.002, 1e-9);
   const Actuation down = actuate({{"motor_lag", {{"time_constant", 0.05}, {"time_constant_down", 0.08}}}}, asked(1000, 2000));
   EXPECT_NEAR(down.end_speed_radps[0], 1000 + 1000 * std::exp(-0.002 / 0.08), 1e-9);
+}
+
+TEST(MotorLag, IsExactOverAnyOtherStep) {
+  Actuation actuation = asked(2000, 1000);
+  actuation.step_s = 0.0035;
+  const Actuation out = actuate({{"motor_lag", {{"time_constant", 0.05}}}}, actuation);
+  EXPECT_NEAR(out.end_speed_radps[0], 2000 - 1000 * std::exp(-0.0035 / 0.05), 1e-9);
+  EXPECT_NEAR(out.mean_speed_radps[0], 2000 - 1000 * (1 - std::exp(-0.0035 / 0.05)) * 0.05 / 0.0035, 1e-9);
 }
 
 TEST(MotorLag, OneTimeConstantServesBothWays) {
