@@ -23,7 +23,7 @@ class Controller : public Parameterized {
  public:
   // Base rate at which update() must be called for this vehicle, Hz.
   virtual double rate_hz(const VehicleModel& vehicle) const = 0;
-  // Throws ConfigError when a slower loop's rate does not divide the base rate.
+  // Throws ParameterError, for example when a slower loop's rate does not divide the base rate.
   virtual void reset(const ControllerSetup& setup, const Observation& first) = 0;
   virtual RotorCommand update(const Observation& observation, const Reference& reference) = 0;
   // Whether update() reads the accelerometer, which costs the plant one more evaluation.

@@ -98,7 +98,8 @@ struct MeasurementContext {
 
 class Effect : public Parameterized {
  public:
-  // Called once, after every body effect: the vehicle that flies, the plant's step, the run's random stream.
+  // Called once, after every body effect: the vehicle that flies, the plant's step, the run's random stream. Throws
+  // ParameterError when the parameters do not fit them or each other.
   virtual void prepare(const VehicleModel&, double /*step_s*/, const RandomStream&) {}
   // The longest memory that actuation or measurement asks of the past, s.
   virtual double lookback_s() const { return 0.0; }
@@ -144,6 +145,7 @@ struct EffectRow {
 struct NamedEffect {
   const EffectRow* row = nullptr;
   std::unique_ptr<Effect> effect;
+  EffectSpec spec{};  // as it was written, when it was
 };
 
 std::span<const EffectRow> effect_registry();

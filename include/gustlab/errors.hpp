@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace gustlab {
 
@@ -19,6 +20,13 @@ class UserError : public std::runtime_error {
 // usage or configuration: exit 2
 struct ConfigError : UserError {
   explicit ConfigError(const std::string& message) : UserError(2, message) {}
+};
+
+// What an object says is wrong with one of its parameters. Where that was written it does not know: whoever read it puts the
+// place before (config::at_place).
+struct ParameterError : ConfigError {
+  ParameterError(std::string_view of, const std::string& message) : ConfigError(message), parameter(of) {}
+  std::string parameter;
 };
 
 // input data: exit 3

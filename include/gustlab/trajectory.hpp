@@ -12,7 +12,7 @@ namespace gustlab {
 
 class Trajectory : public Parameterized {
  public:
-  // Called once after the parameters are read; throws ConfigError when they contradict each other.
+  // Called once after the parameters are read; throws ParameterError when they contradict each other.
   virtual void prepare() {}
   virtual Reference at(double time_s) const = 0;
   // Length of the manoeuvre; 0: no natural end, the experiment's duration decides.

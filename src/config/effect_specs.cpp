@@ -41,6 +41,12 @@ void read_parameters(const EffectSpec& spec, Parameterized& target) {
   read_parameters(table, target);
 }
 
+std::string where(const EffectSpec& spec, std::string_view parameter) {
+  for (std::size_t i = 0; i < spec.value_where.size(); ++i)
+    if (spec.values[i].first == parameter) return spec.value_where[i];
+  return spec.where;
+}
+
 EffectSpec read_spec(Table& table, const std::string& type) {
   EffectSpec spec;
   spec.type = type;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gustlab/errors.hpp"
 #include "gustlab/parameters.hpp"
 #include "gustlab/vehicle.hpp"
 
@@ -62,6 +63,19 @@ class Table {
 void read_parameters(Table& table, Parameterized& target);
 // Reads the parameters of an [[effect]] that a vehicle or an experiment carries as an EffectSpec.
 void read_parameters(const EffectSpec& spec, Parameterized& target);
+// file:line:col of a parameter, or of the table where that does not say it; empty when nobody wrote it.
+std::string where(const EffectSpec& spec, std::string_view parameter);
+// Runs `action`. What it says is wrong with a parameter is said with the place where that was written.
+template <class Action>
+auto at_place(const EffectSpec& spec, Action action) {
+  try {
+    return action();
+  } catch (const ParameterError& error) {
+    const std::string place = where(spec, error.parameter);
+    if (place.empty()) throw;
+    throw ConfigError(place + ": " + error.what());
+  }
+}
 // One `name = value` per line, every parameter, shortest round-trip text: the part of a run key that it contributes.
 std::string canonical_text(Parameterized& target);
 // The same with units, ranges and help as comments: `gustlab defaults NAME`.

@@ -189,6 +189,21 @@ double FeatureTerm::value(const FeatureInput& input) const {
   return product;
 }
 
+std::vector<FeatureTerm> parse_terms(std::span<const std::string> texts) {
+  std::vector<FeatureTerm> terms;
+  for (const std::string& text : texts) {
+    try {
+      terms.push_back(FeatureTerm::parse(text));
+    } catch (const ConfigError& error) {
+      throw ParameterError("terms", error.what());
+    }
+    const std::string& name = terms.back().name();
+    if (std::any_of(terms.begin(), terms.end() - 1, [&](const FeatureTerm& before) { return before.name() == name; }))
+      throw ParameterError("terms", "term \"" + name + "\" is here twice (one coefficient cannot be told from the other) keep one");
+  }
+  return terms;
+}
+
 void evaluate(std::span<const FeatureTerm> terms, const FeatureInput& input, std::span<double> out) {
   for (std::size_t i = 0; i < terms.size(); ++i) out[i] = terms[i].value(input);
 }

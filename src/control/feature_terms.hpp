@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gustlab/types.hpp"
 
@@ -66,6 +67,9 @@ class FeatureTerm {
   int factor_count_ = 0;
   std::string name_;
 };
+
+// Terms of which none may come twice. Throws ParameterError, of `terms`.
+std::vector<FeatureTerm> parse_terms(std::span<const std::string> texts);
 
 // out[i] = terms[i](input); both of one length. Allocates nothing.
 void evaluate(std::span<const FeatureTerm> terms, const FeatureInput& input, std::span<double> out);

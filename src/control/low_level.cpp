@@ -1,8 +1,9 @@
 #include "control/low_level.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "control/rotor_lead.hpp"
 #include "gustlab/errors.hpp"
@@ -14,8 +15,8 @@ LowLevel low_level_of(std::string_view choice, const VehicleModel& vehicle) {
   if (choice == "ardupilot") return LowLevel::ardupilot;
   if (choice == "generic") return LowLevel::generic;
   if (choice != "auto")
-    throw ConfigError("low_level = \"" + std::string(choice) +
-                      "\" is unknown (it names the attitude and rate loops) use auto, crazyflie, ardupilot or generic");
+    throw ParameterError("low_level", fmt::format("low_level = \"{}\" is unknown (it names the attitude and rate loops) "
+                                                  "use auto, crazyflie, ardupilot or generic", choice));
   // a firmware's gains fit the vehicle that they were tuned on
   if (vehicle.rotor_count == 4) {
     if (vehicle.name == "crazyflie") return LowLevel::crazyflie;
@@ -66,12 +67,12 @@ double attitude_bandwidth(LowLevel loop, const VehicleModel& vehicle, double per
   return 0.0;
 }
 
-int ticks_per_update(std::string_view who, double rate_hz, double period_s) {
+int ticks_per_update(std::string_view parameter, double rate_hz, double period_s) {
   const double ticks = 1.0 / (rate_hz * period_s);
   const double whole = std::round(ticks);
   if (!(whole >= 1.0) || std::abs(ticks - whole) > 1e-6 * whole)
-    throw ConfigError(std::string(who) + ": rate " + std::to_string(rate_hz) + " Hz does not divide the base rate of " +
-                      std::to_string(1.0 / period_s) + " Hz (slower loops run every n-th tick) use base rate / n");
+    throw ParameterError(parameter, fmt::format("{} = {} does not divide the base rate of {:.6g} Hz (a slower loop runs every n-th tick) "
+                                                "use base rate / n", parameter, rate_hz, 1.0 / period_s));
   return static_cast<int>(whole);
 }
 

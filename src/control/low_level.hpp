@@ -29,7 +29,7 @@ class LowLevelLoop {
 
 enum class LowLevel { crazyflie, ardupilot, generic };
 
-// automatic, crazyflie, ardupilot or generic; automatic goes by the vehicle's name. Throws ConfigError on any other.
+// automatic, crazyflie, ardupilot or generic; automatic goes by the vehicle's name. Throws ParameterError on any other.
 LowLevel low_level_of(std::string_view choice, const VehicleModel& vehicle);
 inline constexpr std::string_view low_level_help =
     "attitude and rate loops: auto, crazyflie, ardupilot (both as their firmware) or generic (gains from mass and inertia)";
@@ -52,7 +52,7 @@ Bandwidths bandwidths_of(const VehicleModel& vehicle, double period_s);
 // The attitude bandwidth that a position law may count on.
 double attitude_bandwidth(LowLevel loop, const VehicleModel& vehicle, double period_s);
 
-// How many base ticks make one tick of a slower loop. Throws ConfigError when that is no whole number.
-int ticks_per_update(std::string_view who, double rate_hz, double period_s);
+// How many base ticks make one tick of a slower loop. Throws ParameterError, of `parameter`, when that is no whole number.
+int ticks_per_update(std::string_view parameter, double rate_hz, double period_s);
 
 }  // namespace gustlab

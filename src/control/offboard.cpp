@@ -28,8 +28,8 @@ double OffboardFrame::base_rate_hz(const OffboardOptions& options, const Vehicle
 
 OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const ControllerSetup& setup, const Observation& first) {
   if (options.thrust_estimate != "command" && options.thrust_estimate != "rotor_speed")
-    throw ConfigError("thrust_estimate = \"" + options.thrust_estimate +
-                      "\" is unknown (where the thrust is known from) use command or rotor_speed");
+    throw ParameterError("thrust_estimate", "thrust_estimate = \"" + options.thrust_estimate +
+                                                "\" is unknown (where the thrust is known from) use command or rotor_speed");
   feedforward_ = options.feedforward;
   from_rotor_speed_ = options.thrust_estimate == "rotor_speed";
   vehicle_ = setup.vehicle;
@@ -38,7 +38,7 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
   const LowLevel kind = low_level_of(options.low_level, vehicle_);
   loop_ = make_low_level(kind, vehicle_, period_s_);
   loop_->reset(first);
-  ticks_ = ticks_per_update("rate_hz of the force law", options.rate_hz, period_s_);
+  ticks_ = ticks_per_update("rate_hz", options.rate_hz, period_s_);
   tick_ = 0;
   tilt_limit_rad_ = options.tilt_limit_deg * pi / 180.0;
   const double w = options.bandwidth_radps > 0.0 ? options.bandwidth_radps

@@ -2,7 +2,7 @@
 //
 // Offboard<Law> is a Controller. A Law is a plain class with
 //   void visit(ParameterVisitor&)                              its parameters
-//   void reset(const OffboardSetup&)                           throws ConfigError
+//   void reset(const OffboardSetup&)                           throws ParameterError
 //   Vector3 update(const OffboardInput&)                       force that the rotors should push with, world axes, N
 //   std::vector<std::string_view> telemetry_names() const, void telemetry(std::span<double>) const
 #pragma once
@@ -51,7 +51,7 @@ struct OffboardInput {
 class OffboardFrame {
  public:
   double base_rate_hz(const OffboardOptions& options, const VehicleModel& vehicle) const;
-  // Returns what the law needs to know. Throws ConfigError.
+  // Returns what the law needs to know. Throws ParameterError.
   OffboardSetup reset(const OffboardOptions& options, const ControllerSetup& setup, const Observation& first);
 
   // Every base tick, first: remembers, and when the law's turn has come, says so and fills the input.

@@ -19,7 +19,7 @@ namespace gustlab {
 class ResidualAdaptation {
  public:
   void visit(ParameterVisitor& visitor);
-  // start: n×3, m/s² per unit of each feature. Throws ConfigError.
+  // start: n×3, m/s² per unit of each feature. Throws ParameterError.
   void reset(const OffboardSetup& setup, const Adaptation::Parameters& start);
   // Features at the present; returns F_d, world axes, N.
   Vector3 update(const OffboardInput& input, const Adaptation::Row& phi);

@@ -1,5 +1,7 @@
 #include "control/residual_model.hpp"
 
+#include <fmt/format.h>
+
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
@@ -24,17 +26,15 @@ void ResidualModel::visit(ParameterVisitor& visitor) {
 }
 
 void ResidualModel::prepare() {
-  for (const std::vector<double>* axis : {&fx_, &fy_, &fz_}) {
-    if (axis->size() == names_.size()) continue;
-    throw ConfigError("fx, fy and fz must each have one number per term (there are " +
-                      std::to_string(names_.size()) + " terms and " + std::to_string(axis->size()) + " numbers)");
-  }
-  terms_.clear();
+  terms_ = parse_terms(names_);
+  const std::pair<const char*, const std::vector<double>&> axes[] = {{"fx", fx_}, {"fy", fy_}, {"fz", fz_}};
+  for (const auto& [name, axis] : axes)
+    if (axis.size() != names_.size())
+      throw ParameterError(name, fmt::format("{} must have one number per term (there are {} terms and {} numbers)", name,
+                                             names_.size(), axis.size()));
   coefficients_.resize(3, static_cast<Eigen::Index>(names_.size()));
-  for (std::size_t i = 0; i < names_.size(); ++i) {
-    terms_.push_back(FeatureTerm::parse(names_[i]));
+  for (std::size_t i = 0; i < names_.size(); ++i)
     coefficients_.col(static_cast<Eigen::Index>(i)) << fx_[i], fy_[i], fz_[i];
-  }
 }
 
 Vector3 ResidualModel::force_W_N(const FeatureInput& input) const {

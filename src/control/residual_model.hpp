@@ -22,7 +22,7 @@ class ResidualModel {
   ResidualModel(std::span<const FeatureTerm> terms, const Eigen::MatrixXd& coefficients);
 
   void visit(ParameterVisitor& visitor);
-  // Reads the terms after parameters were set. Throws ConfigError when numbers and terms do not match.
+  // Reads the terms after parameters were set. Throws ParameterError when numbers and terms do not match.
   void prepare();
 
   std::span<const FeatureTerm> terms() const { return terms_; }

@@ -1,5 +1,7 @@
 // asindy: Adaptive SINDy, Algorithm 1 of arXiv 2603.08863: the residual force as a sparse combination of identified terms
 // whose coefficients adapt in flight.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +27,7 @@ ResidualModel read_model(const InputFile& file) {
     if (spec.type != "sindy_residual") continue;
     IdentifiedModel identified;
     config::read_parameters(spec, identified);
-    identified.model.prepare();
+    config::at_place(spec, [&] { identified.model.prepare(); });
     return identified.model;
   }
   throw ConfigError(file.path + ": no [[effect]] of type \"sindy_residual\" (a model lists the active terms) name a file that "
@@ -40,6 +42,8 @@ double thrust_power(const FeatureTerm& term) {
   return std::round(std::log2(term.value(probe) / one));
 }
 
+const std::vector<std::string> default_terms{"1", "T sin theta", "T sin phi"};
+
 class AdaptiveSindy {
  public:
   void visit(ParameterVisitor& visitor) {
@@ -53,15 +57,18 @@ class AdaptiveSindy {
   void reset(const OffboardSetup& setup) {
     weight_N_ = setup.vehicle.weight_N();
     ResidualModel model;
-    terms_.clear();
-    if (model_.bytes.empty()) {
-      for (const std::string& name : term_names_) terms_.push_back(FeatureTerm::parse(name));
+    if (model_.path.empty()) {
+      terms_ = parse_terms(term_names_);
     } else {
+      if (term_names_ != default_terms)
+        throw ParameterError("terms", "\"terms\" stands beside \"model\" (the model brings its own terms) keep one");
       model = read_model(model_);
       terms_.assign(model.terms().begin(), model.terms().end());
     }
     if (terms_.empty() || terms_.size() > Adaptation::max_terms)
-      throw ConfigError("controller asindy: there must be 1 to " + std::to_string(Adaptation::max_terms) + " terms");
+      throw ParameterError(model_.path.empty() ? "terms" : "model",
+                           fmt::format("{} has {} terms (1 to {} terms can adapt)", model_.path.empty() ? "\"terms\"" : model_.path,
+                                       terms_.size(), Adaptation::max_terms));
     phi_ = Adaptation::Row::Zero(static_cast<Eigen::Index>(terms_.size()));
 
     Adaptation::Parameters start = Adaptation::Parameters::Zero(phi_.cols(), 3);
@@ -89,7 +96,7 @@ class AdaptiveSindy {
   void telemetry(std::span<double> out) const { residual_.telemetry(out); }
 
  private:
-  std::vector<std::string> term_names_{"1", "T sin theta", "T sin phi"};
+  std::vector<std::string> term_names_ = default_terms;
   InputFile model_;
   bool start_at_model_ = false;
   ResidualAdaptation residual_;

@@ -29,9 +29,9 @@ class Daiml {
     network_ = weights_.bytes.empty() ? Network() : Network(parse_network(weights_.bytes, weights_.path));
     if (!weights_.bytes.empty() && !std::equal(daiml_input_names.begin(), daiml_input_names.end(), network_.weights().inputs.begin(),
                                          network_.weights().inputs.end()))
-      throw ConfigError("controller daiml: " + weights_.path + " looks at other inputs (see its line `inputs`) train it again");
+      throw ParameterError("weights", weights_.path + " looks at other inputs (see its line `inputs`) train it again");
     if (network_.outputs() + 1 > Adaptation::max_terms)
-      throw ConfigError("controller daiml: " + weights_.path + " has more than " + std::to_string(Adaptation::max_terms - 1) + " outputs");
+      throw ParameterError("weights", weights_.path + " has more than " + std::to_string(Adaptation::max_terms - 1) + " outputs");
     phi_ = Adaptation::Row::Ones(network_.outputs() + 1);
     residual_.reset(setup, Adaptation::Parameters::Zero(phi_.cols(), 3));
   }

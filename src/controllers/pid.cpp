@@ -33,7 +33,7 @@ class PidController final : public Controller {
     const LowLevel kind = low_level_of(low_level_, setup.vehicle);
     crazyflie_ = kind == LowLevel::crazyflie;
     const double firmware_rate_hz = crazyflie_ ? 100.0 : kind == LowLevel::ardupilot ? 400.0 : 100.0;
-    ticks_ = ticks_per_update("controller pid", rate_hz_ > 0.0 ? rate_hz_ : firmware_rate_hz, setup.period_s);
+    ticks_ = ticks_per_update("rate_hz", rate_hz_ > 0.0 ? rate_hz_ : firmware_rate_hz, setup.period_s);
     const double period_s = ticks_ * setup.period_s;
     const FeedForward feedforward = feed_forward(crazyflie_);
     if (crazyflie_) {
@@ -73,8 +73,8 @@ class PidController final : public Controller {
     if (feedforward_ == "none") return FeedForward::none;
     if (feedforward_ == "velocity") return FeedForward::velocity;
     if (feedforward_ == "full") return FeedForward::full;
-    throw ConfigError("controller pid: feedforward = \"" + feedforward_ +
-                      "\" is unknown (what of the reference is fed forward) use firmware, none, velocity or full");
+    throw ParameterError("feedforward", "feedforward = \"" + feedforward_ +
+                                            "\" is unknown (what of the reference is fed forward) use firmware, none, velocity or full");
   }
 
   // each loop a third as fast as the one below it

@@ -21,8 +21,8 @@ class RotorLoss final : public Effect {
 
   void prepare(const VehicleModel& vehicle, double, const RandomStream&) override {
     if (rotor_ > vehicle.rotor_count)
-      throw ConfigError(fmt::format("rotor_loss: no rotor {} (the vehicle has {}) use 1 to {}", rotor_,
-                                    vehicle.rotor_count, vehicle.rotor_count));
+      throw ParameterError("rotor", fmt::format("rotor_loss: no rotor {} (the vehicle has {}) use 1 to {}", rotor_,
+                                                vehicle.rotor_count, vehicle.rotor_count));
   }
 
   void on_rotor(Flow&, RotorSet& rotors) const override {

@@ -18,23 +18,19 @@ class SindyResidual final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     model_.visit(visitor);
     visitor.text("frame", frame_, {.help = "axes of the force: world or body"});
-    visitor.numbers("tx", torque_[0], {.unit = "N m", .help = "per unit of each term, about body x; empty: none", .natural = 0.0});
-    visitor.numbers("ty", torque_[1], {.unit = "N m", .help = "per unit of each term, about body y; empty: none", .natural = 0.0});
-    visitor.numbers("tz", torque_[2], {.unit = "N m", .help = "per unit of each term, about body z; empty: none", .natural = 0.0});
+    visitor.numbers(torque_names[0], torque_[0], {.unit = "N m", .help = "per unit of each term, about body x; empty: none", .natural = 0.0});
+    visitor.numbers(torque_names[1], torque_[1], {.unit = "N m", .help = "per unit of each term, about body y; empty: none", .natural = 0.0});
+    visitor.numbers(torque_names[2], torque_[2], {.unit = "N m", .help = "per unit of each term, about body z; empty: none", .natural = 0.0});
   }
 
   void prepare(const VehicleModel&, double, const RandomStream&) override {
-    try {
-      model_.prepare();
-      if (frame_ != "world" && frame_ != "body") throw ConfigError("frame \"" + frame_ + "\" is neither world nor body");
-      turns_ = false;
-      for (const std::vector<double>& axis : torque_) {
-        if (!axis.empty() && axis.size() != model_.terms().size())
-          throw ConfigError("tx, ty and tz must be empty or have one number per term");
-        for (const double value : axis) turns_ = turns_ || value != 0.0;
-      }
-    } catch (const ConfigError& error) {
-      throw ConfigError(std::string("effect sindy_residual: ") + error.what());
+    model_.prepare();
+    if (frame_ != "world" && frame_ != "body") throw ParameterError("frame", "frame = \"" + frame_ + "\" is neither world nor body");
+    turns_ = false;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (!torque_[axis].empty() && torque_[axis].size() != model_.terms().size())
+        throw ParameterError(torque_names[axis], "tx, ty and tz must be empty or have one number per term");
+      for (const double value : torque_[axis]) turns_ = turns_ || value != 0.0;
     }
   }
 
@@ -66,6 +62,7 @@ class SindyResidual final : public Effect {
  private:
   ResidualModel model_;
   std::string frame_ = "world";
+  static constexpr std::array<std::string_view, 3> torque_names{"tx", "ty", "tz"};
   std::array<std::vector<double>, 3> torque_;
   bool turns_ = false;
 };

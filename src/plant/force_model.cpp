@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "config/toml.hpp"
+
 namespace gustlab {
 
 namespace {
@@ -28,13 +30,13 @@ ForceModel::ForceModel(const VehicleModel& nominal, std::vector<NamedEffect> eff
 void ForceModel::prepare(double step_s, std::uint64_t seed, std::uint32_t replicate) {
   step_s_ = step_s;
   vehicle_ = nominal_;
-  for (const auto& [row, effect] : effects_) effect->on_body(vehicle_);
+  for (const NamedEffect& named : effects_) named.effect->on_body(vehicle_);
   inverse_inertia_ = vehicle_.inertia_B_kgm2.inverse();
 
   actuation_.clear(), rotor_.clear(), measurement_.clear(), wrench_.clear(), stateful_.clear();
   state_size_ = 0;
-  for (const auto& [row, effect] : effects_) {
-    effect->prepare(vehicle_, step_s, RandomStream(seed, replicate, row->name));
+  for (const auto& [row, effect, spec] : effects_) {
+    config::at_place(spec, [&] { effect->prepare(vehicle_, step_s, RandomStream(seed, replicate, row->name)); });
     const Stateful entry{effect.get(), state_size_, effect->state_size(), row->external};
     state_size_ += entry.size;
     if (entry.size > 0) stateful_.push_back(entry);
@@ -57,7 +59,7 @@ void ForceModel::prepare(double step_s, std::uint64_t seed, std::uint32_t replic
 
 double ForceModel::lookback_s() const {
   double longest = 0.0;
-  for (const auto& [row, effect] : effects_) longest = std::max(longest, effect->lookback_s());
+  for (const NamedEffect& named : effects_) longest = std::max(longest, named.effect->lookback_s());
   return longest;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "config/resources.hpp"
@@ -115,18 +116,25 @@ struct Variant {
   std::string name;
   std::vector<std::string> set;
   bool held_out = false;
+  std::string set_where;  // file:line:col
 };
 std::vector<Variant> read_variant_tables(config::Table& document) {
   std::vector<Variant> variants;
   std::set<std::string> seen;
   for (config::Table& table : document.tables("variant")) {
     variants.push_back({table.need_text("name"), table.texts("set").value_or(std::vector<std::string>{}),
-                        table.flag("held_out").value_or(false)});
+                        table.flag("held_out").value_or(false), table.where("set")});
     check_name(table, "name", variants.back().name);
     if (!seen.insert(variants.back().name).second)
       table.fail("name", fmt::format("variant \"{}\" is here twice", variants.back().name), "", "rename one");
   }
   return variants;
+}
+
+// what an error says of a setting that a file asks for, as if it stood on the command line; nothing when it is about another
+std::optional<std::string> said_of(const std::string& setting, const ConfigError& error) {
+  const std::string said = error.what(), prefix = "--set " + setting + ": ";
+  return said.starts_with(prefix) ? std::optional(said.substr(prefix.size())) : std::nullopt;
 }
 
 // what the files of the list `include` say
@@ -149,11 +157,15 @@ Included read_included(config::Table& experiment, const std::string& path, std::
 }
 
 // a flight of each trajectory and each controller is made once, so that what does not fit shows before anything runs
-void check_flights(const Experiment& experiment) {
+void check_flights(const Experiment& experiment, const config::Table& document) {
   RunSpec spec;
-  for (spec.trajectory = 0; spec.trajectory < experiment.trajectories.size(); ++spec.trajectory)
-    for (spec.controller = 0; spec.controller < experiment.controllers.size(); ++spec.controller)
-      Flight(experiment, spec);
+  try {
+    for (spec.trajectory = 0; spec.trajectory < experiment.trajectories.size(); ++spec.trajectory)
+      for (spec.controller = 0; spec.controller < experiment.controllers.size(); ++spec.controller)
+        Flight(experiment, spec);
+  } catch (const ParameterError& error) {
+    document.fail(error.parameter, error.what(), "", "");
+  }
 }
 
 }  // namespace
@@ -204,9 +216,7 @@ void check_override(const std::string& path, std::vector<std::string> overrides,
   try {
     read_experiment(path, overrides);
   } catch (const ConfigError& error) {
-    const std::string_view said = error.what();
-    const std::string prefix = "--set " + setting + ": ";
-    throw ConfigError(fmt::format("{}: {}", where, said.starts_with(prefix) ? said.substr(prefix.size()) : said));
+    throw ConfigError(fmt::format("{}: {}", where, said_of(setting, error).value_or(error.what())));
   }
 }
 
@@ -218,7 +228,14 @@ std::vector<Experiment> read_variants(const std::string& path, const std::vector
   for (const Variant& variant : variants) {
     std::vector<std::string> set = variant.set;
     set.insert(set.end(), overrides.begin(), overrides.end());
-    Experiment& experiment = experiments.emplace_back(read_experiment(path, set));
+    try {
+      experiments.push_back(read_experiment(path, set));
+    } catch (const ConfigError& error) {
+      for (const std::string& setting : variant.set)
+        if (const auto said = said_of(setting, error)) throw ConfigError(fmt::format("{}: {}", variant.set_where, *said));
+      throw;
+    }
+    Experiment& experiment = experiments.back();
     experiment.name += "." + variant.name;
     experiment.variant = variant.name;
     experiment.held_out = variant.held_out;
@@ -258,7 +275,7 @@ Experiment make_experiment(config::Table& document, const std::string& path) {
 
   if (has_environment) experiment.vehicle.environment = environment;
   experiment.effects = config::merge_effects(included.effects, own_effects);
-  check_flights(experiment);
+  check_flights(experiment, document);
   return experiment;
 }
 

@@ -23,12 +23,12 @@ constexpr std::array<std::pair<Outcome, std::string_view>, 5> outcome_names{{
     {Outcome::controller_nonfinite, "controller_nonfinite"},
 }};
 
-// how often `part` fits into `whole`; throws when it does not do so a whole number of times
-std::int64_t divide(double whole_s, double part_s, const std::string& whole_says, const std::string& part_says) {
+// how often `part` fits into `whole`; throws, of a parameter, when it does not do so a whole number of times
+std::int64_t divide(std::string_view of, double whole_s, double part_s, const std::string& whole_says, const std::string& part_says) {
   const double times = std::round(whole_s / part_s);
   if (times < 1.0 || std::abs(times * part_s - whole_s) > 1e-9 * whole_s)
-    throw ConfigError(fmt::format("{} {} s does not divide {} {} s", part_says, config::shortest(part_s), whole_says,
-                                  config::shortest(whole_s)));
+    throw ParameterError(of, fmt::format("{} {} s does not divide {} {} s", part_says, config::shortest(part_s), whole_says,
+                                         config::shortest(whole_s)));
   return static_cast<std::int64_t>(times);
 }
 
@@ -90,25 +90,25 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   const Choice& path = experiment.trajectories[spec.trajectory];
   trajectory = find_trajectory(path.spec.type)->make();
   config::read_parameters(path.spec, *trajectory);
-  trajectory->prepare();
+  config::at_place(path.spec, [&] { trajectory->prepare(); });
   if (options.duration_s == 0.0) options.duration_s = trajectory->duration_s();
   if (options.duration_s <= 0.0)
-    throw ConfigError(fmt::format("trajectory \"{}\" has no natural end, and \"duration_s\" is missing", path.name));
+    throw ParameterError("duration_s", fmt::format("trajectory \"{}\" has no natural end, and \"duration_s\" is missing", path.name));
 
   const Choice& law = experiment.controllers[spec.controller];
   controller = find_controller(law.spec.type)->make();
   config::read_parameters(law.spec, *controller);
-  const double period_s = 1.0 / controller->rate_hz(experiment.vehicle);
+  const double period_s = 1.0 / config::at_place(law.spec, [&] { return controller->rate_hz(experiment.vehicle); });
   const std::string period_says = fmt::format("the period of controller \"{}\",", law.name);
-  steps_per_tick = divide(period_s, options.step_s, period_says, "\"step_s\"");
+  steps_per_tick = divide("step_s", period_s, options.step_s, period_says, "\"step_s\"");
   if (options.offboard_rate_hz > 0.0)
-    ticks_per_offboard = divide(1.0 / options.offboard_rate_hz, period_s, "the period of \"offboard_rate_hz\",", period_says);
+    ticks_per_offboard = divide("offboard_rate_hz", 1.0 / options.offboard_rate_hz, period_s, "the period of \"offboard_rate_hz\",", period_says);
   offboard_delay_ticks = std::llround(options.offboard_delay_s / period_s);
   link_messages.resize(static_cast<std::size_t>(offboard_delay_ticks / ticks_per_offboard) + 2);
   ticks = static_cast<std::int64_t>(std::round(options.duration_s / period_s));
 
   plant.reset(start_state(*trajectory, experiment.vehicle));
-  controller->reset({experiment.vehicle, period_s}, plant.observe(true));
+  config::at_place(law.spec, [&] { controller->reset({experiment.vehicle, period_s}, plant.observe(true)); });
 }
 
 FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder) {

@@ -36,7 +36,7 @@ struct LinkMessage {
 
 // Everything that one run owns; no two runs share anything that changes.
 struct Flight {
-  // Throws ConfigError when the parts do not fit together.
+  // Throws ConfigError when the parts do not fit together, ParameterError when it is for a key of the experiment.
   Flight(const Experiment& experiment, const RunSpec& spec);
 
   FlightOptions options;  // with the duration resolved

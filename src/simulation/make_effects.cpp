@@ -18,7 +18,7 @@ std::vector<NamedEffect> make_effects(const std::vector<EffectSpec>& specs) {
       throw ConfigError(fmt::format("{}: unknown effect \"{}\" {}", spec.where, spec.type,
                                     near.empty() ? "(see `gustlab list effects`)" : near));
     }
-    effects.push_back({row, row->make()});
+    effects.push_back({row, row->make(), spec});
     config::read_parameters(spec, *effects.back().effect);
   }
   return effects;

@@ -22,7 +22,7 @@ class Circle final : public Trajectory {
 
   void prepare() override {
     if (start_ != "center" && start_ != "reference")
-      throw ConfigError("trajectory circle: unknown start \"" + start_ + "\" (where the vehicle starts) use center or reference");
+      throw ParameterError("start", "start = \"" + start_ + "\" is unknown (where the vehicle starts) use center or reference");
   }
 
   Reference at(double time_s) const override {

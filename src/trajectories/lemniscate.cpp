@@ -22,7 +22,7 @@ class Lemniscate final : public Trajectory {
 
   void prepare() override {
     if (shape_ != "gerono" && shape_ != "bernoulli")
-      throw ConfigError("trajectory lemniscate: unknown shape \"" + shape_ + "\" (which figure of eight) use gerono or bernoulli");
+      throw ParameterError("shape", "shape = \"" + shape_ + "\" is unknown (which figure of eight) use gerono or bernoulli");
     bernoulli_ = shape_ == "bernoulli";
   }
 

@@ -13,9 +13,9 @@ class Multisine final : public Trajectory {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.vector("amplitude_m", amplitude_W_m_, {.unit = "m", .help = "amplitude of the first line of each axis"});
-    visitor.numbers("frequencies_x_hz", frequencies_hz_[0], {.unit = "Hz", .help = "lines along x"});
-    visitor.numbers("frequencies_y_hz", frequencies_hz_[1], {.unit = "Hz", .help = "lines along y"});
-    visitor.numbers("frequencies_z_hz", frequencies_hz_[2], {.unit = "Hz", .help = "lines along z"});
+    visitor.numbers(names[0], frequencies_hz_[0], {.unit = "Hz", .help = "lines along x"});
+    visitor.numbers(names[1], frequencies_hz_[1], {.unit = "Hz", .help = "lines along y"});
+    visitor.numbers(names[2], frequencies_hz_[2], {.unit = "Hz", .help = "lines along z"});
     visitor.vector("center_m", center_W_m_, {.unit = "m", .help = "mean position"});
     visitor.number("ramp_s", ramp_s_, {.unit = "s", .help = "time until the full amplitude", .min = 0.0, .max = 1e3});
     visitor.number("yaw_amplitude_rad", yaw_amplitude_rad_, {.unit = "rad", .help = "heading swing", .min = 0.0, .max = pi});
@@ -23,10 +23,10 @@ class Multisine final : public Trajectory {
   }
 
   void prepare() override {
-    for (const std::vector<double>& lines : frequencies_hz_)
-      for (const double line : lines)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const double line : frequencies_hz_[axis])
         if (!(line > 0.0 && line <= 50.0))
-          throw ConfigError("trajectory multisine: a frequency is out of range (lines are between 0 and 50 Hz) remove it");
+          throw ParameterError(names[axis], "a frequency is out of range (lines are between 0 and 50 Hz) remove it");
   }
 
   Reference at(double time_s) const override {
@@ -40,6 +40,8 @@ class Multisine final : public Trajectory {
   }
 
  private:
+  static constexpr std::array<std::string_view, 3> names{"frequencies_x_hz", "frequencies_y_hz", "frequencies_z_hz"};
+
   Jet axis(int k, double time_s) const {
     const std::vector<double>& lines = frequencies_hz_[static_cast<std::size_t>(k)];
     Jet sum;

@@ -33,9 +33,8 @@ class Waypoints final : public Trajectory {
   }
 
   void prepare() override {
-    const auto fail = [](const char* what) { throw ConfigError(std::string("trajectory waypoints: ") + what); };
     if (points_W_m_.size() % 3 != 0 || points_W_m_.size() < 6 || points_W_m_.size() > 300)
-      fail("points_m must hold x, y, z of 2 to 100 points (three numbers each)");
+      throw ParameterError("points_m", "points_m must hold x, y, z of 2 to 100 points (three numbers each)");
     const std::size_t count = points_W_m_.size() / 3;
     knots_s_ = times_s_;
     if (knots_s_.empty()) {
@@ -43,9 +42,10 @@ class Waypoints final : public Trajectory {
       for (std::size_t i = 1; i < count; ++i) knots_s_.push_back(knots_s_.back() + (point(i) - point(i - 1)).norm() / speed_mps_);
     }
     if (knots_s_.size() != count || knots_s_.front() != 0.0)
-      fail("times_s must hold one time per point, the first 0 (a point is passed at a time)");
+      throw ParameterError("times_s", "times_s must hold one time per point, the first 0 (a point is passed at a time)");
     for (std::size_t i = 1; i < count; ++i)
-      if (!(knots_s_[i] > knots_s_[i - 1])) fail("times_s must rise and no two points follow each other at one place");
+      if (!(knots_s_[i] > knots_s_[i - 1]))
+        throw ParameterError(times_s_.empty() ? "points_m" : "times_s", "times_s must rise and no two points follow each other at one place");
     solve(static_cast<int>(count) - 1);
   }
 

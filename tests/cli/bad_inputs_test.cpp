@@ -96,6 +96,35 @@ duration_s = 1
 name = "nothing"
 )";
 
+const char* const experiment_text = R"(format = "gustlab-experiment/1"
+name = "e"
+vehicle = "v/vehicle.toml"
+trajectories = ["circle"]
+controllers = ["pid", "asindy", "indi"]
+duration_s = 1
+[controller.asindy]
+terms = ["1", "theta"]
+covariance_law = "printed"
+thrust_estimate = "command"
+low_level = "auto"
+rate_hz = 50
+[controller.pid]
+feedforward = "none"
+rate_hz = 100
+[controller.indi]
+law = "firmware"
+inner = "indi"
+[trajectory.circle]
+start = "center"
+)";
+const std::vector<std::string> plan{"sweep", "e.toml", "--dry-run"};
+
+// an edit of one line of the experiment
+std::vector<Edit> experiment(const std::string& from, const std::string& to) {
+  std::string text = experiment_text;
+  return {{"e.toml", "", text.replace(text.find(from), from.size(), to)}};
+}
+
 const std::vector<std::string> replay{"replay", "a.csv"}, replay_with{"replay", "a.csv", "--with", "w.toml"};
 
 const BadInput bad_inputs[] = {
@@ -147,6 +176,28 @@ const BadInput bad_inputs[] = {
     {"the same effect twice", 2, "w.toml:4:1: effect \"rotor_drag\" is here twice (first at w.toml:1:1) keep one", replay_with,
      {{"w.toml", "", std::string(with_text) + with_text}}},
     {"effect without a type", 2, "w.toml:1:1: \"type\" is missing", replay_with, {{"w.toml", "type = \"rotor_drag\"\n", ""}}},
+    {"term that comes twice", 2, "w.toml:3:9: term \"1\" is here twice", replay_with,
+     {{"w.toml", "", "[[effect]]\ntype = \"sindy_residual\"\nterms = [\"1\", \"1\"]\nfx = [1, 1]\nfy = [1, 1]\nfz = [1, 1]\n"}}},
+    {"numbers that are no number per term", 2, "w.toml:4:6: fx must have one number per term (there are 1 terms and 2 numbers)", replay_with,
+     {{"w.toml", "", "[[effect]]\ntype = \"sindy_residual\"\nterms = [\"1\"]\nfx = [1, 1]\nfy = [1]\nfz = [1]\n"}}},
+    {"rotor that is not there", 2, "w.toml:3:9: rotor_loss: no rotor 5 (the vehicle has 4) use 1 to 4", replay_with,
+     {{"w.toml", "", "[[effect]]\ntype = \"rotor_loss\"\nrotor = 5\n"}}},
+    // experiments: what only its owner knows of a parameter is said with its place, too
+    {"unknown term", 2, "e.toml:8:9: term \"thata\": unknown variable \"thata\"", plan, experiment("theta", "thata")},
+    {"terms that are none", 2, "e.toml:8:9: \"terms\" has 0 terms", plan, experiment("[\"1\", \"theta\"]", "[]")},
+    {"unknown covariance law", 2, "e.toml:9:18: covariance_law = \"printd\" is unknown", plan, experiment("printed", "printd")},
+    {"unknown thrust estimate", 2, "e.toml:10:19: thrust_estimate = \"comand\" is unknown", plan, experiment("command", "comand")},
+    {"unknown loops", 2, "e.toml:11:13: low_level = \"px4\" is unknown", plan, experiment("auto", "px4")},
+    {"rate that divides nothing", 2, "e.toml:12:11: rate_hz = 333 does not divide the base rate of 500 Hz", plan, experiment("50", "333")},
+    {"unknown feed-forward", 2, "e.toml:14:15: feedforward = \"some\" is unknown", plan, experiment("\"none\"", "\"some\"")},
+    {"rate of a firmware that divides nothing", 2, "e.toml:15:11: rate_hz = 7 does not divide", plan, experiment("100", "7")},
+    {"unknown law", 2, "e.toml:17:7: law = \"x\" is unknown", plan, experiment("\"firmware\"", "\"x\"")},
+    {"unknown inner loop", 2, "e.toml:18:9: inner = \"x\" is unknown", plan, experiment("\"indi\"\n[tr", "\"x\"\n[tr")},
+    {"unknown start", 2, "e.toml:20:9: start = \"x\" is unknown", plan, experiment("center", "x")},
+    {"rate on the command line", 2, "--set controller.pid.rate_hz=7: rate_hz = 7 does not divide",
+     {"sweep", "e.toml", "--dry-run", "--set", "controller.pid.rate_hz=7"}, experiment("100", "100")},
+    {"model without terms", 2, "e.toml:8:9: w.toml has 0 terms", plan,
+     {experiment("terms = [\"1\", \"theta\"]", "model = \"w.toml\"")[0], {"w.toml", "", "[[effect]]\ntype = \"sindy_residual\"\n"}}},
     {"unknown key beside effects", 2, "w.toml:1:3: unknown key \"efect\" did you mean \"effect\"?", replay_with, {{"w.toml", "effect", "efect"}}},
     // recordings
     {"missing flight", 3, "b.csv: cannot read (No such file or directory)", {"replay", "b.csv"}},
@@ -232,6 +283,8 @@ TEST(BadInputs, GoodInputOfTheSameKindIsTaken) {
   EXPECT_EQ(said.exit_code, 0) << said.err;
   EXPECT_THAT(said.out, HasSubstr("position_m"));
   EXPECT_EQ(said.err, "");
+  folder.write("e.toml", experiment_text);
+  EXPECT_EQ(test::gustlab({"sweep", "e.toml", "--dry-run"}, folder.path().string()).exit_code, 0);
 }
 
 }  // namespace

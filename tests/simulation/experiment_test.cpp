@@ -119,9 +119,17 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"replicates", "replicates = 3", "replicates = 0", "experiment.toml:7:14: \"replicates\" is out of range"},
         Mistake{"type", "replicates = 3", "replicates = \"3\"", "experiment.toml:7:14: \"replicates\" must be"},
         Mistake{"key", "duration_s", "durations", "experiment.toml:8:1: unknown key \"durations\" did you mean \"duration_s\"?"},
-        Mistake{"endless", "duration_s = 1.0", "", "has no natural end"},
-        Mistake{"step", "duration_s = 1.0", "duration_s = 1.0\nstep_s = 0.003", "\"step_s\" 0.003 s does not divide the period"},
-        Mistake{"offboard", "duration_s = 1.0", "duration_s = 1.0\noffboard_rate_hz = 300", "does not divide"},
+        Mistake{"endless", "duration_s = 1.0", "", "experiment.toml:1:1: trajectory \"circle\" has no natural end"},
+        Mistake{"choice of a trajectory", "start = \"reference\"", "start = \"middle\"", "experiment.toml:13:9: start = \"middle\" is unknown"},
+        Mistake{"rate of a controller", "[trajectory", "[controller.pid]\nrate_hz = 333\n[trajectory",
+                "experiment.toml:12:11: rate_hz = 333 does not divide the base rate of 500 Hz"},
+        Mistake{"loops of a controller", "[trajectory", "[controller.pid]\nlow_level = \"px4\"\n[trajectory",
+                "experiment.toml:12:13: low_level = \"px4\" is unknown"},
+        Mistake{"rotor of an effect", "[trajectory", "[[effect]]\ntype = \"rotor_loss\"\nrotor = 5\n[trajectory",
+                "experiment.toml:13:9: rotor_loss: no rotor 5"},
+        Mistake{"step", "duration_s = 1.0", "duration_s = 1.0\nstep_s = 0.003", "experiment.toml:9:10: \"step_s\" 0.003 s does not divide the period"},
+        Mistake{"offboard", "duration_s = 1.0", "duration_s = 1.0\noffboard_rate_hz = 300",
+                "experiment.toml:9:20: the period of controller \"pid\", 0.002 s does not divide"},
         Mistake{"settle", "duration_s = 1.0", "duration_s = 1.0\nsettle_s = 1.0", "experiment.toml:9:12: \"settle_s\" leaves nothing to measure"},
         Mistake{"source", "duration_s = 1.0", "duration_s = 1.0\nlog_source = \"mind\"", "\"mind\" is no source"},
         Mistake{"include", "duration_s = 1.0", "duration_s = 1.0\ninclude = [\"nowhere.toml\"]", "nowhere.toml: cannot read"},
@@ -137,6 +145,24 @@ INSTANTIATE_TEST_SUITE_P(
         if (c == ' ') c = '_';
       return name;
     });
+
+// GIVEN a variant that sets what there is not WHEN it is read THEN the place is the variant's, and that of --set is the command line
+TEST(Variants, SayWhereTheySetWhatThereIsNot) {
+  const TemporaryFolder folder;
+  const std::string variant = "[[variant]]\nname = \"v\"\nset = [\"seed=2\", \"controller.pid.rate_hz=333\"]\n";
+  const std::string path = folder.write("e.toml", small_experiment + variant);
+  const auto message = [&](const std::string& override_text) -> std::string {
+    try {
+      read_variants(path, {override_text});
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message("seed=3"), HasSubstr("e.toml:20:7: rate_hz = 333 does not divide"));
+  EXPECT_THAT(message("controller.pid.rate_hz=7"), testing::StartsWith("--set controller.pid.rate_hz=7: rate_hz = 7 does not divide"));
+  EXPECT_EQ(message("controller.pid.rate_hz=100"), "");
+}
 
 TEST(Experiment, NameUnderExperimentsIsFoundFromAnywhere) {
   EXPECT_THAT(find_experiment("table2_crazyflie"), testing::EndsWith("experiments/table2_crazyflie.toml"));
