@@ -157,7 +157,9 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
                                    const Calibration& calibration, const Published& published, int jobs,
                                    const std::atomic<bool>& stop,
                                    const std::function<void(std::size_t done, std::size_t all)>& progress) {
-  check_fresh({"calibrates", calibration.where, calibration.first_replicate, calibration.replicates}, experiment_path, overrides);
+  check_override(experiment_path, overrides, fmt::format("first_replicate={}", calibration.first_replicate), calibration.first_where);
+  check_override(experiment_path, overrides, fmt::format("replicates={}", calibration.replicates), calibration.count_where);
+  check_fresh({"calibrates", calibration.first_where, calibration.first_replicate, calibration.replicates}, experiment_path, overrides);
   published.check_vehicle(calibration.table, read_experiment(experiment_path, overrides));
   std::size_t all = 0, before = 0;
   for (const CalibrationStage& stage : calibration.stages) {

@@ -53,7 +53,7 @@ struct Calibration {
   std::string table;
   std::int64_t first_replicate = 1001, replicates = 10;
   std::vector<CalibrationStage> stages;
-  std::string where = {};  // file:line:col of the replicates
+  std::string first_where = {}, count_where = {};  // file:line:col of the replicates
 
   // whether a stage looks at the cell
   bool fits(std::string_view trajectory, std::string_view controller, std::size_t metric) const;

@@ -81,7 +81,8 @@ Calibration read_calibration(const std::string& path) {
   calibration.table = document.need_text("table");
   calibration.first_replicate = document.integer("first_replicate").value_or(calibration.first_replicate);
   calibration.replicates = document.integer("replicates").value_or(calibration.replicates);
-  calibration.where = document.where(document.has("first_replicate") ? "first_replicate" : "");
+  calibration.first_where = document.where(document.has("first_replicate") ? "first_replicate" : "");
+  calibration.count_where = document.where(document.has("replicates") ? "replicates" : "");
   for (Table& table : document.tables("stage")) calibration.stages.push_back(read_stage(table));
   document.finish();
   return calibration;

@@ -114,11 +114,7 @@ Tuning read_tuning(const std::string& path) {
   config::Table document = config::Table::read_file(path);
   if (document.need_text("format") != "gustlab-tuning/1") document.fail("format", "this is no tuning", "", "write format = \"gustlab-tuning/1\"");
   Tuning tuning;
-  const auto count = [&](std::string_view key, std::int64_t value) {
-    value = document.integer(key).value_or(value);
-    if (value < 1) document.fail(key, fmt::format("\"{}\" is not positive", key), "", "");
-    return value;
-  };
+  const auto count = [&](std::string_view key, std::int64_t value) { return document.integer(key).value_or(value); };
   const auto where = [&](std::string_view key) { return document.where(document.has(key) ? key : ""); };
   tuning.flights_where = where("flights");
   tuning.replicates_where = where("first_replicate");
@@ -135,6 +131,10 @@ Tuning read_tuning(const std::string& path) {
   }
   if (tuning.controllers.empty()) document.fail("controller", "there is no [[controller]]", "nothing would be tuned", "add one");
   document.finish();
+  // only now: a misspelt key is not a missing one
+  for (const auto& [key, value] : {std::pair{"flights", tuning.flights}, {"first_replicate", tuning.first_replicate},
+                                   {"replicates", tuning.replicates}, {"search_seed", tuning.search_seed}})
+    if (value < 1) document.fail(key, fmt::format("\"{}\" is {}", key, document.has(key) ? "not positive" : "missing"), "", "");
   return tuning;
 }
 

@@ -138,9 +138,10 @@ TEST(Calibration, SaysWhatIsWrongAndWhere) {
 TEST(Calibration, SaysWhereItsFileDoesNotFitTheExperiment) {
   const TemporaryFolder folder;
   const std::string path = folder.write("e.toml", experiment_text);
-  const auto message = [&](const std::string& table, const std::string& controller, const std::string& key) -> std::string {
+  const auto message = [&](const std::string& table, const std::string& controller, const std::string& key,
+                           int replicates = 10) -> std::string {
     const Calibration asked = read_calibration(folder.write(
-        "c.toml", "format = \"gustlab-calibration/1\"\ntable = \"" + table + "\"\n[[stage]]\nname = \"s\"\n" +
+        "c.toml", "format = \"gustlab-calibration/1\"\ntable = \"" + table + "\"\nreplicates = " + std::to_string(replicates) + "\n[[stage]]\nname = \"s\"\n" +
                       "targets = [{trajectories = [\"hover\"], controllers = [\"" + controller + "\"], metrics = [\"rmse_xy_m\"]}]\n" +
                       "parameters = [{key = \"" + key + "\", min = 0.005, start = 0.01, max = 0.05}]\n"));
     const std::atomic<bool> stop = true;
@@ -151,9 +152,10 @@ TEST(Calibration, SaysWhereItsFileDoesNotFitTheExperiment) {
     }
     return "flew";
   };
-  EXPECT_THAT(message("u", "pid", "effect.gust.mean_x"), HasSubstr("c.toml:5:53: u has no row hover pid"));
-  EXPECT_THAT(message("t", "pdi", "effect.gust.mean_x"), HasSubstr("c.toml:5:53: t has no row hover pdi"));
-  EXPECT_THAT(message("t", "pid", "effect.gust.man_x"), HasSubstr("c.toml:6:22: unknown key \"man_x\" did you mean \"mean_x\"?"));
+  EXPECT_THAT(message("u", "pid", "effect.gust.mean_x"), HasSubstr("c.toml:6:53: u has no row hover pid"));
+  EXPECT_THAT(message("t", "pdi", "effect.gust.mean_x"), HasSubstr("c.toml:6:53: t has no row hover pdi"));
+  EXPECT_THAT(message("t", "pid", "effect.gust.man_x"), HasSubstr("c.toml:7:22: unknown key \"man_x\" did you mean \"mean_x\"?"));
+  EXPECT_THAT(message("t", "pid", "effect.gust.mean_x", 0), HasSubstr("c.toml:3:14: \"replicates\" is out of range (0 is not from 1 to 1e+06)"));
 }
 
 // what is shipped is read, and every target of it was published

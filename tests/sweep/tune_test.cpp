@@ -108,7 +108,8 @@ TEST_F(Tune, SaysWhereItsFileIsWrong) {
   EXPECT_THAT(message("start = 0.3", "start = 5.0"), testing::HasSubstr("w.toml:7:71: \"min\", \"start\" and \"max\" are out of order"));
   EXPECT_THAT(message("min = 0.1", "min = 0.0"), testing::HasSubstr("\"min\" has no logarithm"));
   EXPECT_THAT(message("flights = 24", "flights = 0"), testing::HasSubstr("w.toml:3:11: \"flights\" is not positive"));
-  EXPECT_THAT(message("flights", "flight"), testing::HasSubstr("\"flights\" is not positive"));
+  EXPECT_THAT(message("flights", "flight"), testing::HasSubstr("w.toml:3:1: unknown key \"flight\" did you mean \"flights\"?"));
+  EXPECT_THAT(message("flights = 24\n", ""), testing::HasSubstr("w.toml:1:1: \"flights\" is missing"));
   EXPECT_THAT(message("log = true", "logarithm = true"), testing::HasSubstr("unknown key \"logarithm\""));
 }
 
