@@ -1,6 +1,9 @@
 #include "options.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace gustlab {
@@ -25,14 +28,31 @@ std::vector<Experiment> ExperimentOptions::read_variants() const {
   return gustlab::read_variants(find_experiment(experiment), overrides());
 }
 
-CLI::Validator not_negative() {
+namespace {
+
+// NaN and infinity are of no use to any option, and CLI11's own checks let them pass
+CLI::Validator finite(const std::string& range, const std::function<bool(double)>& holds) {
   return CLI::Validator(
-      [](std::string& text) {
-        double value = -1.0;
-        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0.0;
-        return good ? std::string() : text + " is not a number from 0 up";
+      [range, holds](std::string& text) {
+        double value = 0.0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && holds(value);
+        return good ? std::string() : text + " is not a number " + range;
       },
-      "NONNEGATIVE");
+      range);
+}
+
+}  // namespace
+
+CLI::Validator not_negative() {
+  return finite("from 0 up", [](double value) { return value >= 0.0; });
+}
+
+CLI::Validator positive() {
+  return finite("above 0", [](double value) { return value > 0.0; });
+}
+
+CLI::Validator number_up_to(double most) {
+  return finite(fmt::format("from 0 to {}", most), [most](double value) { return value >= 0.0 && value <= most; });
 }
 
 void add_jobs(CLI::App& command, int& jobs) {

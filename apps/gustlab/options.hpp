@@ -24,8 +24,10 @@ struct ExperimentOptions {
   std::vector<std::string> overrides() const;
 };
 
-// A check: finite, and at least 0.
+// Checks of a number, which is finite: at least 0; above 0; from 0 to `most`.
 CLI::Validator not_negative();
+CLI::Validator positive();
+CLI::Validator number_up_to(double most);
 // --jobs.
 void add_jobs(CLI::App& command, int& jobs);
 

@@ -77,7 +77,7 @@ void add_train(CLI::App& app) {
   command->add_option("--out", options->out, "WEIGHTS: the network, a text file")->required();
   command->add_option("--epochs", training.epochs, "in each, one step per condition")->check(CLI::Range(1, 1000000))->capture_default_str();
   command->add_option("--adversary", training.loss.adversary, "alpha: weight of the discriminator in the loss")
-      ->check(CLI::Range(0.0, 1e3))
+      ->check(number_up_to(1e3))
       ->capture_default_str();
   add_jobs(*command, options->jobs);
   command->callback([options] { train(*options); });

@@ -84,7 +84,6 @@ class Reader final : public ParameterVisitor {
 
  private:
   void check(std::string_view name, double value, const ParameterInfo& info) {
-    if (!std::isfinite(value)) table_.fail(name, fmt::format("\"{}\" must be finite", name), "", "");
     if (value >= info.min && value <= info.max) return;
     table_.fail(name, fmt::format("\"{}\" is out of range", name),
                 fmt::format("{} is not {}", with_unit(shortest(value), info), range_text(info)), "");

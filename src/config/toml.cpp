@@ -66,6 +66,13 @@ std::string literal_text(const toml::node& node) {
   return out.str();
 }
 
+// nothing that is read from a file may be NaN or infinite
+double finite(const Table& table, const toml::node& node, std::string_view key) {
+  const double value = *node.value<double>();
+  if (!std::isfinite(value)) table.fail(key, fmt::format("\"{}\" must be finite", key), "", "");
+  return value;
+}
+
 toml::table parse_text(std::string_view text, const std::string& path) {
   try {
     return toml::parse(text, path);
@@ -112,6 +119,14 @@ struct Table::Node {
   toml::node* ask(std::string_view key) {
     asked.emplace(key);
     return table->get(key);
+  }
+  std::string known_place(std::string_view key) const {
+    const auto known = places.find(key);
+    return known == places.end() ? path : known->second;
+  }
+  // of an entry of an array; an effect's spec knows the array's alone
+  std::string entry_place(const toml::node& entry, std::string_view key) const {
+    return places.empty() ? place(entry.source(), path) : known_place(key);
   }
 };
 
@@ -160,10 +175,7 @@ bool Table::has(std::string_view key) const { return node_->table->contains(key)
 const std::string& Table::path() const { return node_->path; }
 
 std::string Table::where(std::string_view key) const {
-  if (!node_->places.empty()) {
-    const auto known = node_->places.find(key);
-    return known == node_->places.end() ? node_->path : known->second;
-  }
+  if (!node_->places.empty()) return node_->known_place(key);
   const toml::node* node = key.empty() ? nullptr : node_->table->get(key);
   return place(node ? node->source() : node_->table->source(), node_->path);
 }
@@ -194,7 +206,7 @@ std::optional<double> Table::number(std::string_view key) {
   const toml::node* node = node_->ask(key);
   if (node == nullptr) return std::nullopt;
   GUSTLAB_EXPECT(node, node->is_number(), key, "a number");
-  return node->value<double>();
+  return finite(*this, *node, key);
 }
 
 std::optional<std::int64_t> Table::integer(std::string_view key) {
@@ -226,8 +238,8 @@ std::optional<std::vector<double>> Table::numbers(std::string_view key) {
   for (const toml::node& item : *node->as_array()) {
     if (!item.is_number())
       throw ConfigError(fmt::format("{}: \"{}\" must be an array of numbers (this entry is {})",
-                                    place(item.source(), node_->path), key, name(item.type())));
-    values.push_back(*item.value<double>());
+                                    node_->entry_place(item, key), key, name(item.type())));
+    values.push_back(finite(*this, item, key));
   }
   return values;
 }
@@ -240,7 +252,7 @@ std::optional<std::vector<std::string>> Table::texts(std::string_view key) {
   for (const toml::node& item : *node->as_array()) {
     if (!item.is_string())
       throw ConfigError(fmt::format("{}: \"{}\" must be an array of strings (this entry is {})",
-                                    place(item.source(), node_->path), key, name(item.type())));
+                                    node_->entry_place(item, key), key, name(item.type())));
     values.push_back(*item.value<std::string>());
   }
   return values;
@@ -256,7 +268,7 @@ std::optional<std::vector<std::vector<double>>> Table::number_rows(std::string_v
     rows.emplace_back();
     for (const toml::node& cell : *item.as_array()) {
       GUSTLAB_EXPECT(&cell, cell.is_number(), key, "an array of arrays of numbers");
-      rows.back().push_back(*cell.value<double>());
+      rows.back().push_back(finite(*this, cell, key));
     }
   }
   return rows;

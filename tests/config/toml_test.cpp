@@ -78,6 +78,10 @@ TEST(Table, WrongTypeSaysWhatIsThere) {
   Table table = Table::parse("\n  gain = 'much'\nlist = [1, 'x']\n[t]\n", "f.toml");
   EXPECT_EQ(message([&] { table.number("gain"); }), "f.toml:2:10: \"gain\" must be a number (this is a string)");
   EXPECT_EQ(message([&] { table.numbers("list"); }), "f.toml:3:12: \"list\" must be an array of numbers (this entry is a string)");
+  Table infinite = Table::parse("a = inf\nb = [1, nan]\nc = [[1, 2], [3, -inf]]\n", "f.toml");
+  EXPECT_EQ(message([&] { infinite.number("a"); }), "f.toml:1:5: \"a\" must be finite");
+  EXPECT_EQ(message([&] { infinite.numbers("b"); }), "f.toml:2:5: \"b\" must be finite");
+  EXPECT_EQ(message([&] { infinite.number_rows("c"); }), "f.toml:3:5: \"c\" must be finite");
   EXPECT_EQ(message([&] { table.integer("t"); }), "f.toml:4:1: \"t\" must be an integer (this is a table)");
   EXPECT_EQ(message([&] { table.tables("t"); }), "f.toml:4:1: \"t\" must be tables, each under [[t]] (this is a table)");
   EXPECT_EQ(message([&] { table.need_text("name"); }), "f.toml:1:1: \"name\" is missing (a string is needed here)");
@@ -168,6 +172,27 @@ TEST(EffectSpecs, KeepTheirPlaces) {
   EXPECT_EQ(specs[0].where, "f.toml:1:1");
   Sample sample;
   EXPECT_EQ(message([&] { read_parameters(specs[0], sample); }), "f.toml:4:8: unknown key \"gian\" did you mean \"gain\"?");
+}
+
+TEST(EffectSpecs, SayWhereAnEntryIsWrong) {
+  Table document = Table::parse("[[effect]]\ntype = 'x'\nnames = ['a', 2]\n", "f.toml");
+  const auto specs = read_effects(document);
+  Sample sample;
+  EXPECT_EQ(message([&] { read_parameters(specs[0], sample); }), "f.toml:3:9: \"names\" must be an array of strings (this entry is an integer)");
+}
+
+// GIVEN an object that finds a parameter wrong WHEN its spec is at hand THEN the place is said, else it is left to who knows it
+TEST(EffectSpecs, KnowThePlaceOfWhatAnObjectFindsWrong) {
+  Table document = Table::parse("[[effect]]\ntype = 'x'\ngain = 1\n", "f.toml");
+  const auto specs = read_effects(document);
+  const auto said = [&](const EffectSpec& spec, const char* parameter) {
+    return message([&] { at_place(spec, [&] { throw ParameterError(parameter, "is wrong"); }); });
+  };
+  EXPECT_EQ(said(specs[0], "gain"), "f.toml:3:8: is wrong");
+  EXPECT_EQ(said(specs[0], "absent"), "f.toml:1:1: is wrong");
+  EXPECT_EQ(said(EffectSpec{}, "gain"), "is wrong");
+  EXPECT_THROW(at_place(EffectSpec{}, [] { throw ParameterError("gain", "is wrong"); }), ParameterError);
+  EXPECT_EQ(at_place(specs[0], [] { return 3; }), 3);
 }
 
 TEST(EffectSpecs, LaterReplaceEarlierOfTheSameTypeInPlace) {

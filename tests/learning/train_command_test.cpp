@@ -35,6 +35,11 @@ TEST(TrainCommand, SaysWhatIsMissing) {
   const Said crash = gustlab({"train", "collect_iris", "--out", folder.file("w"), "--set", "effect.gust.sigma_xy=60", "--set", "effect.gust.limit_N=0"});
   EXPECT_EQ(crash.exit_code, 2);
   EXPECT_THAT(crash.err, testing::HasSubstr("(training needs whole flights) use less wind"));
+  for (const char* adversary : {"nan", "inf", "-1", "1001"}) {
+    const Said said = gustlab({"train", "collect_iris", "--out", folder.file("w"), "--adversary", adversary});
+    EXPECT_EQ(said.exit_code, 2);
+    EXPECT_EQ(said.err, "gustlab: --adversary: " + std::string(adversary) + " is not a number from 0 to 1000 (see gustlab train --help)\n");
+  }
   EXPECT_FALSE(fs::exists(folder.file("w")));
 }
 
