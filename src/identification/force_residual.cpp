@@ -82,8 +82,8 @@ class Extraction {
 
   std::vector<ResidualSamples> run() const {
     std::vector<ResidualSamples> out;
-    const std::size_t shortest =
-        differentiation_.kind == DerivativeKind::savitzky_golay ? static_cast<std::size_t>(differentiation_.window) : 3;
+    const int window = differentiation_.kind == DerivativeKind::savitzky_golay ? differentiation_.window : 3;
+    const auto shortest = static_cast<std::size_t>(std::max(window, differentiation_.smoothing_window));
     for (const auto& rows : unbroken(log_.time_s, complete_rows())) {
       if (rows.size() < shortest) continue;
       ResidualSamples samples = part(rows);
@@ -92,7 +92,7 @@ class Extraction {
     if (out.empty()) {
       throw DataError(
           fmt::format("{}: no usable stretch is left (fewer than {} samples in a row, or all of it trimmed) "
-                      "trim less or give a longer log",
+                      "trim or smooth less, or give a longer log",
                       log_.path, shortest));
     }
     return out;

@@ -104,7 +104,7 @@ class IdentifyCli(unittest.TestCase):
                  ["--optimizer", "stlsq", "--constraint", "fx[1] = 0"], ["--smooth", "2"], ["--derivative", "spline"],
                  ["--format", "yaml"], ["--vehicle", "no_such_vehicle"], ["--refit", "--no-refit"], ["--no-such-option"],
                  ["--library", "polynomial:4:vx,vy,vz", "--optimizer", "best_subset"])
-        data = (["--trim", "60"], ["--derivative", "savitzky_golay", "--window", "1001"])
+        data = (["--trim", "60"], ["--smooth", "401"], ["--derivative", "savitzky_golay", "--window", "1001"])
         (self.folder / "a.csv").rename(self.folder / "c.csv")
         (self.folder / "a.meta.toml").rename(self.folder / "c.meta.toml")
         before = set(os.listdir(self.folder))
@@ -117,6 +117,20 @@ class IdentifyCli(unittest.TestCase):
         self.assertEqual(self.run_identify("missing.csv").returncode, 3)
         self.assertEqual(self.run_identify().returncode, 2)
         self.assertEqual(set(os.listdir(self.folder)), before)
+
+    def test_no_term_is_said_and_no_model_written(self):
+        options = ("a.csv", "--vehicle", "rigid.toml", "--lambda", "1e9")
+        done = self.run_identify(*options, "--out", "model.toml")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("No term earns its place", done.stdout)
+        self.assertIn("model.toml: not written (no term was found", done.stderr)
+        self.assertFalse((self.folder / "model.toml").exists())
+        self.assertEqual(self.run_identify(*options).returncode, 0)
+
+    def test_another_vehicle_than_the_logs_is_said(self):
+        self.assertEqual(self.run_identify("a.csv", "--vehicle", "rigid.toml").stderr, "")
+        said = self.run_identify("a.csv", "--vehicle", "iris").stderr
+        self.assertEqual(said, 'warning: a.csv: flown by "crazyflie", and --vehicle iris is "iris"\n')
 
     def test_a_place_that_cannot_be_written_is_4(self):
         done = self.run_identify("a.csv", "--out", "no/such/folder/model.toml")
