@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/row_intervals.hpp"
 #include "gustlab/errors.hpp"
 #include "vehicle/rotor_speed.hpp"
 
@@ -15,14 +16,6 @@ namespace {
 
 constexpr double grouped_s = 0.008;   // over which the fastest logs are averaged
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
 // columns of one log by name; absent columns read as NaN
 class Columns {
@@ -208,7 +201,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   const std::size_t rows = log.rows();
   std::vector<double> steps;
   for (std::size_t k = 1; k < rows; ++k) steps.push_back(time[k] - time[k - 1]);
-  const double log_step_s = median(steps);
+  const double log_step_s = interval_s(steps);
 
   // commands and measured rotor speeds keep their full rate
   const auto record = [&](const char* prefix, ActuatorKind kind, bool interpolated) {
@@ -294,9 +287,8 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   steps.clear();
   for (std::size_t k = 1; k < flight.samples.size(); ++k)
     steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);
-  flight.sample_s = median(steps);
-  // of sensors with rows of their own, most intervals are parts of one
-  const double longest_s = 1.6 * std::max(flight.sample_s, quantile(steps, 0.75));
+  flight.sample_s = interval_s(steps);
+  const double longest_s = longest_interval_s(steps);
   flight.read_slower = stride > 1;
   flight.substeps = static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / options.substep_s - 1e-6)));
   for (std::size_t k = 0; k < flight.samples.size(); ++k)

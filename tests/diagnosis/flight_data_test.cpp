@@ -92,6 +92,19 @@ TEST(FlightData, SensorsMayHaveRowsOfTheirOwn) {
   }
 }
 
+// GIVEN two sensors of 125 Hz, a fifth of a millisecond apart WHEN read THEN it is no log of 5 kHz
+TEST(FlightData, RowsThatNearlyMeetAreNoFasterLog) {
+  FlightLog log = spin();
+  for (std::size_t k = 0; k < log.rows(); ++k) {
+    log.time_s[k] = k % 2 == 0 ? 2.0 * step_s * static_cast<double>(k / 2) : log.time_s[k - 1] + 0.0002;
+    for (std::size_t c = 4; c < log.columns.size() && k % 2 == 0; ++c) log.columns[c].values[k] = std::numeric_limits<double>::quiet_NaN();
+  }
+  const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), {});
+  EXPECT_NEAR(flight.sample_s, step_s, 1e-5);
+  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return s.starts_segment; }), 1);
+  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return (s.channels & has_attitude) != 0; }), 800);
+}
+
 // a log with one whole row is left as it is
 TEST(FlightData, SharedRowsStay) { EXPECT_EQ(with_shared_rows(spin()).rows(), spin().rows()); }
 

@@ -1,0 +1,31 @@
+// How far apart the rows of a log are.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace gustlab::diagnosis {
+
+inline double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+// what is longer is a gap: of sensors with rows of their own, most intervals are parts of one
+inline double longest_interval_s(const std::vector<double>& steps_s) { return 1.6 * std::max(median(steps_s), quantile(steps_s, 0.75)); }
+
+// from row to row; the mean where rows are not even
+inline double interval_s(const std::vector<double>& steps_s) {
+  const double even_s = median(steps_s), longest_s = longest_interval_s(steps_s);
+  double sum_s = 0.0, count = 0.0;
+  for (const double step_s : steps_s)
+    if (step_s <= longest_s) sum_s += step_s, count += 1.0;
+  return count == 0.0 || std::abs(sum_s / count - even_s) < 0.1 * even_s ? even_s : sum_s / count;
+}
+
+}  // namespace gustlab::diagnosis
