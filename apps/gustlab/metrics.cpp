@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "report/tracking_json.hpp"
 
@@ -18,17 +17,9 @@ struct MetricsArguments {
   std::string format = "md";
 };
 
-FlightLog read_with_reference(const std::string& path) {
-  FlightLog log = read_flight_log(path);
-  for (const char* column : {"px", "py", "pz", "rpx", "rpy", "rpz"})
-    if (!log.has(column))
-      throw DataError(fmt::format("{}:1:1: column \"{}\" is missing (a tracking error needs position and reference)", path, column));
-  return log;
-}
-
 void metrics(const MetricsArguments& options) {
   std::vector<TrackingFigures> figures;
-  for (const std::string& path : options.logs) figures.push_back(tracking_of(read_with_reference(path), options.settle_s));
+  for (const std::string& path : options.logs) figures.push_back(tracking_of(read_flight_log(path), options.settle_s));
   if (options.format == "json") {
     nlohmann::ordered_json result{{"format", "gustlab-metrics/1"}, {"settle_s", options.settle_s}};
     result["logs"] = nlohmann::ordered_json::array();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/flight_data.hpp"
+#include "diagnosis/row_intervals.hpp"
 #include "gustlab/errors.hpp"
 
 namespace gustlab::diagnosis {
@@ -69,8 +70,8 @@ FlightLog with_shared_rows(const FlightLog& log) {
     to.clear();
     for (const std::size_t row : rows) {
       std::size_t before = row, after = row;
-      while (before > 0 && !std::isfinite(from[before])) --before;
-      while (after + 1 < from.size() && !std::isfinite(from[after])) ++after;
+      while (before > 0 && !std::isfinite(from[before]) && log.time_s[row] - log.time_s[before] <= farthest_s) --before;
+      while (after + 1 < from.size() && !std::isfinite(from[after]) && log.time_s[after] - log.time_s[row] <= farthest_s) ++after;
       const double gap_s = log.time_s[after] - log.time_s[before];
       const double part = gap_s > 0.0 ? (log.time_s[row] - log.time_s[before]) / gap_s : 0.0;
       to.push_back(gap_s <= farthest_s ? from[before] + part * (from[after] - from[before]) : std::nan(""));
@@ -100,8 +101,7 @@ RecordedMotion::RecordedMotion(const FlightLog& log)
     attitude_.push_back(q.normalized());
     if (row > 0) steps.push_back(time_s_[row] - time_s_[row - 1]);
   }
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  sample_s_ = steps[steps.size() / 2];
+  sample_s_ = median(std::move(steps));
   for (std::size_t row = 1; row < rows(); ++row)
     stretch_[row] = follows(row - 1) && complete_[row - 1] ? stretch_[row - 1] : row;
 
@@ -116,9 +116,7 @@ RecordedMotion::RecordedMotion(const FlightLog& log)
   }
   double attitude_square = 0.0;
   for (std::vector<double>& one : turns) {
-    if (one.empty()) continue;
-    std::nth_element(one.begin(), one.begin() + static_cast<std::ptrdiff_t>(one.size() / 2), one.end());
-    attitude_square += std::pow(one[one.size() / 2] / (0.6745 * std::sqrt(20.0)), 2) / 3.0;
+    attitude_square += std::pow(median(std::move(one)) / (0.6745 * std::sqrt(20.0)), 2) / 3.0;
   }
   noise_ = {noise_of(position_), noise_of(velocity_), std::sqrt(attitude_square), noise_of(rate_)};
   const double gain = slope(rows() - 1, [](std::size_t) { return Vector3::Zero(); }).noise_gain;

@@ -23,14 +23,13 @@ class MotorLag final : public Effect {
 
   void prepare(const VehicleModel&, double step_s, const RandomStream&) override {
     step_s_ = step_s;
-    up_ = response(up_s_, step_s);
-    down_ = response(down_s_ < 0.0 ? up_s_ : down_s_, step_s);
+    prepared_ = over(step_s);
   }
 
   void on_actuation(Actuation& actuation) const override {
     // the rows of a log may be anything apart
     const bool as_prepared = std::abs(actuation.step_s - step_s_) <= 1e-3 * step_s_;
-    const Response up = as_prepared ? up_ : response(up_s_, actuation.step_s), down = as_prepared ? down_ : response(down_s_ < 0.0 ? up_s_ : down_s_, actuation.step_s);
+    const auto [up, down] = as_prepared ? prepared_ : over(actuation.step_s);
     for (std::size_t i = 0; i < static_cast<std::size_t>(actuation.count); ++i) {
       const double gap = actuation.start_speed_radps[i] - actuation.command_radps[i];
       const Response& r = gap > 0.0 ? down : up;
@@ -45,6 +44,10 @@ class MotorLag final : public Effect {
   struct Response {
     double end = 0.0, mean = 0.0;
   };
+  struct BothWays {
+    Response up, down;
+  };
+  BothWays over(double step_s) const { return {response(up_s_, step_s), response(down_s_ < 0.0 ? up_s_ : down_s_, step_s)}; }
   static Response response(double tau_s, double step_s) {
     if (tau_s <= 0.0) return {};
     const double end = std::exp(-step_s / tau_s);
@@ -53,7 +56,7 @@ class MotorLag final : public Effect {
 
   double up_s_ = 0.0, down_s_ = -1.0;
   double step_s_ = 0.0;
-  Response up_, down_;   // over that step
+  BothWays prepared_;   // over that step
 };
 
 }  // namespace

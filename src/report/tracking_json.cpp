@@ -14,7 +14,7 @@ TrackingFigures tracking_of(const FlightLog& log, double settle_s) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     columns[i] = log.find(names[i]);
     if (columns[i] == nullptr)
-      throw DataError(fmt::format("{}: no column \"{}\" (a tracking error needs position and reference)", log.path, names[i]));
+      throw DataError(fmt::format("{}:1:1: column \"{}\" is missing (a tracking error needs position and reference)", log.path, names[i]));
   }
   TrackingError error(settle_s, log.rows());
   for (std::size_t row = 0; row < log.rows(); ++row) {
