@@ -243,8 +243,11 @@ void Session::search_noise(const std::vector<int>& columns) {
   // errors of the sensors may last
   std::vector<Whitened> whitened(rest.size());
   for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], rest[f], noise); });
-  const auto correlation = lag_correlation(whitened, 1);
-  if (std::none_of(correlation[0].begin(), correlation[0].end(), [](double r) { return std::abs(r) > least_correlation; })) return;
+  const auto correlated = [](const auto& of_channels) {
+    return std::any_of(of_channels.begin(), of_channels.end(), [](double r) { return std::abs(r) > least_correlation; });
+  };
+  const auto correlation = lag_correlation(whitened, 3);
+  if (std::none_of(correlation.begin(), correlation.end(), correlated)) return;
   NoiseModel lasting = calm;
   lasting.lasting_variance = {1.6e-5, 2.5e-5, any_channel(flights_, has_rate) ? noise.measurement[2] : 1e-12,
                               any_channel(flights_, has_force) ? noise.measurement[3] : 1e-12};   // 4 mm, 5 mrad

@@ -18,13 +18,21 @@ constexpr double difference_s = 0.06;
 // angular acceleration is a local fit over this long; rotor speeds are averaged alike
 constexpr double average_s = 0.09;
 
-struct Gains {
-  Eigen::MatrixXd matrix;    // 3 × rotors, rad/s² per (Ω/Ω_h)²
-  double explained = 0.0;    // share of the variance of roll and pitch acceleration
+// how the vehicle turned after its rotors' speeds changed, what they all did alike left out
+struct Response {
+  Eigen::MatrixXd gram, right;             // rotors × rotors of (Ω/Ω_h)², rotors × 3 with ω̇
+  Vector3 norm = Vector3::Zero();            // of the part of each ω̇ that the speeds explain, rad/s²
+  double explained = 0.0;                  // share of the variance of roll and pitch acceleration
+
+  // correlation of what these gains (rad/s² per (Ω/Ω_h)²) foretell with what the speeds can explain at all, -1…1: rotors
+  // that never moved apart (a mixer of six has four dimensions) count for nothing
+  [[nodiscard]] double agreement(int axis, const Row& gains) const {
+    return gains.dot(right.col(axis)) / (std::sqrt((gains * gram).dot(gains)) * norm[axis] + 1e-300);
+  }
 };
 
-// how strongly each rotor turns the vehicle about each axis, from the data: ω̇ regressed on Ω² some time before
-Gains measured_gains(const std::vector<FlightData>& flights, const VehicleModel& vehicle, double delay_s) {
+// ω̇ against Ω² some time before
+Response measured_response(const std::vector<FlightData>& flights, const VehicleModel& vehicle, double delay_s) {
   const int rotors = vehicle.rotor_count;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(rotors, rotors), right = Eigen::MatrixXd::Zero(rotors, 3);
   double total = 0.0;
@@ -49,13 +57,16 @@ Gains measured_gains(const std::vector<FlightData>& flights, const VehicleModel&
       total += y.head<2>().squaredNorm();
     }
   }
-  gram.diagonal().array() += 1e-6 * gram.trace() / rotors + 1e-12;
-  const Eigen::MatrixXd solution = gram.ldlt().solve(right);
-  const double explained = (solution.leftCols<2>().cwiseProduct(right.leftCols<2>())).sum() / (total + 1e-300);
-  return {solution.transpose(), explained};
+  const Eigen::VectorXd alike = gram.rowwise().sum();
+  right -= alike * right.colwise().sum() / (alike.sum() + 1e-300);
+  gram -= alike * alike.transpose() / (alike.sum() + 1e-300);
+  Eigen::MatrixXd ridged = gram;
+  ridged.diagonal().array() += 1e-6 * gram.trace() / rotors + 1e-12;
+  const Vector3 explained = right.cwiseProduct(ridged.ldlt().solve(right)).colwise().sum();
+  return {gram, right, explained.cwiseMax(0.0).cwiseSqrt(), explained.head<2>().sum() / (total + 1e-300)};
 }
 
-// the same from the vehicle file, rotor i standing where `place[i]` stands
+// how strongly each rotor turns the vehicle about each axis by the vehicle file, rotor i standing where `place[i]` stands
 Eigen::MatrixXd nominal_gains(const VehicleModel& vehicle, const std::vector<int>& place) {
   Eigen::MatrixXd gains(3, vehicle.rotor_count);
   for (int i = 0; i < vehicle.rotor_count; ++i) {
@@ -64,11 +75,6 @@ Eigen::MatrixXd nominal_gains(const VehicleModel& vehicle, const std::vector<int
     gains.col(i) = hub.cross(rotor.axis_B) - rotor.direction * rotor.torque_ratio_m * rotor.axis_B;
   }
   return gains;
-}
-
-double similarity(const Row& a, const Row& b) {
-  const Row x = a.array() - a.mean(), y = b.array() - b.mean();
-  return x.dot(y) / std::sqrt(x.squaredNorm() * y.squaredNorm() + 1e-300);
 }
 
 std::string order_text(const std::vector<int>& place) {
@@ -88,21 +94,20 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
   });
   if (!turns || vehicle.rotor_count > 6) return findings;
   // rotors and logs answer late by an unknown time
-  Gains found;
+  Response found;
   for (const double delay_s : {0.0, 0.01, 0.02, 0.03, 0.045, 0.06}) {
-    const Gains trial = measured_gains(flights, vehicle, delay_s);
+    const Response trial = measured_response(flights, vehicle, delay_s);
     if (trial.explained > found.explained) found = trial;
   }
   if (found.explained < 0.1) return findings;
-  const Eigen::MatrixXd& measured = found.matrix;
   std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
   std::iota(place.begin(), place.end(), 0);
   const auto level = [&](const std::vector<int>& p) {
     const Eigen::MatrixXd g = nominal_gains(vehicle, p);
-    return similarity(measured.row(0), g.row(0)) + similarity(measured.row(1), g.row(1));
+    return found.agreement(0, g.row(0)) + found.agreement(1, g.row(1));
   };
   const auto whole = [&](const std::vector<int>& p) {
-    return level(p) + 0.5 * std::abs(similarity(measured.row(2), nominal_gains(vehicle, p).row(2)));
+    return level(p) + 0.5 * std::abs(found.agreement(2, nominal_gains(vehicle, p).row(2)));
   };
   const std::string file = vehicle.source_path.substr(vehicle.source_path.find_last_of('/') + 1);
   const double stated = level(place);
@@ -126,7 +131,7 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
     }
   }
   if (level(place) > 1.0 && vehicle.rotors[0].torque_ratio_m > 0.0) {
-    const double yaw = similarity(measured.row(2), nominal_gains(vehicle, place).row(2));
+    const double yaw = found.agreement(2, nominal_gains(vehicle, place).row(2));
     if (yaw < -0.6) {
       LogFinding finding;
       finding.file = file;
