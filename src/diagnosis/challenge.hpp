@@ -5,6 +5,7 @@
 
 #include "diagnosis/findings.hpp"
 #include "diagnosis/holdout.hpp"
+#include "diagnosis/parts.hpp"
 #include "diagnosis/regimes.hpp"
 
 namespace gustlab::diagnosis {

@@ -13,6 +13,7 @@
 #include "diagnosis/command_jitter.hpp"
 #include "diagnosis/command_offsets.hpp"
 #include "diagnosis/explain.hpp"
+#include "diagnosis/hold.hpp"
 #include "diagnosis/log_checks.hpp"
 #include "diagnosis/next_flight.hpp"
 #include "diagnosis/quasi_static.hpp"
@@ -126,21 +127,6 @@ std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const Vehicl
     flights.back().measured_speed.delay(offset[first + i]);
   }
   return flights;
-}
-
-// was the command held or interpolated? the likelier of the two, when no log says so
-bool linear_is_likelier(const std::vector<FlightLog>& logs, const VehicleModel& vehicle, ReadingOptions options, int jobs) {
-  double score[2];
-  for (const bool linear : {false, true}) {
-    options.linear_hold = linear;
-    Session session(prepare(logs, vehicle, options), vehicle, jobs);
-    session.linearise(session.value(), session.all_columns());
-    session.learn_noise(6, session.all_columns());
-    score[linear] = 0.0;
-    const Fit fit = solve(session.grams().total(), session.all_columns(), 1e-4);
-    for (const Whitened& w : session.innovations(session.all_columns(), fit.coefficient)) score[linear] += w.minus_two_log_likelihood;
-  }
-  return score[true] < score[false];
 }
 
 bool is_recorded(const std::vector<FlightLog>& logs, std::initializer_list<const char*> any_of) {
@@ -295,7 +281,11 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
                                 false, false});
   }
   if (hold_unknown) {
-    reading.linear_hold = linear_is_likelier(logs.fit, vehicle, reading, options.jobs);
+    reading.linear_hold = linear_is_likelier(vehicle, options.jobs, [&](bool linear) {
+      ReadingOptions trial = reading;
+      trial.linear_hold = linear;
+      return prepare(logs.fit, vehicle, trial);
+    });
     out.notes.push_back(fmt::format("the logs do not say how commands are held between samples: {} is the likelier", *reading.linear_hold ? "linear" : "zoh"));
   }
   std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading, offset, 0),
@@ -374,6 +364,8 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
     withdraw(out, fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
                               100.0 * rest.omnibus_share, 100.0 * verified.recovered),
              [&](const EffectFinding& effect) {
+               // measured speeds drive the rollouts, and show by themselves how commands come to them
+               if (bound.empty() && session.seen_in_speeds(session.catalogue().find(effect.effect))) return true;
                return bound.empty() && effect.astray < surely_even && effect.gain > clearly_more * rest.omnibus_gain &&
                       (session.shoots() || least_disturbance_left(selection, reference_floor(vehicle)) < half_gone);
              });

@@ -67,6 +67,13 @@ struct SensorLateness {
   double rate_s = 0.0, force_s = 0.0;
 };
 
+// Rotor speeds over one sample interval, in substeps, and at its start.
+struct RotorHistory {
+  int substeps = 1;
+  std::vector<RotorArray> mean, acceleration;        // substeps per sample interval
+  std::vector<RotorArray> at_sample;
+};
+
 struct FlightData {
   std::string file;
   std::string label;                    // file name without folder
@@ -75,6 +82,7 @@ struct FlightData {
   std::vector<Motion> motion;           // per sample
   CommandRecord commands;               // mapped to rotor speed
   CommandRecord measured_speed;         // rotor* columns, when there
+  RotorHistory estimated;               // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
   bool collective_only = false;         // torques unknown, or not to be told
   bool has_voltage = false;
   SensorLateness late;

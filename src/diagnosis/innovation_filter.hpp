@@ -24,6 +24,12 @@ inline constexpr double calm_memory_s = 0.2;
 // of white acceleration, the time that a calm room's reference floor was measured with: power = 2 white_mean_s × variance of such means
 constexpr double white_mean_s(std::size_t group) { return group < 2 ? 0.01 : 0.004; }
 
+// What commands do not foretell of a measured rotor speed: an Ornstein–Uhlenbeck process beside white noise, alike of all rotors.
+struct SpeedNoise {
+  double variance = 0.0, time_s = 0.1;  // (rad/s)²
+  double white = 0.0;                   // variance, (rad/s)²; 0: nothing is known yet
+};
+
 // What nothing explains, in each group a slow Ornstein–Uhlenbeck process (air) beside white acceleration (rotors, commands between
 // samples), and the noise of the sensors; itself a result ("unexplained disturbance 0.06 m/s², 0.15 s").
 struct NoiseModel {
@@ -34,6 +40,7 @@ struct NoiseModel {
   // Of errors that last (an estimator's, an interpolated pose's, a filtered gyro's): an Ornstein–Uhlenbeck process beside them.
   std::array<double, noise_groups> lasting_variance{}, lasting_time_s{};
   bool errors_last() const { return lasting_time_s[0] > 0.0; }
+  SpeedNoise speeds;
   // A simulator is not believed more than this: integrators and build differ, even where the air is still.
   std::array<double, disturbance_groups> least_white{};
   bool possible() const;  // no slower than the slowest disturbance, no less white than the least

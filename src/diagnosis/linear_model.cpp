@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "diagnosis/propagation.hpp"
+#include "diagnosis/rotor_speeds.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -335,6 +336,7 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       out.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
     }
   }
+  compare_speeds(flight, flight_index, catalogue, value, out);
 }
 
 }  // namespace gustlab::diagnosis

@@ -41,6 +41,8 @@ struct LinearPlant {
   std::vector<Vector12> y;                           // measured ⊟ h(x̄)
   std::vector<Matrix3> R_WB;
   std::vector<Eigen::Matrix<double, 3, 9>> force_rows;  // ∂ specific force / ∂ (δv, δϑ, δω)
+  // where commands and rotor speeds are both recorded, per sample: speed as commands foretell it, and how much faster it is, rad/s
+  std::vector<RotorArray> foretold, faster;
   Vector3 center_of_mass_B_m = Vector3::Zero();
   bool torque_known = true;
   bool forces_alone = false;                         // neither a pose nor torques: see direct_forces.hpp
@@ -50,15 +52,14 @@ struct LinearPlant {
 struct LinearFlight : LinearPlant {
   std::vector<int> columns;                          // of the catalogue, those that can act in this flight
   std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
+  std::vector<std::vector<RotorArray>> foretold_by;  // per column, per sample: what it changes of `foretold`; empty: nothing
 };
 
-// Rotor speeds over one sample interval, in substeps, and at its start.
-struct RotorHistory {
-  int substeps = 1;
-  std::vector<RotorArray> mean, acceleration;        // substeps per sample interval
-  std::vector<RotorArray> at_sample;
-};
+// Rotor speeds as the commands have it, or as they were measured: the better estimate of them where there is one.
 RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces);
+// Where both were recorded, one of the two alone.
+RotorHistory measured_history(const FlightData& flight, const ForceModel& forces);
+RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces);
 
 // Linearises one flight at given values. `wanted`: catalogue columns to differentiate (those of other flights are
 // passed over). F is kept from a former call when there is one.

@@ -45,7 +45,9 @@ ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, con
   return forces;
 }
 
-RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
+namespace {
+
+RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool measured) {
   RotorHistory history;
   const std::size_t n = flight.samples.size();
   history.substeps = flight.substeps;
@@ -53,7 +55,6 @@ RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
   history.mean.resize(n * count);
   history.acceleration.resize(n * count);
   history.at_sample.resize(n);
-  const bool measured = !flight.measured_speed.empty();
   const CommandRecord& record = measured ? flight.measured_speed : flight.commands;
 
   RecordedPast past;
@@ -105,5 +106,15 @@ RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
   }
   return history;
 }
+
+}  // namespace
+
+RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
+  return flight.estimated.mean.empty() ? history_of(flight, forces, !flight.measured_speed.empty()) : flight.estimated;
+}
+
+RotorHistory measured_history(const FlightData& flight, const ForceModel& forces) { return history_of(flight, forces, true); }
+
+RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces) { return history_of(flight, forces, false); }
 
 }  // namespace gustlab::diagnosis

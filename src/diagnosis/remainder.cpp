@@ -26,7 +26,6 @@ const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
 constexpr double fastest_gust_s = 0.25, slowest_gust_s = 4.0, least_slow_share = 0.7;
 // of innovations; where errors of the sensors are known to last, colour that one correlation time does not follow is theirs
 constexpr double most_correlation = 0.15, most_correlation_of_lasting = 0.3;
-constexpr double scatter_share = 0.5;  // build scatter (sd) as a share of a reporting tolerance
 
 std::vector<double> ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());

@@ -136,12 +136,13 @@ class Selector {
   }
 
   bool possible(const Eigen::VectorXd& value, int group) const {
-    const auto& columns = catalogue_.groups()[static_cast<std::size_t>(group)].columns;
+    const std::vector<int> columns = columns_of(catalogue_, {group});
     return std::all_of(columns.begin(), columns.end(), [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].admits(value[c]); });
   }
 
   // Gauss–Newton in the nonlinear model, at most three steps
   Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
+    s_.start_delay(groups, value);
     const std::vector<int> columns = s_.with_biases(groups);
     for (int step = 0; step < (s_.shoots() ? 6 : 3); ++step) {
       s_.linearise(value, columns, false);
@@ -210,8 +211,7 @@ class Selector {
       result.loss_nominal = solve(total, s_.biases()).loss;
       const std::size_t before = chosen.size();
       prune(result, chosen, total, result.loss_nominal);
-      // what stays takes over what went
-      settled = chosen.size() == before || chosen.empty();
+      settled = chosen.size() == before || chosen.empty();   // what stays takes over what went
       // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right
       if (settled && s_.shoots() && visited.size() < most_changes) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/command_surprise.hpp"
+#include "diagnosis/rotor_speeds.hpp"
 #include "util/parallel.hpp"
 
 namespace gustlab::diagnosis {
@@ -135,6 +136,7 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
       smooth_motion(flights_[f], correction);
       corrected_[f] = correction;
     }
+    estimate_speeds(flights_[f], static_cast<int>(f), catalogue_, value, noise.speeds);
     gustlab::diagnosis::linearise(flights_[f], static_cast<int>(f), catalogue_, value, wanted, linear_[f]);
     // the biases of the moment are taken out of the measurements
     for (std::size_t k = 0; k < linear_[f].size(); ++k)
@@ -166,7 +168,7 @@ void Session::forget_transitions() {
 }
 
 LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
-  LinearFlight rest{flight, {}, {}, {}};
+  LinearFlight rest{flight, {}, {}, {}, {}};
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto at = std::find(flight.columns.begin(), flight.columns.end(), columns[i]) - flight.columns.begin();
     if (at == std::ssize(flight.columns)) continue;
@@ -174,17 +176,21 @@ LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& colum
       rest.b[k] += coefficient[static_cast<Eigen::Index>(i)] * flight.B[k].col(at);
       rest.y[k] -= coefficient[static_cast<Eigen::Index>(i)] * flight.D[k].col(at);
     }
+    const std::vector<RotorArray>& by = flight.foretold_by[static_cast<std::size_t>(at)];
+    for (std::size_t k = 0; k < by.size(); ++k)
+      for (std::size_t r = 0; r < max_rotors; ++r) rest.faster[k][r] -= coefficient[static_cast<Eigen::Index>(i)] * by[k][r];
   }
   return rest;
 }
 
 LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns) {
-  LinearFlight part{flight, {}, {}, {}};
+  LinearFlight part{flight, {}, {}, {}, {}};
   std::vector<Eigen::Index> at;
   for (std::size_t j = 0; j < flight.columns.size(); ++j)
     if (std::find(columns.begin(), columns.end(), flight.columns[j]) != columns.end()) {
       at.push_back(static_cast<Eigen::Index>(j));
       part.columns.push_back(flight.columns[j]);
+      part.foretold_by.push_back(flight.foretold_by[j]);
     }
   for (std::size_t k = 0; k < flight.B.size(); ++k) {
     part.B.push_back(flight.B[k](Eigen::all, at));
@@ -215,6 +221,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
       weights_ = shooting_weights(shot_, fitted, coefficient);
     }
   }
+  noise.speeds = white_speed_noise(flights_, linear_);
   std::vector<NoiseModel> before;
   std::vector<LinearFlight> rest(flights_.size());
   for (int iteration = 0; iteration < iterations; ++iteration) {
@@ -225,6 +232,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
       if (anew) rest[f] = taken_out(linear_[f], fitted, coefficient);
       smoothed[f] = smooth(rest[f], noise);
     });
+    if (anew) noise.speeds = likeliest(flights_, rest, noise.speeds);
     before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
     // two steps and a leap, and a step at the end
@@ -319,11 +327,19 @@ Grams Session::grams(const std::vector<int>& columns) const {
 }
 
 Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
-  std::vector<Whitened> whitened(flights.size());
-  for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], flights[f], noise); });
+  std::vector<Whitened> whitened(flights.size()), speeds(flights.size());
+  for_each_flight([&](std::size_t f) {
+    whitened[f] = whiten(flights_[f], flights[f], noise);
+    speeds[f] = whiten_speeds(flights_[f], flights[f], noise.speeds);
+  });
   Grams grams;
   for (std::size_t f = 0; f < flights.size(); ++f)
     accumulate(whitened[f], flights[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+  // they tell of the commands' way alone: what is material to the body is counted by the body's rows
+  const double rows = grams.rows;
+  for (std::size_t f = 0; f < flights.size(); ++f)
+    accumulate(speeds[f], flights[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+  grams.rows = rows;
   // a faster log has more innovations, and tells no more of what air and noise do not hide
   grams.rows *= std::min(1.0, sample_s() / fastest_sample_s);
   return grams;
@@ -336,6 +352,30 @@ std::vector<Whitened> Session::innovations(const std::vector<int>& columns, cons
     whitened[f] = whiten(flights_[f], taken_out(linear_[f], columns, coefficient), noise, extra ? &(*extra)[f] : nullptr);
   });
   return whitened;
+}
+
+double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const {
+  std::vector<double> of(flights_.size());
+  for_each_flight([&](std::size_t f) {
+    const LinearFlight rest = taken_out(linear_[f], columns, coefficient);
+    of[f] = whiten(flights_[f], rest, noise).minus_two_log_likelihood + whiten_speeds(flights_[f], rest, noise.speeds).minus_two_log_likelihood;
+  });
+  return std::accumulate(of.begin(), of.end(), 0.0);
+}
+
+void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const {
+  const int delay = catalogue_.find("actuation_delay");
+  if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().foretold.empty()) return;
+  const int c = catalogue_.groups()[static_cast<std::size_t>(delay)].columns.front();
+  const double start_s = value_[c] + speed_lateness_s(flights_, linear_);
+  if (std::abs(value[c] - start_s) > sample_s()) value[c] = start_s;
+}
+
+bool Session::seen_in_speeds(int group) const {
+  for (const LinearFlight& flight : linear_)
+    for (std::size_t j = 0; j < flight.columns.size(); ++j)
+      if (!flight.foretold_by[j].empty() && catalogue_.columns()[static_cast<std::size_t>(flight.columns[j])].group == group) return true;
+  return false;
 }
 
 }  // namespace gustlab::diagnosis

@@ -51,6 +51,13 @@ class Session {
   // `extra`: further columns per flight, before y.
   std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
                                     const std::vector<std::vector<Pushes>>* extra = nullptr) const;
+  // −2 log likelihood of the same.
+  double misfit(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
+
+  // Where rotor speeds are measured and a delay is among the groups, it starts from where speeds and commands match.
+  void start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const;
+  // Whether a group was last linearised in how measured rotor speeds follow their commands.
+  bool seen_in_speeds(int group) const;
 
   // Each flight on a thread of its own; what a body writes belongs to its flight.
   void for_each_flight(const std::function<void(std::size_t)>& body) const;

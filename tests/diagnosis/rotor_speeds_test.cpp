@@ -1,0 +1,53 @@
+// Where rotor speeds are measured beside their commands, the way from one to the other is a measurement of its own (FORMATS.md §1).
+#include <gmock/gmock.h>
+
+#include "support/trials.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+Diagnosis with_rotor_speeds(const std::string& concealed) {
+  const TemporaryFolder folder;
+  test::TrialSettings trial;
+  trial.fit = {"lemniscate", "multisine"};
+  trial.holdout = {"circle"};
+  trial.sensors.emplace_back("rotor_speed");
+  trial.concealed = concealed;
+  return diagnose(test::fly_trial(folder, trial));
+}
+
+double value(const EffectFinding& effect, const std::string& name) {
+  for (const NamedValue& v : effect.parameters)
+    if (v.name == name) return v.value;
+  ADD_FAILURE() << effect.effect << " has no " << name;
+  return 0.0;
+}
+
+TEST(RotorSpeeds, NameNothingWhereNothingIsConcealed) {
+  const Diagnosis d = with_rotor_speeds("");
+  EXPECT_TRUE(d.effects.empty()) << to_json(d).dump(1);
+  EXPECT_EQ(d.verdict, Verdict::consistent);
+}
+
+TEST(RotorSpeeds, TellALagThatTheBodyCannot) {
+  const Diagnosis d = with_rotor_speeds(R"({type = "motor_lag", time_constant = 0.06})");
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_EQ(d.effects[0].effect, "motor_lag");
+  EXPECT_NEAR(value(d.effects[0], "time_constant"), 0.06, 0.002);
+}
+
+TEST(RotorSpeeds, TellADelay) {
+  const Diagnosis d = with_rotor_speeds(R"({type = "actuation_delay", delay = 0.012})");
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_EQ(d.effects[0].effect, "actuation_delay");
+  EXPECT_NEAR(value(d.effects[0], "delay"), 0.012, 0.001);
+}
+
+TEST(RotorSpeeds, LeaveWhatTurnsTheBodyToTheBody) {
+  const Diagnosis d = with_rotor_speeds(R"({type = "mass", delta = 0.06})");
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_EQ(d.effects[0].effect, "mass");
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
