@@ -14,7 +14,6 @@ constexpr double least_tested = 10.0;   // χ² that a finding should save on th
 // feedback of sensors that were not logged makes rotors seem weaker or later than they are: χ² over that of unforetold commands
 constexpr double least_over_unforetold = 2.0;
 constexpr double most_spread = 0.15;    // between regimes, as a share of the whole
-constexpr double most_excess = 0.3;     // of a push over what turning foretells (true effects of simulated trials: up to 0.17)
 constexpr double surely_uneven = 18.0;  // χ² of two degrees of freedom: p = 0.001 over nine variables
 
 // what the held-out flights do not excite, they do not refute
@@ -78,7 +77,7 @@ Challenge challenge(Session& session, Selection& selection, const std::vector<Fl
     }
     if (failed.empty()) {
       const std::vector<Parts> pushes = parts(session, selection);
-      const auto uneven_parts = [&](std::size_t i) { return !selection.findings[i].calibration && pushes[i].uneven(most_excess); };
+      const auto uneven_parts = [&](std::size_t i) { return !selection.findings[i].calibration && pushes[i].uneven(); };
       std::size_t worst = pushes.size();
       for (std::size_t i = 0; i < pushes.size(); ++i)
         if (uneven_parts(i) && (worst == pushes.size() || std::abs(pushes[i].excess) > std::abs(pushes[worst].excess))) worst = i;

@@ -22,10 +22,12 @@ Diagnosis diagnose_concealed(const std::string& concealed) {
 }
 
 TEST(Parts, AreUnevenOnlyBeyondChanceAndByMuch) {
-  EXPECT_FALSE((Parts{0.0, 0.0}).uneven(0.3));
-  EXPECT_FALSE((Parts{-0.25, 0.01}).uneven(0.3));
-  EXPECT_FALSE((Parts{-0.6, 0.25}).uneven(0.3));
-  EXPECT_TRUE((Parts{-0.6, 0.18}).uneven(0.3));
+  EXPECT_FALSE((Parts{0.0, 0.0}).uneven());
+  EXPECT_FALSE((Parts{-0.25, 0.01}).uneven());
+  EXPECT_FALSE((Parts{0.4, 0.05}).uneven());
+  EXPECT_FALSE((Parts{-0.6, 0.25}).uneven());
+  EXPECT_TRUE((Parts{-0.6, 0.18}).uneven());
+  EXPECT_TRUE((Parts{0.6, 0.04}).uneven());
 }
 
 TEST(Parts, OfAnInflowAgree) {
