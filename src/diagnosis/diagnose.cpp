@@ -19,6 +19,7 @@
 #include "diagnosis/quasi_static.hpp"
 #include "diagnosis/sensor_lateness.hpp"
 #include "diagnosis/residual_effect.hpp"
+#include "diagnosis/rotor_speeds.hpp"
 #include "diagnosis/subset_search.hpp"
 #include "diagnosis/vehicle_check.hpp"
 #include "gustlab/errors.hpp"
@@ -324,6 +325,11 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   // moments that depend on the velocity are not told without it, and would be charged to what can be
   if (!attitude && !forces_only && !rest.alarms.empty()) return diagnose_with(options, true);
   explain(session, selection, challenged, out);
+  if (std::any_of(out.effects.begin(), out.effects.end(), [&](const EffectFinding& e) { return session.seen_in_speeds(session.catalogue().find(e.effect)); }))
+    out.notes.push_back(fmt::format("commands foretell the rotors' speeds to {:.3g} rad/s instead of {:.3g} (rms, held-out flights); measured speeds drive "
+                                    "the body's predictions, which that does not change",
+                                    speeds_left_radps(held, session.catalogue(), selection.value),
+                                    speeds_left_radps(held, session.catalogue(), session.catalogue().nominal())));
   out.rejected.insert(out.rejected.begin(), challenged.withdrawn.begin(), challenged.withdrawn.end());
   if (rest.gust_like) explain_gust(session, rest.gust, out);
   describe_disturbance(selection, rest, out);

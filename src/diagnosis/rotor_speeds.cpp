@@ -98,7 +98,7 @@ Whitened whiten_speeds(const FlightData& data, const LinearFlight& flight, const
     }
     P *= noise.white / S;
     if (k + 1 == n) break;
-    const double kept = std::exp(-flight.interval_s[k] / noise.time_s);
+    const double kept = std::exp(-(data.samples[k + 1].time_s - data.samples[k].time_s) / noise.time_s);
     state *= kept;
     P = kept * kept * P + (1.0 - kept * kept) * noise.variance;
   }
@@ -209,6 +209,18 @@ namespace {
 double least_variance(const std::vector<FlightData>& data) { return std::pow(least_white_share * data.front().vehicle.hover_speed_radps(), 2); }
 
 }  // namespace
+
+double speeds_left_radps(const std::vector<FlightData>& flights, const Catalogue& catalogue, const Eigen::VectorXd& value) {
+  double squares = 0.0, rows = 0.0;
+  for (const FlightData& data : flights) {
+    LinearFlight flight;
+    compare_speeds(data, 0, catalogue, value, flight);
+    const Whitened w = whiten_speeds(data, flight, {0.0, 1.0, 1.0});
+    for (Eigen::Index r = 0; r < w.rows.rows(); ++r)
+      if (w.warm[static_cast<std::size_t>(r)]) squares += std::pow(w.rows(r, 0), 2), rows += 1.0;
+  }
+  return std::sqrt(squares / std::max(1.0, rows));
+}
 
 SpeedNoise white_speed_noise(const std::vector<FlightData>& data, const std::vector<LinearFlight>& flights) {
   double changes = 0.0, rows = 0.0;

@@ -49,6 +49,7 @@ std::string gain_in_words(const Json& diagnosis) {
     const auto [factor, unit] = metres < 0.01 ? Display{1e3, "mm"} : metres < 1.0 ? Display{1e2, "cm"} : Display{1.0, "m"};
     return fmt::format("{} {}", decimals(factor * metres, factor * metres < 10.0 ? 1 : 0), unit);
   };
+  if (length(to) == length(from)) return "";
   return fmt::format("the position predicted {:g} s ahead is then wrong by {} instead of {}, on flights that were not used to find it",
                      horizons[best].get<double>(), length(to), length(from));
 }

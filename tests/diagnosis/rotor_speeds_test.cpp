@@ -16,6 +16,9 @@ Diagnosis with_rotor_speeds(const std::string& concealed) {
   return diagnose(test::fly_trial(folder, trial));
 }
 
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
 double value(const EffectFinding& effect, const std::string& name) {
   for (const NamedValue& v : effect.parameters)
     if (v.name == name) return v.value;
@@ -34,6 +37,7 @@ TEST(RotorSpeeds, TellALagThatTheBodyCannot) {
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "motor_lag");
   EXPECT_NEAR(value(d.effects[0], "time_constant"), 0.06, 0.002);
+  EXPECT_THAT(d.notes, Contains(HasSubstr("commands foretell the rotors' speeds")));
 }
 
 TEST(RotorSpeeds, TellADelay) {

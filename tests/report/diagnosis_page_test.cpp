@@ -157,6 +157,14 @@ TEST(OneSentence, FitsTheVerdict) {
             "The simulation of crazyflie agrees with these flights: nothing is left beyond noise and calm air.");
 }
 
+// measured rotor speeds drive the body: a lag that they show changes none of its predictions
+TEST(OneSentence, ClaimsNoGainThatItsDigitsDoNotShow) {
+  Json diagnosis = example_diagnosis();
+  ASSERT_THAT(report::one_sentence(diagnosis), HasSubstr("instead of"));
+  diagnosis["fit"]["position_m"]["before"] = diagnosis["fit"]["position_m"]["after"];
+  EXPECT_THAT(report::one_sentence(diagnosis), Not(HasSubstr("instead of")));
+}
+
 TEST(Words, NumbersHaveTheDigitsTheyDeserve) {
   EXPECT_EQ(report::with_half_width(14.71, 0.78), "14.71 ± 0.78");
   EXPECT_EQ(report::with_half_width(-3.2e-8, 4e-10), "(−3.200 ± 0.040) × 10⁻⁸");
