@@ -59,6 +59,7 @@ struct Plant::Memory final : Actuation::Past, MeasurementContext::Past {
 Plant::Plant(const VehicleModel& nominal, std::vector<NamedEffect> effects, const Options& options)
     : options_(options), forces_(nominal, std::move(effects)) {
   forces_.prepare(options.step_s, options.seed, options.replicate);
+  forces_.set_speed_is_measured(options.speed_is_logged);
   remembers_ = forces_.lookback_s() > 0.0;
   memory_ = std::make_unique<Memory>(forces_.vehicle(), forces_.lookback_s(), options.step_s);
   effect_state_.resize(static_cast<std::size_t>(forces_.state_size()));

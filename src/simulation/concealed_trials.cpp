@@ -169,7 +169,8 @@ TrialsFile read_trials_file(const std::string& path, const std::vector<std::stri
     if (!seen.insert(name).second || name.find_first_of("/\\ ") != std::string::npos)
       table.fail("name", fmt::format("\"{}\" is no name of a folder of its own", name), "", "use another");
   }
-  const Experiment base = make_experiment(document, path);
+  Experiment base = make_experiment(document, path);
+  base.speed_is_logged = std::find(file.sensors.begin(), file.sensors.end(), "rotor_speed") != file.sensors.end();
   for (Draft& draft : drafts) {
     ConcealedTrial& trial = draft.trial;
     trial.experiment = base;

@@ -52,6 +52,7 @@ struct Experiment {
   LogOptions log;
   std::string variant;             // name of its [[variant]]; empty: it is the experiment as it stands
   bool held_out = false;           // a variant that training only tests on
+  bool speed_is_logged = false;    // concealed trials: see Plant::Options
 };
 
 // One run: indices into its experiment, and 128 bits that stand for everything that can change its result.

@@ -70,7 +70,7 @@ class OffboardLink {
 };
 
 Plant::Options plant_options(const Experiment& experiment, const RunSpec& spec) {
-  return {experiment.flight.step_s, static_cast<std::uint64_t>(experiment.seed), spec.replicate};
+  return {experiment.flight.step_s, static_cast<std::uint64_t>(experiment.seed), spec.replicate, experiment.speed_is_logged};
 }
 
 }  // namespace

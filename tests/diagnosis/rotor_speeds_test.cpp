@@ -47,6 +47,14 @@ TEST(RotorSpeeds, TellADelay) {
   EXPECT_NEAR(value(d.effects[0], "delay"), 0.012, 0.001);
 }
 
+// by time: these logs have no voltage
+TEST(RotorSpeeds, TellABatteryThatSags) {
+  const Diagnosis d = with_rotor_speeds(R"({type = "battery_sag", rate = 0.004})");
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_EQ(d.effects[0].effect, "battery_sag");
+  EXPECT_NEAR(value(d.effects[0], "rate"), 0.004, 0.0004);
+}
+
 TEST(RotorSpeeds, LeaveWhatTurnsTheBodyToTheBody) {
   const Diagnosis d = with_rotor_speeds(R"({type = "mass", delta = 0.06})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
