@@ -129,7 +129,7 @@ std::vector<double> smoothed(const std::vector<double>& y, const std::vector<dou
     x[k] = ahead[k] + gain * (y[k] - ahead[k]);
     P[k] = (1.0 - gain) * P_ahead[k];
   }
-  for (std::size_t k = n - 1; k-- > 0;) x[k] += P[k] * kept[k] / P_ahead[k + 1] * (x[k + 1] - ahead[k + 1]);
+  for (std::size_t k = n; k-- > 1;) x[k - 1] += P[k - 1] * kept[k - 1] / P_ahead[k] * (x[k] - ahead[k]);
   return x;
 }
 
