@@ -162,30 +162,26 @@ std::vector<BasisFamily> channel_bases(const Session& session) {
   return result;
 }
 
-Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
-  const auto chosen = static_cast<Eigen::Index>(columns.size());
-  const Eigen::Index width = chosen + family.size + 1;
-  std::vector<Eigen::MatrixXd> of_flight(session.flights().size());
+Grams grams_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
+  std::vector<Grams> of_flight(session.flights().size());
   session.for_each_flight([&](std::size_t f) {
     const LinearFlight linear = only(session.linear()[f], columns);
-    const Whitened w = whiten(session.flights()[f], linear, session.noise, &family.columns[f]);
-    const auto own = static_cast<Eigen::Index>(linear.columns.size());
-    std::vector<Eigen::Index> to;
-    for (const int c : linear.columns) to.push_back(std::find(columns.begin(), columns.end(), c) - columns.begin());
-    for (Eigen::Index j = own; j < w.rows.cols(); ++j) to.push_back(chosen + j - own);
-    Eigen::MatrixXd picked = Eigen::MatrixXd::Zero(w.rows.rows(), width);
-    Eigen::Index count = 0;
-    for (Eigen::Index r = 0; r < w.rows.rows(); ++r) {
-      if (!w.warm[static_cast<std::size_t>(r)]) continue;
-      for (Eigen::Index j = 0; j < w.rows.cols(); ++j) picked(count, to[static_cast<std::size_t>(j)]) = w.rows(r, j);
-      ++count;
-    }
-    of_flight[f] = Eigen::MatrixXd::Zero(width, width);
-    of_flight[f].selfadjointView<Eigen::Lower>().rankUpdate(picked.topRows(count).transpose());
+    std::vector<int> to;
+    for (const int c : linear.columns) to.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
+    for (int j = 0; j < family.size; ++j) to.push_back(static_cast<int>(columns.size()) + j);
+    accumulate(whiten(session.flights()[f], linear, session.noise, &family.columns[f]), to, static_cast<int>(f),
+               static_cast<int>(columns.size()) + family.size, of_flight[f]);
   });
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(width, width);
-  for (const Eigen::MatrixXd& part : of_flight) gram += part;
-  return gram.selfadjointView<Eigen::Lower>();
+  Grams grams;
+  for (const Grams& part : of_flight) append(part, grams);
+  return grams;
+}
+
+void keep_small(const std::vector<Trim>& trims, std::size_t first, Eigen::MatrixXd& gram) {
+  for (std::size_t i = 0; i < trims.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(first + i);
+    gram(at, at) += 1.0 / (trims[i].deviation * trims[i].deviation);
+  }
 }
 
 std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families, const std::vector<int>& columns,
@@ -206,11 +202,8 @@ std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily
     }
   std::vector<int> beside = columns;
   for (const Trim& trim : trims) beside.push_back(trim.column);
-  Eigen::MatrixXd gram = gram_with(session, together, beside);
-  for (std::size_t i = 0; i < trims.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(columns.size() + i);
-    gram(at, at) += 1.0 / (trims[i].deviation * trims[i].deviation);
-  }
+  Eigen::MatrixXd gram = grams_with(session, together, beside).total();
+  keep_small(trims, columns.size(), gram);
   std::vector<int> known(beside.size());
   std::iota(known.begin(), known.end(), 0);
   const double before = solve(gram, known, 1e-6).loss;

@@ -34,8 +34,10 @@ std::vector<BasisFamily> omnibus_bases(const Session& session);
 // a dozen smooth functions of the state acting on one channel each: force x y z, torque x y z in the body
 std::vector<BasisFamily> channel_bases(const Session& session);
 
-// Gram matrix of [these columns of the catalogue, the family, z], whitened under the session's noise, over all flights.
-Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
+// Grams of [these columns of the catalogue, the family, z], whitened under the session's noise, over all flights.
+Grams grams_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
+// Their sum when the columns from `first` are trims, which are small beforehand.
+void keep_small(const std::vector<Trim>& trims, std::size_t first, Eigen::MatrixXd& gram);
 
 // What a family gains (χ²) beyond the given columns (always free with it) and small values of the trims: all of it, and
 // its terms on one channel alone.

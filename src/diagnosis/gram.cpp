@@ -67,11 +67,12 @@ void accumulate(const Whitened& whitened, const std::vector<int>& columns, int f
     const double begin_s = whitened.time_s[first];
     first = last;
     if (count == 0) continue;
-    const Eigen::MatrixXd local = kept.topRows(count).transpose() * kept.topRows(count);
+    Eigen::MatrixXd local = Eigen::MatrixXd::Zero(width, width);
+    local.selfadjointView<Eigen::Lower>().rankUpdate(kept.topRows(count).transpose());
     Eigen::MatrixXd full = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
     for (Eigen::Index i = 0; i < width; ++i)
       for (Eigen::Index j = 0; j < width; ++j)
-        full(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) = local(i, j);
+        full(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) = i < j ? local(j, i) : local(i, j);
     grams.block.push_back(std::move(full));
     grams.flight.push_back(flight);
     grams.time_s.push_back(begin_s);
@@ -79,6 +80,16 @@ void accumulate(const Whitened& whitened, const std::vector<int>& columns, int f
     grams.cluster.push_back(last_cluster);
     grams.rows += static_cast<double>(count);
   }
+}
+
+void append(const Grams& more, Grams& grams) {
+  grams.columns = more.columns;
+  grams.block.insert(grams.block.end(), more.block.begin(), more.block.end());
+  grams.flight.insert(grams.flight.end(), more.flight.begin(), more.flight.end());
+  grams.time_s.insert(grams.time_s.end(), more.time_s.begin(), more.time_s.end());
+  for (const int cluster : more.cluster) grams.cluster.push_back(grams.clusters + cluster);
+  grams.clusters += more.clusters;
+  grams.rows += more.rows;
 }
 
 Fit solve(const Eigen::MatrixXd& gram, const std::vector<int>& columns, double ridge) {
@@ -133,6 +144,18 @@ Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>&
                                 scale.cwiseInverse().asDiagonal();
   const double small_sample = static_cast<double>(grams.clusters) / std::max(1, grams.clusters - 1);
   return bread * (scores.transpose() * scores) * bread * small_sample;
+}
+
+double clustered_variance(const Grams& grams, const Eigen::VectorXd& pattern, const Eigen::VectorXd& left) {
+  std::vector<double> score(static_cast<std::size_t>(grams.clusters), 0.0);
+  double information = 0.0, squares = 0.0;
+  for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    const Eigen::VectorXd seen = grams.block[b] * pattern;
+    information += seen.dot(pattern);
+    score[static_cast<std::size_t>(grams.cluster[b])] += seen.dot(left);
+  }
+  for (const double s : score) squares += s * s;
+  return squares / (information * information);
 }
 
 Eigen::VectorXd block_losses(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {

@@ -25,6 +25,9 @@ struct Grams {
 // Adds one flight's innovations; rows that are not warm do not count.
 void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size, Grams& grams);
 
+// Those of further flights.
+void append(const Grams& more, Grams& grams);
+
 // A column that is small beforehand: standard deviation in its natural unit.
 struct Trim {
   int column;
@@ -43,6 +46,10 @@ Eigen::MatrixXd project_out(const Eigen::MatrixXd& gram, const std::vector<int>&
 
 // Covariance of coefficients, robust against correlation within clusters (sandwich).
 Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient);
+
+// Variance of one coefficient, robust likewise: `pattern` is its column less what others say of it, `left` what the whole fit leaves
+// (both as weights of the columns and z).
+double clustered_variance(const Grams& grams, const Eigen::VectorXd& pattern, const Eigen::VectorXd& left);
 
 // Loss per block at given coefficients.
 Eigen::VectorXd block_losses(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient);

@@ -5,6 +5,8 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "diagnosis/row_intervals.hpp"
+
 namespace gustlab::diagnosis {
 
 namespace {
@@ -53,8 +55,7 @@ void find_line(const Session& session, const std::vector<Smoothed>& left, GustPa
       if (bins > bins_apart && bins < bins_beside) beside.push_back(spectrum[j]);
     }
     if (beside.size() < 8) continue;
-    std::nth_element(beside.begin(), beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2), beside.end());
-    const double background = beside[beside.size() / 2] / median_of_mean;
+    const double background = median(std::move(beside)) / median_of_mean;
     const double p = boost::math::cdf(boost::math::complement(boost::math::chi_squared(2.0 * axes), 2.0 * axes * spectrum[i] / background));
     if (!(p < least)) continue;
     least = p;

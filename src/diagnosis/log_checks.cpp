@@ -8,6 +8,7 @@
 
 #include "diagnosis/clock_checks.hpp"
 #include "diagnosis/flight_data.hpp"
+#include "diagnosis/row_intervals.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -20,8 +21,7 @@ double median_step(const std::vector<double>& time) {
   std::vector<double> steps;
   for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
   if (steps.empty()) return 0.01;
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return median(std::move(steps));
 }
 
 // one flight while it is looked at
@@ -305,8 +305,7 @@ class Checker {
         up += (*az)[k];
       }
       if (size.size() > 20) {
-        std::nth_element(size.begin(), size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2), size.end());
-        const double typical = size[size.size() / 2];
+        const double typical = median(std::move(size));
         const char* fault = typical > 0.5 && typical < 1.6   ? "is in g, not m/s²"
                             : typical < 5.0 || typical > 20.0 ? "is not a specific force (a hover reads 9.81)"
                                                               : nullptr;

@@ -3,8 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "diagnosis/generic_bases.hpp"
+#include "diagnosis/remainder.hpp"
 #include "diagnosis/trims.hpp"
 
 namespace gustlab::diagnosis {
@@ -12,6 +14,7 @@ namespace gustlab::diagnosis {
 namespace {
 
 constexpr double least_seen = 25.0;   // χ² of a push that is not there, with everything else free
+constexpr double mostly = 0.5;
 
 }  // namespace
 
@@ -19,35 +22,61 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   std::vector<Parts> result(selection.findings.size());
   if (session.shoots() || selection.findings.empty()) return result;
   const Catalogue& catalogue = session.catalogue();
+  // a gust moves the vehicle along its own push, and lasts longer than what the filter allows for
+  const bool gusty = session.noise.rms(0) > most_of_floor * reference_floor(session.vehicle())[0];
   BasisFamily pushes;
-  pushes.size = static_cast<int>(selection.findings.size());
-  for (const LinearFlight& flight : session.linear()) {
+  pushes.size = static_cast<int>(result.size());
+  std::vector<Eigen::Array3d> with_rate(result.size(), Eigen::Array3d::Zero()), turning = with_rate;
+  Eigen::Array3d rates = Eigen::Array3d::Zero();
+  for (std::size_t f = 0; f < session.linear().size(); ++f) {
+    const LinearFlight& flight = session.linear()[f];
     std::vector<Pushes>& of_flight = pushes.columns.emplace_back(flight.size(), Pushes::Zero(6, pushes.size));
-    for (std::size_t i = 0; i < selection.findings.size(); ++i)
-      for (std::size_t j = 0; j < flight.columns.size(); ++j) {
-        const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
-        if (column.group != selection.findings[i].group) continue;
-        const double size = (selection.value[flight.columns[j]] - column.nominal) / column.natural;
-        for (std::size_t k = 0; k < flight.size(); ++k)
-          of_flight[k].block<3, 1>(0, static_cast<Eigen::Index>(i)) += size / flight.interval_s[k] * flight.B[k].block<3, 1>(3, static_cast<Eigen::Index>(j));
+    for (std::size_t k = 0; k < flight.size(); ++k) {
+      const Eigen::Array3d rate = session.flights()[f].motion[k].body_rate_B_radps;
+      rates += rate.square();
+      for (std::size_t i = 0; i < result.size(); ++i) {
+        Eigen::Matrix<double, 12, 1> moved = Eigen::Matrix<double, 12, 1>::Zero();
+        for (std::size_t j = 0; j < flight.columns.size(); ++j) {
+          const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
+          if (column.group != selection.findings[i].group) continue;
+          moved += (selection.value[flight.columns[j]] - column.nominal) / column.natural / flight.interval_s[k] * flight.B[k].col(static_cast<Eigen::Index>(j));
+        }
+        of_flight[k].col(static_cast<Eigen::Index>(i)).head<3>() = moved.segment<3>(3);
+        if (gusty) of_flight[k].col(static_cast<Eigen::Index>(i)).head<2>().setZero();
+        const Eigen::Array3d turn = moved.tail<3>();
+        with_rate[i] += turn * rate;
+        turning[i] += turn.square();
       }
+    }
   }
   std::vector<int> beside = session.with_biases(selection.groups());
   const std::vector<Trim> trims = trims_beside(session, beside, scatter_share);
   const std::size_t own = beside.size();
   for (const Trim& trim : trims) beside.push_back(trim.column);
-  Eigen::MatrixXd gram = gram_with(session, pushes, beside);
-  for (std::size_t i = 0; i < trims.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(own + i);
-    gram(at, at) += 1.0 / (trims[i].deviation * trims[i].deviation);
-  }
-  std::vector<int> known;
-  for (std::size_t i = 0; i < beside.size(); ++i) known.push_back(static_cast<int>(i));
-  const Eigen::MatrixXd left = project_out(gram, known);
+  const Grams grams = grams_with(session, pushes, beside);
+  Eigen::MatrixXd gram = grams.total();
+  keep_small(trims, own, gram);
+  std::vector<int> known(beside.size());
+  std::iota(known.begin(), known.end(), 0);
+  const Eigen::MatrixXd projected = project_out(gram, known);
+  // what is left of a column, the known ones fitted to it
+  const auto left_of = [&](Eigen::Index column) {
+    Eigen::MatrixXd target = gram;
+    target.col(target.cols() - 1) = gram.col(column);
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(gram.cols());
+    weights.head(static_cast<Eigen::Index>(known.size())) = -solve(target, known).coefficient;
+    weights[column] = 1.0;
+    return weights;
+  };
+  const Eigen::VectorXd unexplained = left_of(gram.cols() - 1);
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(beside.size() + i);
-    const double seen = left(at, at);
-    if (seen > least_seen) result[i] = {left(at, left.cols() - 1) / seen, 1.0 / std::sqrt(seen)};
+    const double seen = projected(at, at);
+    if (!(seen > least_seen)) continue;
+    const Eigen::VectorXd pattern = left_of(at);
+    const double excess = projected(at, projected.cols() - 1) / seen;
+    const bool damps = (with_rate[i].square() / rates.max(1e-12)).sum() > mostly * turning[i].sum();
+    result[i] = {excess, std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern))), damps};
   }
   return result;
 }

@@ -126,23 +126,32 @@ SwingStart start_of(const Eigen::Matrix<double, own, 1>& c, double load_kg, cons
   return {Eigen::Vector2d(c[2], c[4]) / load_kg, natural * Eigen::Vector2d(c[3], c[5]) / load_kg, c.head<2>()};
 }
 
+std::vector<Regression> regressions(const Session& session, const Swing& swing) {
+  std::vector<Regression> flights;
+  for (std::size_t f = 0; f < session.flights().size(); ++f)
+    flights.push_back(regression(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, session.vehicle().gravity_mps2, swing));
+  return flights;
+}
+
 // the same at any angle, when that leaves less; wide swings take longer than small ones, and hide the length's best value among others
-PendulumScan swung_out(const Session& session, const PendulumScan& small, const Solution& fit, double squares) {
+PendulumScan swung_out(const Session& session, const PendulumScan& small, double squares) {
   std::vector<const FlightData*> flights;
   std::vector<const Smoothed*> smoothed;
-  std::vector<SwingStart> from;
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     flights.push_back(&session.flights()[f]);
     smoothed.push_back(&session.smoothed[f]);
-    from.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), small.mass_kg, small.swing, session.vehicle().gravity_mps2));
   }
-  constexpr std::array<double, 3> longer = {1.0, 0.92, 1.08};
+  constexpr std::array<double, 5> longer = {1.0, 0.92, 1.08, 1.2, 1.35};
   std::array<PendulumScan, longer.size()> swung;
   parallel_for(std::ssize(longer), session.jobs(), [&](std::int64_t i) {
     const auto at = static_cast<std::size_t>(i);
-    SwingingLoad load{small.swing, small.mass_kg, fit.coefficient[1]};
-    load.swing.length_m *= longer[at];
-    std::vector<SwingStart> starts = from;
+    Swing swing = small.swing;
+    swing.length_m *= longer[at];
+    const Solution fit = solve_all(regressions(session, swing), true);
+    SwingingLoad load{swing, std::max(fit.coefficient[0], 0.5 * small.mass_kg), fit.coefficient[1]};
+    std::vector<SwingStart> starts;
+    for (std::size_t f = 0; f < flights.size(); ++f)
+      starts.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), load.mass_kg, swing, session.vehicle().gravity_mps2));
     const double share = 1.0 - fit_swing(flights, smoothed, session.vehicle().mass_kg, load, starts, true) / (squares + 1e-300);
     swung[at] = {load.swing, share, load.mass_kg, starts};
   });
@@ -160,31 +169,23 @@ PendulumScan scan_pendulum(const Session& session) {
   PendulumScan best;
   // 0.1–0.65 m for a Crazyflie's arm, in proportion for larger vehicles (DIAGNOSIS.md §3.2)
   const double size = std::clamp(vehicle.arm_m() / 0.04, 1.0, 4.0), shortest_m = 0.10 * size, longest_m = 0.65 * size;
-  const auto regressions = [&](const Swing& swing) {
-    std::vector<Regression> flights;
-    for (std::size_t f = 0; f < session.flights().size(); ++f)
-      flights.push_back(regression(session.flights()[f], session.smoothed[f], vehicle.mass_kg, gravity, swing));
-    return flights;
-  };
   // without the load, at any swing
-  const double squares = solve_all(regressions({shortest_m, least_damping}), false).left;
-  Solution best_fit;
+  const double squares = solve_all(regressions(session, {shortest_m, least_damping}), false).left;
   const auto better = [&](const std::vector<Swing>& swings) {
     std::vector<PendulumScan> scans(swings.size());
-    std::vector<Solution> fits(swings.size());
     parallel_for(std::ssize(swings), session.jobs(), [&](std::int64_t i) {
       const auto at = static_cast<std::size_t>(i);
       const Swing& swing = swings[at];
       if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping || swing.damping > most_damping) return;
-      const std::vector<Regression> flights = regressions(swing);
-      fits[at] = solve_all(flights, true);
-      const double load_kg = fits[at].coefficient[0];
-      if (load_kg <= 1e-3 * vehicle.mass_kg || swing_rms(flights, fits[at]) > widest_swing * gravity * load_kg) return;
-      scans[at] = {{swing.length_m, swing.damping, 0.03 * swing.length_m}, 1.0 - fits[at].left / (squares + 1e-300), load_kg, {}};
+      const std::vector<Regression> flights = regressions(session, swing);
+      const Solution fit = solve_all(flights, true);
+      const double load_kg = fit.coefficient[0];
+      if (load_kg <= 1e-3 * vehicle.mass_kg || swing_rms(flights, fit) > widest_swing * gravity * load_kg) return;
+      scans[at] = {{swing.length_m, swing.damping, 0.03 * swing.length_m}, 1.0 - fit.left / (squares + 1e-300), load_kg, {}};
     });
     bool found = false;
     for (std::size_t i = 0; i < scans.size(); ++i)
-      if (scans[i].share > best.share) best = scans[i], best_fit = fits[i], found = true;
+      if (scans[i].share > best.share) best = scans[i], found = true;
     return found;
   };
   std::vector<Swing> grid;
@@ -201,7 +202,7 @@ PendulumScan scan_pendulum(const Session& session) {
     }
     if (!better(near)) step *= 0.5;
   }
-  return swung_out(session, best, best_fit, squares);
+  return swung_out(session, best, squares);
 }
 
 std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& smoothed, double vehicle_mass_kg,

@@ -105,7 +105,8 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   const auto whitened = session.innovations(columns, fit.coefficient);
   const auto correlated = lag_correlation(whitened, 25);
   for (std::size_t c = 0; c < row_count; ++c) {
-    if (std::isnan(correlated[0][c])) continue;
+    // a gust is not quite what the filter has for it
+    if (std::isnan(correlated[0][c]) || (result.gust_like && (c < 3 || c > 8))) continue;
     const auto most = std::max_element(correlated.begin(), correlated.end(), [c](const auto& a, const auto& b) { return std::abs(a[c]) < std::abs(b[c]); });
     const double r = std::abs((*most)[c]);
     const auto lag = most - correlated.begin() + 1;

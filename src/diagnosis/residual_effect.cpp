@@ -218,7 +218,7 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   const std::vector<Library> all = libraries();
   Sparse best;
   for (const Library& library : all) {
-    Sparse found = regress(gram_with(session, family_of(session, library), beside), static_cast<int>(beside.size()), library, selection.degrees_of_freedom);
+    Sparse found = regress(grams_with(session, family_of(session, library), beside).total(), static_cast<int>(beside.size()), library, selection.degrees_of_freedom);
     if (!found.chosen.empty() && (best.chosen.empty() || found.loss < best.loss)) best = std::move(found);
   }
 

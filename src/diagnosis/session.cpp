@@ -327,18 +327,17 @@ Grams Session::grams(const std::vector<int>& columns) const {
 }
 
 Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
-  std::vector<Whitened> whitened(flights.size()), speeds(flights.size());
+  std::vector<Grams> of_body(flights.size()), of_speeds(flights.size());
   for_each_flight([&](std::size_t f) {
-    whitened[f] = whiten(flights_[f], flights[f], noise);
-    speeds[f] = whiten_speeds(flights_[f], flights[f], noise.speeds);
+    const auto add = [&](const Whitened& rows, Grams& grams) { accumulate(rows, flights[f].columns, static_cast<int>(f), catalogue_.size(), grams); };
+    add(whiten(flights_[f], flights[f], noise), of_body[f]);
+    add(whiten_speeds(flights_[f], flights[f], noise.speeds), of_speeds[f]);
   });
   Grams grams;
-  for (std::size_t f = 0; f < flights.size(); ++f)
-    accumulate(whitened[f], flights[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+  for (const Grams& part : of_body) append(part, grams);
   // they tell of the commands' way alone: what is material to the body is counted by the body's rows
   const double rows = grams.rows;
-  for (std::size_t f = 0; f < flights.size(); ++f)
-    accumulate(speeds[f], flights[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+  for (const Grams& part : of_speeds) append(part, grams);
   grams.rows = rows;
   // a faster log has more innovations, and tells no more of what air and noise do not hide
   grams.rows *= std::min(1.0, sample_s() / fastest_sample_s);

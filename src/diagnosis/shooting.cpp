@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "diagnosis/propagation.hpp"
+#include "diagnosis/row_intervals.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -162,12 +163,10 @@ ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const s
   // robust size of each row: median
   Eigen::VectorXd sd(window_rows);
   constexpr std::array<double, 2> least = {1e-3, 1e-2};  // m/s and rad/s
-  std::vector<double> values(left.size());
   for (Eigen::Index row = 0; row < window_rows; ++row) {
-    std::transform(left.begin(), left.end(), values.begin(), [row](const Eigen::VectorXd& r) { return std::abs(r[row]); });
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    if (!values.empty()) std::nth_element(values.begin(), middle, values.end());
-    sd[row] = std::max(values.empty() ? 1.0 : *middle / 0.6745, least[static_cast<std::size_t>(row % rows_per_horizon / 3)]);
+    std::vector<double> sizes;
+    for (const Eigen::VectorXd& r : left) sizes.push_back(std::abs(r[row]));
+    sd[row] = std::max(left.empty() ? 1.0 : median(std::move(sizes)) / 0.6745, least[static_cast<std::size_t>(row % rows_per_horizon / 3)]);
   }
   // an error grows along the horizons: the rows of a window belong together
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Zero(window_rows, window_rows);

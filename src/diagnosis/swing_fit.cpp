@@ -152,8 +152,7 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
 double fit_swing(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed, double vehicle_mass_kg,
                  SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free) {
   // a swing that starts a little wrong is out of step later on
-  if (!load_free)
-    for (const double part : {0.2, 0.5}) fit_part(flights, smoothed, vehicle_mass_kg, load, starts, false, part);
+  for (const double part : {0.2, 0.5}) fit_part(flights, smoothed, vehicle_mass_kg, load, starts, load_free, part);
   return fit_part(flights, smoothed, vehicle_mass_kg, load, starts, load_free, 1.0);
 }
 
