@@ -131,6 +131,7 @@ struct EffectRow {
   bool per_flight;              // fitted per flight, otherwise per vehicle
   bool diagnosable;             // false: simulator only (measurement_noise, sindy_residual)
   bool external;                // a disturbance from outside, logged as fx…tz
+  bool replay_only = false;     // true of the loop that was recorded and of no other
   bool commanded = false;       // seen only in how the vehicle answers its commands
   Need needs = Need::nothing;
   std::string_view says;        // one plain sentence of what it does

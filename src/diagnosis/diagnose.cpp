@@ -13,6 +13,7 @@
 #include "diagnosis/command_jitter.hpp"
 #include "diagnosis/command_offsets.hpp"
 #include "diagnosis/explain.hpp"
+#include "diagnosis/habit.hpp"
 #include "diagnosis/hold.hpp"
 #include "diagnosis/log_checks.hpp"
 #include "diagnosis/next_flight.hpp"
@@ -385,6 +386,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   suggest_flight(session, selection, options.jobs, out);
   if (out.verdict == Verdict::unexplained || out.verdict == Verdict::partly_explained)
     offer_residual(session, selection, proof, options.jobs, out);
+  offer_habit(session, proof, options.jobs, out);
   out.augmented_toml = augmented_toml(out);
   return out;
 }

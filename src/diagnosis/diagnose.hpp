@@ -48,7 +48,8 @@ struct Diagnosis {
   std::string next_trajectory, next_why;
   std::vector<std::pair<std::string, std::string>> next_parameters;   // of the trajectory, TOML literals
   nlohmann::ordered_json residual_model;     // what is offered for the rest; null: nothing
-  std::string residual_toml;                 // the same as an [[effect]]
+  std::string residual_toml;                 // the same as an [[effect]], and the habit's
+  nlohmann::ordered_json habit;              // of the loop that was recorded, see habit.hpp; null: none is needed
   std::string augmented_toml;
   // for the page: one held-out window, and unexplained forces against what they depend on
   std::string window_file;

@@ -28,7 +28,8 @@ class Session {
   int jobs() const { return jobs_; }
   double sample_s() const { return flights_.front().sample_s; }
   // of the logs themselves, where they are read at a lower rate for being smoothed
-  double logged_sample_s() const { return (shoots() ? shooting_flights_ : flights_).front().sample_s; }
+  const std::vector<FlightData>& flights_as_logged() const { return shoots() ? shooting_flights_ : flights_; }
+  double logged_sample_s() const { return flights_as_logged().front().sample_s; }
 
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
   // Where predictions are fitted, the filter's own part can be left out.

@@ -69,6 +69,7 @@ ordered_json to_json(const Diagnosis& d) {
   out["effects"] = effects(d.effects);
   out["calibration"] = effects(d.calibration);
   if (!d.residual_model.is_null()) out["residual_model"] = d.residual_model;
+  if (!d.habit.is_null()) out["habit"] = d.habit;
   out["disturbance"] = ordered_json::array();
   for (const Disturbance& g : d.disturbance)
     out["disturbance"].push_back({{"group", g.group}, {"before", number(g.before)}, {"after", number(g.after)}, {"unit", g.unit},

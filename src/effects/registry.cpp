@@ -218,6 +218,12 @@ constexpr EffectRow rows[] = {
      .shows_in = "any flight that excites its terms",
      .confused_with = "whatever its terms resemble: it describes, it does not explain",
      .source = "Brunton, Proctor, Kutz, PNAS 113(15) 2016", .make = make_sindy_residual},
+    {.name = "recorded_loop", .place = Place::wrench, .order = 95,
+     .per_flight = false, .diagnosable = false, .external = false, .replay_only = true,
+     .says = "not physics: how the vehicle turned under the controller that flew it; left out where a controller of gustlab flies",
+     .shows_in = "recordings whose actuators do not foretell body rates",
+     .confused_with = "nothing that it replaces is told any more",
+     .source = "Ljung, System Identification, 1999, section 13.4", .make = make_recorded_loop},
 };
 
 }  // namespace

@@ -86,7 +86,7 @@ std::optional<Outcome> find_outcome(std::string_view text) {
 }
 
 Flight::Flight(const Experiment& experiment, const RunSpec& spec)
-    : options(experiment.flight), plant(experiment.vehicle, make_effects(experiment.effects), plant_options(experiment, spec)) {
+    : options(experiment.flight), plant(experiment.vehicle, make_flown_effects(experiment.effects), plant_options(experiment, spec)) {
   const Choice& path = experiment.trajectories[spec.trajectory];
   trajectory = find_trajectory(path.spec.type)->make();
   config::read_parameters(path.spec, *trajectory);

@@ -24,4 +24,10 @@ std::vector<NamedEffect> make_effects(const std::vector<EffectSpec>& specs) {
   return effects;
 }
 
+std::vector<NamedEffect> make_flown_effects(const std::vector<EffectSpec>& specs) {
+  std::vector<NamedEffect> effects = make_effects(specs);
+  std::erase_if(effects, [](const NamedEffect& effect) { return effect.row->replay_only; });
+  return effects;
+}
+
 }  // namespace gustlab

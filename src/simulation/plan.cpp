@@ -41,7 +41,7 @@ std::string shared_text(const Experiment& experiment) {
   text += describe(experiment.vehicle.environment);
   FlightOptions flight = experiment.flight;
   text += "[flight]\n" + config::canonical_text(flight);
-  for (const NamedEffect& effect : make_effects(experiment.effects))
+  for (const NamedEffect& effect : make_flown_effects(experiment.effects))
     text += fmt::format("[[effect]]\ntype = \"{}\"\n{}", effect.row->name, config::canonical_text(*effect.effect));
   return text;
 }

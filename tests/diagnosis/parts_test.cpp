@@ -28,6 +28,8 @@ TEST(Parts, AreUnevenOnlyBeyondChanceAndByMuch) {
   EXPECT_FALSE((Parts{-0.6, 0.25}).uneven());
   EXPECT_TRUE((Parts{-0.6, 0.18}).uneven());
   EXPECT_TRUE((Parts{0.6, 0.04}).uneven());
+  EXPECT_FALSE((Parts{0.6, 0.04, true}).uneven());
+  EXPECT_TRUE((Parts{-0.6, 0.04, true}).uneven());
 }
 
 TEST(Parts, OfAnInflowAgree) {
