@@ -183,19 +183,16 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
   config::Table found = config::Table::parse(augmented_toml(out) + toml, "augmented.toml");
   Verification with = verify(holdout, session.vehicle(), config::read_effects(found), jobs);
   for (const std::string_view name : fit_quantity_names)
-    if (!(at_half_a_second(with.fit, name, "after") < at_half_a_second(out.fit, name, "after"))) return;
+    if (at_half_a_second(with.fit, name, "after") >= at_half_a_second(out.fit, name, "after")) return;   // what the log lacks is no number
   const double foretold = at_half_a_second(with.fit, "body_rate_radps", "after");
   if (!(foretold < clearly_better * held)) return;
   out.habit = {{"effect", "recorded_loop"},
                {"says", fmt::format("half a second ahead the recorded actuators foretell the body rate to {:.2g} rad/s, holding it to {:.2g}, and the habit of "
                                     "the loop that was recorded to {:.2g}; the habit is no physics, and true of no other loop",
                                     at_half_a_second(out.fit, "body_rate_radps", "after"), held, foretold)},
-               {"physics_alone", nlohmann::ordered_json::object()}};
-  for (const std::string_view name : fit_quantity_names) out.habit["physics_alone"][std::string(name)] = out.fit.at(std::string(name)).at("after");
+               {"fit", nlohmann::ordered_json::object()}};
+  for (const std::string_view name : fit_quantity_names) out.habit["fit"][std::string(name)] = with.fit.at(std::string(name)).at("after");
   out.residual_toml += toml;
-  out.fit = std::move(with.fit);
-  out.window = std::move(with.window);
-  out.window_file = with.window_file;
 }
 
 }  // namespace gustlab::diagnosis

@@ -17,8 +17,8 @@ using Habit = Eigen::Matrix<double, 8, 3>;
 // (each flight in its own unit, large errors count less), velocity driven by the recorded specific force in body axes.
 Habit fit_habit(const std::vector<FlightData>& flights, int jobs);
 
-// Fills residual_toml and habit of `out`, and makes its `fit` block and window that of the model with it: when on `holdout` the found
-// physics foretell body rates half a second ahead worse than holding them, and the habit foretells them, and all else, better than both.
+// Adds it to residual_toml of `out` and fills `habit` (its errors; the `fit` block stays that of physics) when on `holdout` what was
+// found foretells body rates half a second ahead worse than holding them, and the habit foretells them, and all else, better than both.
 void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, int jobs, Diagnosis& out);
 
 }  // namespace gustlab::diagnosis

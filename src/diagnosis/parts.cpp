@@ -20,12 +20,14 @@ constexpr double mostly = 0.5;
 
 std::vector<Parts> parts(const Session& session, const Selection& selection) {
   std::vector<Parts> result(selection.findings.size());
-  if (session.shoots() || selection.findings.empty()) return result;
+  const auto turns = [](const LinearFlight& flight) { return flight.torque_known && !flight.forces_alone; };
+  if (session.shoots() || selection.findings.empty() || !std::all_of(session.linear().begin(), session.linear().end(), turns)) return result;
   const Catalogue& catalogue = session.catalogue();
-  // a gust moves the vehicle along its own push, and lasts longer than what the filter allows for
+  // a gust moves the vehicle along its own push, and lasts longer than what the filter allows for: then pushes to the side are free
   const bool gusty = session.noise.rms(0) > most_of_floor * reference_floor(session.vehicle())[0];
   BasisFamily pushes;
-  pushes.size = static_cast<int>(result.size());
+  const auto tested = static_cast<Eigen::Index>(result.size());
+  pushes.size = static_cast<int>(gusty ? 2 * tested : tested);
   std::vector<Eigen::Array3d> with_rate(result.size(), Eigen::Array3d::Zero()), turning = with_rate;
   Eigen::Array3d rates = Eigen::Array3d::Zero();
   for (std::size_t f = 0; f < session.linear().size(); ++f) {
@@ -41,8 +43,9 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
           if (column.group != selection.findings[i].group) continue;
           moved += (selection.value[flight.columns[j]] - column.nominal) / column.natural / flight.interval_s[k] * flight.B[k].col(static_cast<Eigen::Index>(j));
         }
-        of_flight[k].col(static_cast<Eigen::Index>(i)).head<3>() = moved.segment<3>(3);
-        if (gusty) of_flight[k].col(static_cast<Eigen::Index>(i)).head<2>().setZero();
+        const auto at = static_cast<Eigen::Index>(i);
+        of_flight[k].block<3, 1>(0, at) = moved.segment<3>(3);
+        if (gusty) of_flight[k].block<2, 1>(0, at).swap(of_flight[k].block<2, 1>(0, tested + at));
         const Eigen::Array3d turn = moved.tail<3>();
         with_rate[i] += turn * rate;
         turning[i] += turn.square();
@@ -58,13 +61,15 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   keep_small(trims, own, gram);
   std::vector<int> known(beside.size());
   std::iota(known.begin(), known.end(), 0);
+  for (Eigen::Index i = tested; i < pushes.size; ++i) known.push_back(static_cast<int>(static_cast<Eigen::Index>(beside.size()) + i));
   const Eigen::MatrixXd projected = project_out(gram, known);
   // what is left of a column, the known ones fitted to it
   const auto left_of = [&](Eigen::Index column) {
     Eigen::MatrixXd target = gram;
     target.col(target.cols() - 1) = gram.col(column);
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(gram.cols());
-    weights.head(static_cast<Eigen::Index>(known.size())) = -solve(target, known).coefficient;
+    const Eigen::VectorXd others = solve(target, known).coefficient;
+    for (std::size_t i = 0; i < known.size(); ++i) weights[known[i]] = -others[static_cast<Eigen::Index>(i)];
     weights[column] = 1.0;
     return weights;
   };

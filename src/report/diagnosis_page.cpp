@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "report/diagnosis_charts.hpp"
@@ -166,6 +167,25 @@ std::string suspected(const Json& diagnosis) {
   return paragraph(fmt::format("Suspected, and not named because {}: {}.", why, list_in_words(names)));
 }
 
+// errors with it beside those of physics, in the page's order of horizons
+std::string habit_card(const Json& habit, const Json& fit) {
+  constexpr std::array<std::array<const char*, 3>, 4> quantity = {
+      {{"position_m", "position", "m"}, {"velocity_mps", "velocity", "m/s"}, {"attitude_rad", "attitude", "rad"}, {"body_rate_radps", "body rate", "rad/s"}}};
+  const Json& horizon = part(fit, "horizon_s");
+  std::string rows;
+  for (const auto& [key, name, unit] : quantity)
+    for (std::size_t h = 0; h < horizon.size(); ++h) {
+      const auto cell = [&](const Json& list) { return h < list.size() && list[h].is_number() ? figure(list[h].get<double>()) : "–"; };
+      rows += fmt::format("<tr><td>{} [{}]</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>", name, unit,
+                          figure(horizon[h].get<double>()), cell(part(part(fit, key), "hold")), cell(part(part(fit, key), "after")),
+                          cell(part(part(habit, "fit"), key)));
+    }
+  return "<div class=\"effect\"><div class=\"head\"><h3>A habit of the recorded loop, not physics</h3></div>" + paragraph(text(habit, "says")) +
+         paragraph("It turns the vehicle in rollouts on its own recordings. Where a controller of gustlab flies the vehicle it is left out.") +
+         "<div class=\"scroll\"><table><tr><th>mean error on held-out flights</th><th class=\"n\">after [s]</th><th class=\"n\">held</th>"
+         "<th class=\"n\">physics</th><th class=\"n\">with the habit</th></tr>" + rows + "</table></div></div>";
+}
+
 std::string what(const Json& diagnosis) {
   std::string cards;
   for (const Json& effect : part(diagnosis, "effects")) cards += effect_card(effect);
@@ -181,6 +201,7 @@ std::string what(const Json& diagnosis) {
              (rows.empty() ? "" : "<div class=\"scroll\"><table><tr><th>channel</th><th>term</th><th class=\"n\">coefficient</th><th>unit</th></tr>" + rows + "</table></div>") +
              "</div>";
   }
+  if (const Json& habit = part(diagnosis, "habit"); !habit.empty()) cards += habit_card(habit, part(diagnosis, "fit"));
   return suspected(diagnosis) + cards;
 }
 
