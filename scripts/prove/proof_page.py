@@ -79,7 +79,8 @@ def real(result):
     if "after" in drone:
         quantities = list(drone["after"])
         rows = [[name, *(f"{value:.4f}" for value in values)] for name, values in drone["published"].items()]
-        rows += [["asked for", *(f"≤ {drone['goal'][q]}" for q in quantities)], ["**augmented simulation**", *(f"**{drone['after'][q]:.4f}**" for q in quantities)]]
+        rows += [["asked for", *(f"≤ {drone['goal'][q]}" for q in quantities)], ["augmented simulation, physics alone", *(f"{drone['physics_after'][q]:.4f}" for q in quantities)],
+                 ["**augmented simulation**" + (", with the recorded loop's habit" if drone["habit"] else ""), *(f"**{drone['after'][q]:.4f}**" for q in quantities)]]
         text += ("\nNanodrone, test flights, mean error 0.5 s ahead over every window (published rows: arXiv 2512.14450); fitted to the "
                  "training flights alone:\n\n" + table(["model", "position [m]", "velocity [m/s]", "attitude [rad]", "body rate [rad/s]"], rows))
     for variant, rows in result.get("semi_real", {}).items():

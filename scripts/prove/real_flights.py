@@ -108,6 +108,15 @@ def row(case, wanted, diagnosis, good):
     return {"case": case, "wanted": wanted, "found": found, "verdict": diagnosis and diagnosis["verdict"], "good": bool(diagnosis and good(diagnosis))}
 
 
+def physics_of(model):
+    """A copy of an augmented vehicle without the habit of the loop that was recorded."""
+    mark = "\n[[effect]]"
+    head, *effects = model.read_text(encoding="utf-8").split(mark)
+    copy = model.with_name("physics.toml")
+    copy.write_text(mark.join([head, *(effect for effect in effects if '"recorded_loop"' not in effect)]), encoding="utf-8")
+    return copy
+
+
 def nanodrone(bench, folder):
     flights = sorted(folder.glob("train_*.csv.gz"))
     held = [path for path in flights if "_run2" in path.name]
@@ -119,10 +128,14 @@ def nanodrone(bench, folder):
         ("yaw torque of the wrong sign", lambda d: findings(d, "sign")))]
     result = {"seconds": figures["seconds"], "peak_MiB": figures["peak_MiB"], "published": PUBLISHED, "goal": GOAL}
     if diagnosis is not None:
-        test = bench.replay(sorted(folder.glob("test_*.csv.gz")), bench.out / "nanodrone" / "augmented.toml", diagnosis["vehicle"])
+        augmented = bench.out / "nanodrone" / "augmented.toml"
+        test = bench.replay(sorted(folder.glob("test_*.csv.gz")), augmented, diagnosis["vehicle"])
         result["test"] = test
         if "failed" not in test:
             result["after"] = {q: test[q]["after"][0] for q in QUANTITIES}
+            physics = bench.replay(sorted(folder.glob("test_*.csv.gz")), physics_of(augmented), diagnosis["vehicle"])
+            result["physics_after"] = {q: physics[q]["after"][0] for q in QUANTITIES}
+            result["habit"] = "habit" in diagnosis
             rows += [{"case": "nanodrone test, 0.5 s", "wanted": f"{q} at most {GOAL[q]}", "found": f"{result['after'][q]:.4f}",
                       "verdict": diagnosis["verdict"], "good": result["after"][q] <= GOAL[q]} for q in QUANTITIES]
     return rows, result
