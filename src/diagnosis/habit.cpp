@@ -81,11 +81,6 @@ Eigen::Matrix<double, 3 * checks, 1> missed(const Window& window, const Habit& h
   return result;
 }
 
-double at_half_a_second(const nlohmann::ordered_json& fit, std::string_view quantity, const char* kind) {
-  const auto& list = fit.at(std::string(quantity)).at(kind);
-  return list.size() > 1 && list[1].is_number() ? list[1].get<double>() : std::nan("");
-}
-
 }  // namespace
 
 Habit fit_habit(const std::vector<FlightData>& flights, int jobs) {
@@ -169,8 +164,8 @@ Habit fit_habit(const std::vector<FlightData>& flights, int jobs) {
 void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, int jobs, Diagnosis& out) {
   const std::vector<FlightData>& flights = session.flights_as_logged();
   if (out.fit.is_null() || flights.front().sample_s > slowest_sample_s) return;
-  const double held = at_half_a_second(out.fit, "body_rate_radps", "hold");
-  if (!(at_half_a_second(out.fit, "body_rate_radps", "after") > held)) return;
+  const double held = half_a_second_ahead(out.fit, "body_rate_radps", "hold"), physics = half_a_second_ahead(out.fit, "body_rate_radps", "after");
+  if (!(physics > held)) return;
 
   const Habit habit = fit_habit(flights, jobs);
   std::string toml = "\n[[effect]]  # not physics: how it turned under the controller that flew it; for rollouts on its recordings\ntype = \"recorded_loop\"\n";
@@ -183,13 +178,13 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
   config::Table found = config::Table::parse(augmented_toml(out) + toml, "augmented.toml");
   Verification with = verify(holdout, session.vehicle(), config::read_effects(found), jobs);
   for (const std::string_view name : fit_quantity_names)
-    if (at_half_a_second(with.fit, name, "after") >= at_half_a_second(out.fit, name, "after")) return;   // what the log lacks is no number
-  const double foretold = at_half_a_second(with.fit, "body_rate_radps", "after");
+    if (half_a_second_ahead(with.fit, name, "after") >= half_a_second_ahead(out.fit, name, "after")) return;   // what the log lacks is no number
+  const double foretold = half_a_second_ahead(with.fit, "body_rate_radps", "after");
   if (!(foretold < clearly_better * held)) return;
   out.habit = {{"effect", "recorded_loop"},
                {"says", fmt::format("half a second ahead the recorded actuators foretell the body rate to {:.2g} rad/s, holding it to {:.2g}, and the habit of "
                                     "the loop that was recorded to {:.2g}; the habit is no physics, and true of no other loop",
-                                    at_half_a_second(out.fit, "body_rate_radps", "after"), held, foretold)},
+                                    physics, held, foretold)},
                {"fit", nlohmann::ordered_json::object()}};
   for (const std::string_view name : fit_quantity_names) out.habit["fit"][std::string(name)] = with.fit.at(std::string(name)).at("after");
   out.residual_toml += toml;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "config/toml.hpp"
@@ -175,11 +174,7 @@ struct Proof {
 std::vector<Proof> compare(const nlohmann::ordered_json& without, const nlohmann::ordered_json& with) {
   std::vector<Proof> proofs;
   for (const std::string_view name : fit_quantity_names) {
-    const auto at = [&](const nlohmann::ordered_json& fit, const char* kind) {
-      const auto& list = fit.at(std::string(name)).at(kind);
-      return list.size() > 1 && list[1].is_number() ? list[1].get<double>() : std::numeric_limits<double>::quiet_NaN();
-    };
-    const double before = at(without, "after"), after = at(with, "after"), noise = at(without, "noise");
+    const double before = half_a_second_ahead(without, name, "after"), after = half_a_second_ahead(with, name, "after"), noise = half_a_second_ahead(without, name, "noise");
     if (before > 1.05 * noise) proofs.push_back({name, before, after, (before - after) / (before - noise)});
   }
   std::stable_sort(proofs.begin(), proofs.end(), [](const Proof& a, const Proof& b) { return a.closed > b.closed; });

@@ -24,11 +24,7 @@ constexpr double window_s = 4.0;
 double recovered_share(const nlohmann::ordered_json& fit) {
   double closed = 0.0, open = 0.0;
   for (const std::string_view name : fit_quantity_names) {
-    const auto& quantity = fit.at(std::string(name));
-    const auto value = [&](const char* kind) {
-      return quantity.at(kind).size() > 1 && quantity.at(kind)[1].is_number() ? quantity.at(kind)[1].get<double>() : nan;
-    };
-    const double before = value("before"), after = value("after"), noise = value("noise");
+    const double before = half_a_second_ahead(fit, name, "before"), after = half_a_second_ahead(fit, name, "after"), noise = half_a_second_ahead(fit, name, "noise");
     if (!(before > 1.05 * noise)) continue;
     const double unit = std::max(noise, 1e-9), recoverable = std::min((before - noise) / unit, most_noises);
     closed += recoverable * std::clamp((before - after) / (before - noise), -1.0, 1.0);
@@ -85,6 +81,11 @@ std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& veh
 }
 
 }  // namespace
+
+double half_a_second_ahead(const nlohmann::ordered_json& fit, std::string_view quantity, const char* kind) {
+  const auto& list = fit.at(std::string(quantity)).at(kind);
+  return list.size() > 1 && list[1].is_number() ? list[1].get<double>() : nan;
+}
 
 FlightLog with_later_inputs(const FlightLog& log, double by_s) {
   if (by_s == 0.0) return log;

@@ -26,6 +26,9 @@ struct Verification {
 // command offsets taken out.
 Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& vehicle, const std::vector<EffectSpec>& found, int jobs);
 
+// A mean error of a `fit` block at its second horizon, half a second; NaN when there is none. `kind`: hold, before, after, noise.
+double half_a_second_ahead(const nlohmann::ordered_json& fit, std::string_view quantity, const char* kind);
+
 // The log with its actuator inputs read some time later.
 FlightLog with_later_inputs(const FlightLog& log, double by_s);
 
