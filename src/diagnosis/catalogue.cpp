@@ -44,6 +44,9 @@ class RotorSetter final : public ParameterVisitor {
   int rotor_;
 };
 
+// of a lag: kernels of published logs are up to 20 ms wide, and not quite as a smoothed command describes them
+constexpr double filter_feigns_s = 0.03;
+
 // found in the disturbance's spectrum
 bool has_no_column(std::string_view name) { return name == "gust"; }
 constexpr std::pair<Need, std::string_view> lacking[] = {
@@ -106,6 +109,8 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       column.natural = number.info.natural * scale;
       column.tolerance = number.info.tolerance * scale;
       column.estimate_tolerance = number.info.estimate_tolerance * scale;
+      // how late and how smooth rotors answer, a filter feigns
+      if (seen.trims && row.place == Place::actuation && column.unit == "s") column.tolerance = std::max(column.tolerance, filter_feigns_s);
       column.min = number.info.min;
       column.max = number.info.max;
       column.nominal = *number.value;
@@ -148,15 +153,23 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     surprise.min = -surprise.max;
     columns_.push_back(surprise);
   }
+  struct Trim {
+    const char *name, *unit;
+    double natural, most;
+  };
+  constexpr Trim trims[] = {{"torque_trim_x", "rad/s^2", torque_trim_sd, 50.0}, {"torque_trim_y", "rad/s^2", torque_trim_sd, 50.0},
+                            {"torque_trim_z", "rad/s^2", torque_trim_sd, 50.0}, {"command_clock", "s", command_clock_sd, 0.06},
+                            {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
   for (int f = 0; seen.trims && f < flights; ++f)
-    for (int p = torque_trim; p <= command_clock; ++p) {
+    for (int p = torque_trim; p <= command_smoothing; ++p) {
+      const Trim& known = trims[p - torque_trim];
       Column trim;
       trim.parameter = p;
       trim.flight = f;
-      trim.name = p < command_clock ? fmt::format("torque_trim_{}", "xyz"[p - torque_trim]) : "command_clock";
-      trim.unit = p < command_clock ? "rad/s^2" : "s";
-      trim.natural = p < command_clock ? torque_trim_sd : command_clock_sd;
-      trim.max = p < command_clock ? 50.0 : 0.06;
+      trim.name = known.name;
+      trim.unit = known.unit;
+      trim.natural = known.natural;
+      trim.max = known.most;
       trim.min = -trim.max;
       columns_.push_back(trim);
     }

@@ -11,9 +11,10 @@
 
 namespace gustlab::diagnosis {
 
-// Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims and a clock. Elsewhere, of all
+// Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims, a clock and how much less the commands were
+// smoothed than the motion. Elsewhere, of all
 // flights: coefficients of what was not foretold of the commands (command_surprise.hpp).
-enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_surprise_of = 10 };
+enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_smoothing = 10, command_surprise_of = 11 };
 
 // One number that may be fitted.
 struct Column {
@@ -32,8 +33,8 @@ struct Column {
 };
 
 // What build tolerances and a re-seated battery leave from flight to flight: rad/s² (a third of a millimetre of a
-// Crazyflie's centre of mass), and a logger's clocks, s.
-inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02;
+// Crazyflie's centre of mass), a logger's clocks, s, and the variance of a filter's kernel, s² (20 ms: 8 Hz).
+inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02, command_smoothing_sd = 4e-4;
 
 // How a load swings: length of its cable, damping ratio of small swings, and the length's standard error.
 struct Swing {

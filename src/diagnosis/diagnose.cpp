@@ -21,6 +21,7 @@
 #include "diagnosis/sensor_lateness.hpp"
 #include "diagnosis/residual_effect.hpp"
 #include "diagnosis/rotor_speeds.hpp"
+#include "diagnosis/shadow.hpp"
 #include "diagnosis/subset_search.hpp"
 #include "diagnosis/vehicle_check.hpp"
 #include "gustlab/errors.hpp"
@@ -29,13 +30,6 @@
 namespace gustlab::diagnosis {
 namespace {
 
-// beyond these a finding is only suspected (DIAGNOSIS.md §3.7)
-constexpr double least_recovered = 0.5;
-constexpr double most_unexplained = 0.12;    // unless clearly most of the held-out error is recovered
-constexpr double clearly_recovered = 0.75;
-// a name is no shadow when it is of one size everywhere (to this share of it), explains more than anything that is left
-// could, and with the others half of the variance of one disturbance (what smoothing left of it says nothing)
-constexpr double surely_even = 0.3, clearly_more = 2.0, half_gone = 0.7;
 constexpr double unproved_confidence = calibrated_confidence(0.95);
 constexpr double least_included = 0.9;       // share of halves of the data that must name what no rollout can prove
 
@@ -176,17 +170,6 @@ void plot_residuals(const Session& session, const Selection& selection, Diagnosi
   }
 }
 
-// of the four disturbances, how much the findings leave of the one that they explain best; all, when one is left that is as large as before
-double least_disturbance_left(const Selection& selection, const std::array<double, disturbance_groups>& floor) {
-  double least = 1.0;
-  for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    const double left = selection.noise_selected.rms(g) / selection.noise_nominal.rms(g);
-    if (selection.noise_selected.rms(g) > most_of_floor * floor[g] && left > half_gone) return 1.0;
-    least = std::min(least, left);
-  }
-  return least;
-}
-
 // beside a force that depends on the place, forces of every flight's own are that one's means
 std::vector<int> forces_per_flight(const Session& session, const Selection& selection) {
   std::vector<int> groups;
@@ -195,15 +178,6 @@ std::vector<int> forces_per_flight(const Session& session, const Selection& sele
     if (group.row->per_flight && group.row->place == Place::wrench) groups.push_back(finding.group);
   }
   return groups;
-}
-
-// names are only suspected, but those that stand
-void withdraw(Diagnosis& out, const std::string& why, const std::function<bool(const EffectFinding&)>& stands = [](const EffectFinding&) { return false; }) {
-  std::erase_if(out.effects, [&](const EffectFinding& effect) {
-    if (stands(effect)) return false;
-    out.rejected.push_back({effect.effect, effect.gain, why});
-    return true;
-  });
 }
 
 // forces_only: torques are not told
@@ -339,7 +313,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   out.mismatch = locate(session, selection, rest);
   plot_residuals(session, selection, out);
 
-  if (jitters) withdraw(out, "only suspected: the commands were sampled from a faster loop");
+  if (jitters) suspect(out, "only suspected: the commands were sampled from a faster loop");
 
   // proof in the simulator, on flights that were not used
   std::vector<FlightLog> proof;
@@ -362,20 +336,10 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   std::vector<int> named;
   for (const EffectFinding& effect : out.effects) named.push_back(session.catalogue().find(effect.effect));
   if (!SubsetSearch(session.catalogue(), vehicle, 0.0).allowed(named))
-    withdraw(out, "only suspected: without a drag no wind is felt", [](const EffectFinding& effect) { return effect.effect != "steady_wind"; });
+    suspect(out, "only suspected: without a drag no wind is felt", [](const EffectFinding& effect) { return effect.effect != "steady_wind"; });
   const std::string bound = at_its_bound(session.catalogue(), selection);
   if (!bound.empty()) out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
-  const bool shadow = !bound.empty() || (!rest.alarms.empty() && (verified.recovered < least_recovered ||
-                                                (rest.omnibus_share > most_unexplained && verified.recovered < clearly_recovered)));
-  if (shadow)
-    withdraw(out, fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
-                              100.0 * rest.omnibus_share, 100.0 * verified.recovered),
-             [&](const EffectFinding& effect) {
-               // measured speeds drive the rollouts, and show by themselves how commands come to them
-               if (bound.empty() && session.seen_in_speeds(session.catalogue().find(effect.effect))) return true;
-               return bound.empty() && effect.astray < surely_even && effect.gain > clearly_more * rest.omnibus_gain &&
-                      (session.shoots() || least_disturbance_left(selection, reference_floor(vehicle)) < half_gone);
-             });
+  withdraw_shadows(session, selection, rest, verified.recovered, bound, std::min(pose_lateness_s(raw), pose_lateness_s(raw_held)), out);
 
   if (jitters) out.verdict = Verdict::insufficient_data;
   else if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;

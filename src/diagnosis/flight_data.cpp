@@ -175,7 +175,19 @@ void CommandRecord::delay(double by_s) {
   for (double& t : time_s_) t += by_s;
 }
 
+void CommandRecord::smooth(double variance_s2) { smoothed_s2_ += variance_s2; }
+
 RotorArray CommandRecord::mean(double from_s, double to_s) const {
+  RotorArray result = plain_mean(from_s, to_s);
+  if (smoothed_s2_ == 0.0) return result;
+  // three points have any small variance
+  constexpr double apart_s = 0.03;
+  const RotorArray before = plain_mean(from_s - apart_s, to_s - apart_s), after = plain_mean(from_s + apart_s, to_s + apart_s);
+  for (std::size_t i = 0; i < max_rotors; ++i) result[i] += 0.5 * smoothed_s2_ / (apart_s * apart_s) * (before[i] - 2.0 * result[i] + after[i]);
+  return result;
+}
+
+RotorArray CommandRecord::plain_mean(double from_s, double to_s) const {
   RotorArray a = integral(from_s), b = integral(to_s);
   for (std::size_t i = 0; i < max_rotors; ++i) b[i] = (b[i] - a[i]) / (to_s - from_s);
   return b;

@@ -47,13 +47,17 @@ class CommandRecord final {
   RotorArray mean(double from_s, double to_s) const;
   // The same record, later.
   void delay(double by_s);
+  // The same record as a filter would leave it whose kernel has this variance; negative: as it was before such a filter.
+  void smooth(double variance_s2);
   bool empty() const { return time_s_.empty(); }
 
  private:
   RotorArray integral(double time_s) const;
+  RotorArray plain_mean(double from_s, double to_s) const;
   std::vector<double> time_s_;
   std::vector<RotorArray> value_, integral_;
   bool linear_ = false;
+  double smoothed_s2_ = 0.0;
 };
 
 // Standard deviation of white noise on a series, from its third differences (robust): median|Δ³y| / (0.6745 √20).

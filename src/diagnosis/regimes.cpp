@@ -122,13 +122,14 @@ std::vector<std::vector<Regimes>> regimes(const Session& session, const Selectio
 double most_astray(const std::vector<Regimes>& regimes) {
   double most = 0.0;
   std::size_t told = 0;
-  for (const Regimes& r : regimes)
-    for (std::size_t p = 0; p < r.share.size(); ++p) {
-      if (r.deviation[p] == untold) continue;
-      ++told;
-      most = std::max(most, std::abs(r.share[p] - 1.0) + 2.0 * r.deviation[p]);
-    }
-  return 2 * told > parts * regimes.size() ? most : untold;
+  for (const Regimes& r : regimes) {
+    if (std::find(r.deviation.begin(), r.deviation.end(), untold) != r.deviation.end()) continue;
+    ++told;
+    double expected = 0.0;
+    for (const double d : r.deviation) expected += d * d / parts;
+    most = std::max(most, std::sqrt(r.spread * r.spread + 2.0 * expected * std::sqrt(2.0 / (parts - 1))));
+  }
+  return 2 * told > regimes.size() ? most : untold;
 }
 
 }  // namespace gustlab::diagnosis

@@ -12,8 +12,8 @@ namespace gustlab::diagnosis {
 // Per finding: every variable's regimes, the widest spread first.
 std::vector<std::vector<Regimes>> regimes(const Session& session, const Selection& selection);
 
-// How far from its size over all flights a finding may be in any regime: the largest |share − 1| + 2 standard errors, of the regimes
-// that more than a few clusters tell; 1 when those are not most.
+// How much a finding's size may vary between regimes: the largest standard deviation, with two of its errors, of the variables whose
+// regimes are told by more than a few clusters; 1 when those are not most.
 double most_astray(const std::vector<Regimes>& regimes);
 
 }  // namespace gustlab::diagnosis

@@ -210,13 +210,13 @@ class Selector {
       total = result.grams.total();
       result.loss_nominal = solve(total, s_.biases()).loss;
       const std::size_t before = chosen.size();
+      visited.insert(chosen);   // what is pruned from it is not offered again
       prune(result, chosen, total, result.loss_nominal);
       settled = chosen.size() == before || chosen.empty();   // what stays takes over what went
       // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right
       if (settled && s_.shoots() && visited.size() < most_changes) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, s_.with_biases(chosen)).loss;
-        visited.insert(chosen);
         const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited, material(result.grams.rows, result.loss_nominal - loss));
         settled = better.empty();
         if (!settled) chosen = better;

@@ -49,6 +49,8 @@ class Lateness {
     const double late_s = xy_ / xx_;
     return sure(0.0) && late_s > least_s && late_s < most_s ? late_s : 0.0;
   }
+  // by how much the other one is later
+  double earlier_s() const { return sure(0.0) ? std::max(0.0, -xy_ / xx_) : 0.0; }
 
  private:
   double xx_ = 0.0, xy_ = 0.0, yy_ = 0.0, count_ = 0.0;
@@ -70,14 +72,8 @@ std::size_t samples_in(const FlightData& flight, double duration_s) {
   return static_cast<std::size_t>(std::max(1.0, std::round(duration_s / flight.sample_s)));
 }
 
-}  // namespace
-
-SensorLateness sensor_lateness(const std::vector<FlightData>& flights) {
-  const double rate_s = rate_lateness_s(flights);
-  return {rate_s, force_lateness_s(flights, rate_s)};
-}
-
-double rate_lateness_s(const std::vector<FlightData>& flights) {
+// of the gyro behind the attitudes
+Lateness rate_lateness(const std::vector<FlightData>& flights) {
   Lateness lateness;
   for (const FlightData& flight : flights) {
     const std::size_t length = samples_in(flight, turn_s);
@@ -94,8 +90,19 @@ double rate_lateness_s(const std::vector<FlightData>& flights) {
     }
     lateness.add(std::move(windows));
   }
-  return lateness.seconds(0.0);
+  return lateness;
 }
+
+}  // namespace
+
+SensorLateness sensor_lateness(const std::vector<FlightData>& flights) {
+  const double rate_s = rate_lateness_s(flights);
+  return {rate_s, force_lateness_s(flights, rate_s)};
+}
+
+double rate_lateness_s(const std::vector<FlightData>& flights) { return rate_lateness(flights).seconds(0.0); }
+
+double pose_lateness_s(const std::vector<FlightData>& flights) { return rate_lateness(flights).earlier_s(); }
 
 double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
   Lateness lateness;

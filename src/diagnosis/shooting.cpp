@@ -48,15 +48,18 @@ struct Reading {
   Vector3 trim_B_radps2 = Vector3::Zero();
 
   Reading(const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value) : flight(recorded) {
-    double clock_s = 0.0;
+    double clock_s = 0.0, smoothing_s2 = 0.0;
     for (int c = 0; c < catalogue.size(); ++c) {
       const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
       if (column.group >= 0 || column.flight != index || column.parameter < torque_trim) continue;
       if (column.parameter == command_clock) clock_s = value[c];
+      else if (column.parameter == command_smoothing) smoothing_s2 = value[c];
       else trim_B_radps2[column.parameter - torque_trim] = value[c];
     }
     flight.commands.delay(clock_s);
     flight.measured_speed.delay(clock_s);
+    flight.commands.smooth(smoothing_s2);
+    flight.measured_speed.smooth(smoothing_s2);
     smooth_motion(flight, catalogue.sensor_correction(value, index));
   }
 };
@@ -131,7 +134,7 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
     if (column.group < 0) {
       if (column.parameter >= force_bias && column.parameter < torque_trim) continue;
       const Reading reading(flight, flight_index, catalogue, to);
-      moved = residuals(reading, forces, column.parameter == command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
+      moved = residuals(reading, forces, column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
     } else {
       const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
       if (has_no_prediction(row.name)) continue;

@@ -68,8 +68,10 @@ TEST_F(Sensors, LateGyroIsMeasured) {
 // a pose that is later than the gyro is the dynamics' to tell
 TEST_F(Sensors, AreNeverEarly) {
   const DiagnoseOptions trial = fly();
+  EXPECT_EQ(pose_lateness_s(flights_of(trial)), 0.0);
   delay(trial, 'w', -late_s);
   EXPECT_EQ(rate_lateness_s(flights_of(trial)), 0.0);
+  EXPECT_NEAR(pose_lateness_s(flights_of(trial)), late_s, 0.0003);
 }
 
 TEST_F(Sensors, LateGyroIsNoMissingPhysics) {
