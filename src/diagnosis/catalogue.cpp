@@ -44,9 +44,6 @@ class RotorSetter final : public ParameterVisitor {
   int rotor_;
 };
 
-// of a lag: kernels of published logs are up to 20 ms wide, and not quite as a smoothed command describes them
-constexpr double filter_feigns_s = 0.03;
-
 // found in the disturbance's spectrum
 bool has_no_column(std::string_view name) { return name == "gust"; }
 constexpr std::pair<Need, std::string_view> lacking[] = {
@@ -110,7 +107,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       column.tolerance = number.info.tolerance * scale;
       column.estimate_tolerance = number.info.estimate_tolerance * scale;
       // how late and how smooth rotors answer, a filter feigns
-      if (seen.trims && row.place == Place::actuation && column.unit == "s") column.tolerance = std::max(column.tolerance, filter_feigns_s);
+      if (seen.smoothing && row.place == Place::actuation && column.unit == "s") column.tolerance = std::max(column.tolerance, filter_feigns_s);
       column.min = number.info.min;
       column.max = number.info.max;
       column.nominal = *number.value;
@@ -161,7 +158,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
                             {"torque_trim_z", "rad/s^2", torque_trim_sd, 50.0}, {"command_clock", "s", command_clock_sd, 0.06},
                             {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
   for (int f = 0; seen.trims && f < flights; ++f)
-    for (int p = torque_trim; p <= command_smoothing; ++p) {
+    for (int p = torque_trim; p <= (seen.smoothing ? command_smoothing : command_clock); ++p) {
       const Trim& known = trims[p - torque_trim];
       Column trim;
       trim.parameter = p;

@@ -35,6 +35,8 @@ struct Column {
 // What build tolerances and a re-seated battery leave from flight to flight: rad/s² (a third of a millimetre of a
 // Crazyflie's centre of mass), a logger's clocks, s, and the variance of a filter's kernel, s² (20 ms: 8 Hz).
 inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02, command_smoothing_sd = 4e-4;
+// Of a lag or delay in logs that were low-pass filtered: kernels are about as wide, and not quite as a smoothed command has it.
+inline constexpr double filter_feigns_s = 0.03;
 
 // How a load swings: length of its cable, damping ratio of small swings, and the length's standard error.
 struct Swing {
@@ -77,6 +79,7 @@ class Catalogue {
     Need told = Need::nothing;
     bool voltage = false;
     bool trims = false;  // torque trims and command clocks are free in every flight
+    bool smoothing = false;  // and how much less the commands were smoothed
     bool tells(Need need) const { return (told & need) != Need::nothing; }
   };
   Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen);

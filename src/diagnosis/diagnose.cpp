@@ -16,6 +16,7 @@
 #include "diagnosis/habit.hpp"
 #include "diagnosis/hold.hpp"
 #include "diagnosis/log_checks.hpp"
+#include "diagnosis/log_filters.hpp"
 #include "diagnosis/next_flight.hpp"
 #include "diagnosis/quasi_static.hpp"
 #include "diagnosis/sensor_lateness.hpp"
@@ -43,30 +44,6 @@ FlightLog part_of(const FlightLog& log, double from_s, double to_s) {
   for (std::size_t c = 0; c < log.columns.size(); ++c)
     part.columns[c].values.assign(log.columns[c].values.begin() + first, log.columns[c].values.begin() + last);
   return part;
-}
-
-// a series is low-pass filtered when its fifth differences are far smaller than white noise would make them
-bool looks_filtered(const std::vector<double>& y) {
-  double third = 0.0, fifth = 0.0;
-  for (std::size_t k = 5; k < y.size(); ++k) {
-    const double d3 = y[k] - 3.0 * y[k - 1] + 3.0 * y[k - 2] - y[k - 3];
-    const double d5 = y[k] - 5.0 * y[k - 1] + 10.0 * y[k - 2] - 10.0 * y[k - 3] + 5.0 * y[k - 4] - y[k - 5];
-    if (!std::isfinite(d5)) continue;
-    third += d3 * d3;
-    fifth += d5 * d5;
-  }
-  // white noise: 252/20 = 12.6
-  return third > 0.0 && fifth / third < 3.0;
-}
-
-bool filtered(const FlightLog& log) {
-  int told = 0, seen = 0;
-  for (const char* name : {"px", "py", "pz", "qx", "qy", "wx", "wy", "wz"})
-    if (const auto* column = log.find(name)) {
-      ++seen;
-      told += looks_filtered(*column) ? 1 : 0;
-    }
-  return seen > 0 && told == seen;
 }
 
 struct Flights { std::vector<FlightLog> fit, holdout, reference; };
@@ -222,12 +199,14 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   ReadingOptions reading;
   reading.forces_only = forces_only;
   for (const FlightLog& log : logs.fit)
-    if (filtered(log)) {
+    if (motion_filtered(log)) {
       reading.max_rate_hz = 20.0;
       reading.common_filter_s = 0.022;
       out.log_findings.push_back({label_of(log.path), "px…wz", "filtered", log.time_s.front(), log.time_s.back(),
                                   "the recording was low-pass filtered before it was written: all columns are filtered once more alike and read at 20 Hz", false, false});
     }
+  if (reading.common_filter_s > 0.0 && !std::all_of(logs.fit.begin(), logs.fit.end(), commands_filtered))
+    out.notes.push_back(fmt::format("lags and delays of the rotors below {:.0f} ms are not told from those of the filter, which the commands did not pass", 1e3 * filter_feigns_s));
   const bool attitude = is_recorded(logs.fit, {"qw"});
   if (forces_only) out.notes.emplace_back("the torques are not what the model says, and no pose says why: only forces are judged");
   const bool hold_unknown = std::any_of(logs.fit.begin(), logs.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/log_filters.hpp"
 #include "diagnosis/row_intervals.hpp"
 #include "gustlab/errors.hpp"
 #include "vehicle/rotor_speed.hpp"
@@ -201,6 +202,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   flight.label = log.path.substr(log.path.find_last_of('/') + 1);
   flight.vehicle = vehicle;
   flight.late = options.late;
+  flight.commands_filtered = commands_filtered(original);
   const Environment& seen = log.meta.environment;
   if (seen.ground_z_m) flight.vehicle.environment.ground_z_m = seen.ground_z_m;
   if (seen.ceiling_z_m) flight.vehicle.environment.ceiling_z_m = seen.ceiling_z_m;

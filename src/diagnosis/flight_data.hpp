@@ -98,6 +98,7 @@ struct FlightData {
   double sample_s = 0.01;               // median interval
   int substeps = 4;                     // per sample interval, on the instants at which commands were logged
   bool as_recorded = false;             // the recorded states are the motion
+  bool commands_filtered = false;       // as all else, or not
   bool read_slower = false;             // than it was logged: neighbouring innovations are then never quite white
   double start_s = 0.0;
   // seconds by which the pose lags the inertial data in the model of the moment; motion is corrected for it

@@ -147,14 +147,12 @@ class Selector {
     for (int step = 0; step < (s_.shoots() ? 6 : 3); ++step) {
       s_.linearise(value, columns, false);
       const Fit fit = solve(s_.grams().total(), columns);
-      double largest = 0.0;
-      for (std::size_t i = 0; i < columns.size(); ++i) {
-        const double move = std::clamp(fit.coefficient[static_cast<Eigen::Index>(i)], -20.0, 20.0);
-        value[columns[i]] += move * natural_[columns[i]];
-        largest = std::max(largest, std::abs(move));
-      }
+      const Eigen::VectorXd before = value;
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        value[columns[i]] += std::clamp(fit.coefficient[static_cast<Eigen::Index>(i)], -20.0, 20.0) * natural_[columns[i]];
       catalogue_.clamp(value);
-      if (largest < 2e-2) break;
+      // a value at its bound has nowhere to go
+      if ((value - before).cwiseQuotient(natural_).cwiseAbs().maxCoeff() < 2e-2) break;
     }
     return value;
   }
@@ -210,11 +208,11 @@ class Selector {
       total = result.grams.total();
       result.loss_nominal = solve(total, s_.biases()).loss;
       const std::size_t before = chosen.size();
-      visited.insert(chosen);   // what is pruned from it is not offered again
       prune(result, chosen, total, result.loss_nominal);
       settled = chosen.size() == before || chosen.empty();   // what stays takes over what went
-      // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right
-      if (settled && s_.shoots() && visited.size() < most_changes) {
+      // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right; a set that
+      // what was offered is pruned to again is the last
+      if (settled && s_.shoots() && visited.size() < most_changes && visited.insert(chosen).second) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, s_.with_biases(chosen)).loss;
         const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited, material(result.grams.rows, result.loss_nominal - loss));

@@ -48,6 +48,18 @@ struct Reading {
   Vector3 trim_B_radps2 = Vector3::Zero();
 
   Reading(const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value) : flight(recorded) {
+    smooth_motion(flight, catalogue.sensor_correction(value, index));
+    trim(index, catalogue, value);
+  }
+  // The motion of another reading, which trims of torques and commands do not change.
+  Reading(const Reading& other, const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value) : flight(other.flight) {
+    flight.commands = recorded.commands;
+    flight.measured_speed = recorded.measured_speed;
+    trim(index, catalogue, value);
+  }
+
+ private:
+  void trim(int index, const Catalogue& catalogue, const Eigen::VectorXd& value) {
     double clock_s = 0.0, smoothing_s2 = 0.0;
     for (int c = 0; c < catalogue.size(); ++c) {
       const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
@@ -56,11 +68,7 @@ struct Reading {
       else if (column.parameter == command_smoothing) smoothing_s2 = value[c];
       else trim_B_radps2[column.parameter - torque_trim] = value[c];
     }
-    flight.commands.delay(clock_s);
-    flight.measured_speed.delay(clock_s);
-    flight.commands.smooth(smoothing_s2);
-    flight.measured_speed.smooth(smoothing_s2);
-    smooth_motion(flight, catalogue.sensor_correction(value, index));
+    for (CommandRecord* record : {&flight.commands, &flight.measured_speed}) record->delay(clock_s), record->smooth(smoothing_s2);
   }
 };
 
@@ -133,7 +141,7 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
     Eigen::MatrixXd moved;
     if (column.group < 0) {
       if (column.parameter >= force_bias && column.parameter < torque_trim) continue;
-      const Reading reading(flight, flight_index, catalogue, to);
+      const Reading reading = column.parameter >= torque_trim ? Reading(base, flight, flight_index, catalogue, to) : Reading(flight, flight_index, catalogue, to);
       moved = residuals(reading, forces, column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
     } else {
       const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;

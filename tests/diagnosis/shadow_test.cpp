@@ -20,7 +20,7 @@ using ::testing::Not;
 const char* const spring = R"({type = "sindy_residual", frame = "world", terms = ["1", "px", "py"], fx = [0.02, -0.06, 0], fy = [0, 0, -0.06], fz = [0, 0, 0]})";
 
 test::TrialSettings settings(const std::string& concealed, double noise = 1.0) {
-  return {.fit = {"lemniscate", "multisine"}, .holdout = {"circle"}, .noise = noise, .concealed = concealed};
+  return {.fit = {"lemniscate", "multisine"}, .holdout = {"circle"}, .duration_s = 9.0, .noise = noise, .concealed = concealed};
 }
 
 // Forward and backward through a filter of first order, twice: what was measured alone, as labs do before they publish. A quiet
