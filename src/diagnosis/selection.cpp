@@ -199,6 +199,7 @@ class Selector {
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
+    std::size_t changes = 0;
     bool simplified = false;
     anew_ = true;
     for (bool settled = false; !settled;) {
@@ -210,11 +211,12 @@ class Selector {
       const std::size_t before = chosen.size();
       prune(result, chosen, total, result.loss_nominal);
       settled = chosen.size() == before || chosen.empty();   // what stays takes over what went
-      // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right; a set that
-      // what was offered is pruned to again is the last
-      if (settled && s_.shoots() && visited.size() < most_changes && visited.insert(chosen).second) {
+      // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right (and may
+      // be pruned to the same set again and again)
+      if (settled && s_.shoots() && visited.size() < most_changes && changes++ < 2 * most_changes) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, s_.with_biases(chosen)).loss;
+        visited.insert(chosen);
         const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited, material(result.grams.rows, result.loss_nominal - loss));
         settled = better.empty();
         if (!settled) chosen = better;
