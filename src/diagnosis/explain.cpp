@@ -145,6 +145,8 @@ void explain(const Session& session, const Selection& selection, const Challenge
       if (effect.effect == a && std::find(effect.classmates.begin(), effect.classmates.end(), b) == effect.classmates.end())
         effect.classmates.emplace_back(b);
     if (effect.effect == "thrust_scale" && !catalogue.why_left_out(*find_effect("mass")).empty()) effect.classmates.emplace_back("mass");
+    // predictions half a second ahead do not try a wind
+    if (effect.effect == "constant_force" && session.shoots()) effect.classmates.emplace_back("steady_wind");
     // what fits best first, the others in catalogue order, each name once
     std::vector<std::string> ordered = {effect.effect};
     for (const EffectRow& row : effect_registry())
