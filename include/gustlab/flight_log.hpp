@@ -20,6 +20,9 @@ struct LogColumn {
   std::vector<double> values;  // one per row; NaN: no sample
 };
 
+// u1…uN and rotor1…rotorN: what drives the rotors, and how fast they turned.
+bool is_rotor_column(std::string_view name);
+
 struct LogMeta {
   std::string vehicle;                      // as written: a name under models/ or a path
   ActuatorKind actuator = ActuatorKind::rotor_speed;

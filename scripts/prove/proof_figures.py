@@ -9,7 +9,7 @@ import numpy as np  # noqa: E402
 OURS, NAIVE, SOFT = "#1f6fb2", "#c9741a", "#8894a0"
 plt.rcParams.update({"svg.hashsalt": "gustlab", "svg.fonttype": "none", "font.size": 9, "axes.spines.top": False,
                      "axes.spines.right": False, "axes.edgecolor": SOFT, "xtick.color": "#444", "ytick.color": "#444",
-                     "figure.facecolor": "white", "font.family": "sans-serif"})
+                     "figure.facecolor": "white", "font.family": "sans-serif", "figure.constrained_layout.use": True})
 
 
 def save(figure, folder, name):
@@ -39,7 +39,7 @@ def power(score, baseline, folder):
     axes.set_ylim(-0.03, 1.05)
     axes.set_xlabel("strength of the one concealed effect, in detection limits")
     axes.set_ylabel("share named exactly")
-    axes.legend(frameon=False, loc="lower right")
+    figure.legend(*axes.get_legend_handles_labels(), frameon=False, ncols=2, loc="outside upper center")
     return save(figure, folder, "power.svg")
 
 
@@ -89,5 +89,5 @@ def closure(score, baseline, folder):
         axes.axhline(1, color=SOFT, lw=0.8, ls="--")
         axes.set(title=quantity.rsplit("_", 1)[0].replace("_", " "), xlabel="horizon [s]", ylim=(-0.2, 1.15))
     panels[0][0].set_ylabel("share of recoverable error closed")
-    panels[0][-1].legend(frameon=False, fontsize=7, loc="lower right")
+    figure.legend(*panels[0][-1].get_legend_handles_labels(), frameon=False, ncols=2, loc="outside upper center")
     return save(figure, folder, "closure.svg")

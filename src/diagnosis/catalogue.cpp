@@ -176,8 +176,10 @@ std::string Catalogue::why_left_out(const EffectRow& row) const {
   for (const auto& [need, why] : lacking)
     if (row.asks(need) && !seen_.tells(need)) return std::string(why);
   if (!seen_.tells(Need::torque) && !seen_.tells(Need::motion) && row.name == "mass") return "these logs tell thrust per mass only: see thrust_scale";
+  if (!seen_.trims) return {};
   // columns that were filtered differently differ in amplitude as if a sensor had another scale
-  if (seen_.trims && row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
+  if (row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
+  if (row.name == "steady_wind") return "the logs were low-pass filtered, and half a second tells no wind from a force: see constant_force";
   return {};
 }
 

@@ -11,9 +11,9 @@
 
 namespace gustlab::diagnosis {
 
-// Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims, a clock and how much less the commands were
-// smoothed than the motion. Elsewhere, of all
-// flights: coefficients of what was not foretold of the commands (command_surprise.hpp).
+// Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims, a clock, and how much
+// less the commands were smoothed than the motion. Elsewhere, of all flights: coefficients of what was not foretold of the
+// commands (command_surprise.hpp).
 enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_smoothing = 10, command_surprise_of = 11 };
 
 // One number that may be fitted.
@@ -86,6 +86,8 @@ class Catalogue {
 
   const std::vector<Group>& groups() const { return groups_; }
   const std::vector<Column>& columns() const { return columns_; }
+  // lags and delays near filter_feigns_s may be a filter's
+  bool filter_feigns_lags() const { return seen_.smoothing; }
   // why an effect of the registry is not among the candidates; empty when it is
   std::string why_left_out(const EffectRow& row) const;
   int size() const { return static_cast<int>(columns_.size()); }

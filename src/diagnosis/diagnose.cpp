@@ -205,8 +205,6 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
       out.log_findings.push_back({label_of(log.path), "px…wz", "filtered", log.time_s.front(), log.time_s.back(),
                                   "the recording was low-pass filtered before it was written: all columns are filtered once more alike and read at 20 Hz", false, false});
     }
-  if (reading.common_filter_s > 0.0 && !std::all_of(logs.fit.begin(), logs.fit.end(), commands_filtered))
-    out.notes.push_back(fmt::format("lags and delays of the rotors below {:.0f} ms are not told from those of the filter, which the commands did not pass", 1e3 * filter_feigns_s));
   const bool attitude = is_recorded(logs.fit, {"qw"});
   if (forces_only) out.notes.emplace_back("the torques are not what the model says, and no pose says why: only forces are judged");
   const bool hold_unknown = std::any_of(logs.fit.begin(), logs.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });
@@ -258,6 +256,9 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
     held_own_rate = prepare(logs.holdout, vehicle, own, offset, logs.fit.size());
   }
   Session session(std::move(flights), vehicle, options.jobs, std::move(own_rate));
+  if (session.catalogue().filter_feigns_lags())
+    out.notes.push_back(fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not told from those of the filter, "
+                                    "which the commands did not pass", 1e3 * filter_feigns_s));
   Selection selection = select_effects(session, {});
   const bool unproved = forces_only && !attitude;
   const auto challenge_selection = [&] { return challenge(session, selection, held, held_own_rate, unproved ? least_included : 0.0, options.jobs); };
@@ -318,7 +319,8 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
     suspect(out, "only suspected: without a drag no wind is felt", [](const EffectFinding& effect) { return effect.effect != "steady_wind"; });
   const std::string bound = at_its_bound(session.catalogue(), selection);
   if (!bound.empty()) out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
-  withdraw_shadows(session, selection, rest, verified.recovered, bound, std::min(pose_lateness_s(raw), pose_lateness_s(raw_held)), out);
+  withdraw_shadows(session, selection, rest, verified.recovered, bound,
+                   [&] { return std::min(pose_lateness_s(raw), pose_lateness_s(raw_held)); }, out);
 
   if (jitters) out.verdict = Verdict::insufficient_data;
   else if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;

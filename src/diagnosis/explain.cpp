@@ -144,9 +144,9 @@ void explain(const Session& session, const Selection& selection, const Challenge
     for (const auto& [a, b] : exact_alias)
       if (effect.effect == a && std::find(effect.classmates.begin(), effect.classmates.end(), b) == effect.classmates.end())
         effect.classmates.emplace_back(b);
-    if (effect.effect == "thrust_scale" && !catalogue.why_left_out(*find_effect("mass")).empty()) effect.classmates.emplace_back("mass");
-    // predictions half a second ahead do not try a wind
-    if (effect.effect == "constant_force" && session.shoots()) effect.classmates.emplace_back("steady_wind");
+    // what these logs cannot tell from it is not tried
+    for (const auto& [tried, left_out] : {std::pair{"thrust_scale", "mass"}, {"constant_force", "steady_wind"}})
+      if (effect.effect == tried && !catalogue.why_left_out(*find_effect(left_out)).empty()) effect.classmates.emplace_back(left_out);
     // what fits best first, the others in catalogue order, each name once
     std::vector<std::string> ordered = {effect.effect};
     for (const EffectRow& row : effect_registry())

@@ -44,7 +44,7 @@ bool motion_filtered(const FlightLog& log) {
 }
 
 bool commands_filtered(const FlightLog& log) {
-  return all_filtered(log, [](std::string_view name) { return (name.size() <= 2 && name.starts_with("u")) || name.starts_with("rotor"); });
+  return all_filtered(log, is_rotor_column);
 }
 
 }  // namespace gustlab::diagnosis

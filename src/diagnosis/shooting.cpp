@@ -107,9 +107,9 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
   return out;
 }
 
-// histories come from scans, a wind from innovations; a lever shows in an accelerometer only
+// histories come from scans; a lever shows in an accelerometer only
 bool has_no_prediction(std::string_view name) {
-  return is_history(name) || name == "steady_wind" || name == "imu_lever";
+  return is_history(name) || name == "imu_lever";
 }
 
 }  // namespace

@@ -91,9 +91,7 @@ FlightLog with_later_inputs(const FlightLog& log, double by_s) {
   if (by_s == 0.0) return log;
   FlightLog later = log;
   for (std::size_t c = 0; c < log.columns.size(); ++c) {
-    const std::string& name = log.columns[c].name;
-    const bool input = (name[0] == 'u' && name.size() <= 2) || name.starts_with("rotor");
-    if (!input) continue;
+    if (!is_rotor_column(log.columns[c].name)) continue;
     const auto& from = log.columns[c].values;
     for (std::size_t k = 0; k < log.rows(); ++k) {
       const double t = log.time_s[k] - by_s;

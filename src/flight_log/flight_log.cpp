@@ -26,6 +26,11 @@ std::string_view to_string(Hold hold) {
   return "?";
 }
 
+bool is_rotor_column(std::string_view name) {
+  const std::size_t prefix = name.starts_with("rotor") ? 5 : name.starts_with("u") ? 1 : name.size();
+  return prefix < name.size() && name.find_first_not_of("0123456789", prefix) == std::string_view::npos;
+}
+
 const std::vector<double>* FlightLog::find(std::string_view name) const {
   const auto found = std::find_if(columns.begin(), columns.end(), [name](const auto& c) { return c.name == name; });
   return found == columns.end() ? nullptr : &found->values;

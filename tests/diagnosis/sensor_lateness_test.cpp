@@ -20,15 +20,9 @@ using ::testing::IsEmpty;
 
 constexpr double late_s = 0.003;
 
-// every recording's columns of this initial, changed
-void change(const DiagnoseOptions& trial, char initial, const std::function<void(const FlightLog&, std::vector<double>&)>& how) {
-  for (const auto* paths : {&trial.fit, &trial.holdout})
-    for (const std::string& path : *paths) {
-      FlightLog log = read_flight_log(path);
-      for (LogColumn& column : log.columns)
-        if (column.name[0] == initial) how(log, column.values);
-      write_flight_log(log, path);
-    }
+template <class How>
+void change(const DiagnoseOptions& trial, char initial, How how) {
+  test::change_recordings(trial, [initial](const std::string& name) { return name[0] == initial; }, how);
 }
 
 // `by_s` later, between samples

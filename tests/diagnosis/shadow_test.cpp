@@ -11,9 +11,11 @@
 namespace gustlab::diagnosis {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::Field;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
@@ -27,19 +29,14 @@ test::TrialSettings settings(const std::string& concealed, double noise = 1.0) {
 // gyro, because a smoothed command hides the thrust that a noisy one makes.
 constexpr double quiet = 0.1;
 void smooth(const DiagnoseOptions& trial, double time_constant_s) {
-  for (const auto* paths : {&trial.fit, &trial.holdout})
-    for (const std::string& path : *paths) {
-      FlightLog log = read_flight_log(path);
-      const double keep = std::exp(-(log.time_s[1] - log.time_s[0]) / time_constant_s);
-      for (LogColumn& column : log.columns) {
-        if (column.name[0] == 'u') continue;
-        const auto once = [&](auto first, auto last) {
-          for (double state = *first; first != last; ++first) *first = state = keep * state + (1.0 - keep) * *first;
-        };
-        for (int pass = 0; pass < 2; ++pass) once(column.values.begin(), column.values.end()), once(column.values.rbegin(), column.values.rend());
-      }
-      write_flight_log(log, path);
-    }
+  const auto measured = [](const std::string& name) { return !is_rotor_column(name); };
+  test::change_recordings(trial, measured, [&](const FlightLog& log, std::vector<double>& values) {
+    const double keep = std::exp(-(log.time_s[1] - log.time_s[0]) / time_constant_s);
+    const auto once = [&](auto first, auto last) {
+      for (double state = *first; first != last; ++first) *first = state = keep * state + (1.0 - keep) * *first;
+    };
+    for (int pass = 0; pass < 2; ++pass) once(values.begin(), values.end()), once(values.rbegin(), values.rend());
+  });
 }
 
 TEST(Shadow, LatePoseStandsWhereGyroAndAttitudesTellIt) {
@@ -71,6 +68,8 @@ TEST(SmoothedLog, IsSaidAndItsDragNamed) {
   EXPECT_THAT(d.log_findings, Contains(Field(&LogFinding::kind, "filtered")));
   ASSERT_THAT(d.effects, ElementsAre(Field(&EffectFinding::effect, "rotor_drag"))) << to_json(d).dump(1);
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.02, 0.003);
+  EXPECT_THAT(d.not_identifiable, Contains(AllOf(Field(&NotIdentifiable::effect, "steady_wind"), Field(&NotIdentifiable::why, HasSubstr("see constant_force")))));
+  EXPECT_THAT(d.notes, Contains(HasSubstr("which the commands did not pass")));
 }
 
 TEST(SmoothedLog, WithoutMissingPhysicsNamesNothing) {

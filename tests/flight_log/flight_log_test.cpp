@@ -80,6 +80,11 @@ TEST(FlightLog, ReadsColumnsMissingSamplesAndMeta) {
   EXPECT_THAT(files.log.repairs, IsEmpty());
 }
 
+TEST(FlightLog, RotorColumnsAreNumbered) {
+  for (const char* name : {"u1", "u12", "rotor3"}) EXPECT_TRUE(is_rotor_column(name)) << name;
+  for (const char* name : {"u", "ux", "u1x", "rotor", "px", "vbat", ""}) EXPECT_FALSE(is_rotor_column(name)) << name;
+}
+
 TEST(FlightLog, WrittenLogReadsBackTheSamePlainAndCompressed) {
   FlightLog log;
   log.meta.vehicle = "crazyflie";

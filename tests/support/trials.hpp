@@ -76,4 +76,16 @@ effects = [{}]
   return options;
 }
 
+// Changes, in every recording of the trial, the columns that are wanted.
+template <class Wanted, class How>
+void change_recordings(const diagnosis::DiagnoseOptions& trial, Wanted wanted, How how) {
+  for (const auto* paths : {&trial.fit, &trial.holdout})
+    for (const std::string& path : *paths) {
+      FlightLog log = read_flight_log(path);
+      for (LogColumn& column : log.columns)
+        if (wanted(column.name)) how(log, column.values);
+      write_flight_log(log, path);
+    }
+}
+
 }  // namespace gustlab::test
