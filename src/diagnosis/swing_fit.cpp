@@ -27,14 +27,19 @@ Own pack(const SwingStart& start) {
 }
 SwingStart unpack(const Own& p) { return {p.segment<2>(0), p.segment<2>(2), p.segment<2>(4)}; }
 
-// what is left of the horizontal disturbance in the first part of a flight, N, as means
+std::size_t bin_of(const FlightData& flight) { return static_cast<std::size_t>(std::max(1.0, std::round(bin_s / flight.sample_s))); }
+
+// of the first part of a flight, whole bins
+std::size_t samples_of(const FlightData& flight, double part) {
+  return bin_of(flight) * static_cast<std::size_t>(part * static_cast<double>(flight.samples.size() / bin_of(flight)));
+}
+
+// what a load's force leaves of the horizontal disturbance where that force is given, N, as means
 Eigen::VectorXd left_over(const FlightData& flight, const Smoothed& smoothed, double mass_kg, const SwingingLoad& load, const SwingStart& start,
-                          double part) {
-  const std::vector<Vector3> force = swinging_force(flight, load.swing, start);
-  const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(bin_s / flight.sample_s)));
-  const auto bins = static_cast<std::size_t>(part * static_cast<double>(force.size() / bin));
-  Eigen::VectorXd left = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * bins));
-  for (std::size_t k = 0; k < bins * bin; ++k)
+                          const std::vector<Vector3>& force) {
+  const std::size_t bin = bin_of(flight);
+  Eigen::VectorXd left = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * (force.size() / bin)));
+  for (std::size_t k = 0; k < force.size(); ++k)
     left.segment<2>(static_cast<Eigen::Index>(2 * (k / bin))) +=
         (mass_kg * smoothed.disturbance[k].head<2>() - load.mass_kg * force[k].head<2>() -
          load.drag_kgps * flight.motion[k].velocity_W_mps.head<2>() - start.trim_N) / static_cast<double>(bin);
@@ -46,12 +51,15 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
                 SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free, double part) {
   const auto count = static_cast<Eigen::Index>(flights.size());
   const Eigen::Index first = load_free ? shared : 0, width = first + own * count;
-  const auto left_of = [&](std::size_t f, const Shared& p, const Own& o) {
-    return left_over(*flights[f], *smoothed[f], vehicle_mass_kg, unpack(p), unpack(o), part);
+  const auto force_of = [&](std::size_t f, const Shared& p, const Own& o) {
+    return swinging_force(*flights[f], unpack(p).swing, unpack(o), samples_of(*flights[f], part));
+  };
+  const auto left_of = [&](std::size_t f, const Shared& p, const Own& o, const std::vector<Vector3>& force) {
+    return left_over(*flights[f], *smoothed[f], vehicle_mass_kg, unpack(p), unpack(o), force);
   };
   const auto squares = [&](const Shared& p, const std::vector<Own>& o) {
     double sum = 0.0;
-    for (std::size_t f = 0; f < flights.size(); ++f) sum += left_of(f, p, o[f]).squaredNorm();
+    for (std::size_t f = 0; f < flights.size(); ++f) sum += left_of(f, p, o[f], force_of(f, p, o[f])).squaredNorm();
     return sum;
   };
   Shared at = pack(load);
@@ -65,14 +73,16 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
     rows = 0.0;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(width);
     for (std::size_t f = 0; f < flights.size(); ++f) {
-      const Eigen::VectorXd here = left_of(f, at, at_own[f]);
+      const std::vector<Vector3> force = force_of(f, at, at_own[f]);
+      const Eigen::VectorXd here = left_of(f, at, at_own[f], force);
       Eigen::MatrixXd J(here.size(), first + own);
       for (Eigen::Index j = 0; j < first + own; ++j) {
         Shared p = at;
         Own o = at_own[f];
         const double delta = 1e-5;
         (j < first ? p[j] : o[j - first]) += delta;
-        J.col(j) = (here - left_of(f, p, o)) / delta;
+        const bool swings_alike = j < first ? j >= 2 : j >= first + 4;  // mass, drag; trim
+        J.col(j) = (here - left_of(f, p, o, swings_alike ? force : force_of(f, p, o))) / delta;
       }
       const Eigen::Index place = first + own * static_cast<Eigen::Index>(f);
       const Eigen::MatrixXd H = J.transpose() * J;
@@ -116,7 +126,7 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
 
 }  // namespace
 
-std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing, const SwingStart& start) {
+std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing, const SwingStart& start, std::size_t samples) {
   const double gravity = flight.vehicle.gravity_mps2, length_m = swing.length_m;
   const double damping_ps = 2.0 * swing.damping * std::sqrt(gravity / length_m);
   const Eigen::Vector2d level = start.cable_W.norm() < 0.98 ? start.cable_W : Eigen::Vector2d(0.98 * start.cable_W.normalized());
@@ -126,7 +136,7 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
   const Eigen::Vector2d turning = std::min(1.0, fastest_radps / (rate_radps + 1e-12)) * start.rate_W_radps;
   Vector3 rate(turning.x(), turning.y(), 0.0);
   rate.z() = -rate.head<2>().dot(n.head<2>()) / n.z();  // on the sphere
-  std::vector<Vector3> force(flight.samples.size());
+  std::vector<Vector3> force(std::min(samples, flight.samples.size()));
   for (std::size_t k = 0; k < force.size(); ++k) {
     const Vector3 here = flight.motion[k].acceleration_W_mps2 + gravity * Vector3::UnitZ();
     force[k] = std::max(0.0, length_m * rate.squaredNorm() - here.dot(n)) * n + damping_ps * length_m * rate;
@@ -142,8 +152,9 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
       const double speed = rate.norm();
       if (speed < 1e-12) continue;
       const Vector3 along = rate / speed, before = n;
-      n = before * std::cos(speed * dt) + along * std::sin(speed * dt);
-      rate = speed * (along * std::cos(speed * dt) - before * std::sin(speed * dt));
+      const double c = std::cos(speed * dt), s = std::sin(speed * dt);
+      n = before * c + along * s;
+      rate = speed * (along * c - before * s);
     }
   }
   return force;

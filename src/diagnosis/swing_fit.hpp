@@ -1,6 +1,7 @@
 // A load on a cable as it swings, at any angle, below a vehicle that moves as it was recorded.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "diagnosis/session.hpp"
@@ -20,8 +21,9 @@ struct SwingStart {
 
 // Force in W on the vehicle per kg of load, per sample: tension of a massless cable, slack when it would push, and the
 // friction of its hook. Pounds, Bersak & Dollar, ICRA 2011; Sreenath, Lee & Kumar, CDC 2013, eq. (1)-(4), with the vehicle's
-// acceleration given.
-std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing, const SwingStart& start);
+// acceleration given. Of the first `samples` of the flight.
+std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing, const SwingStart& start,
+                                    std::size_t samples = std::numeric_limits<std::size_t>::max());
 
 // Gauss–Newton on the horizontal disturbance (0.1 s means), from the given values: of the starts, and of the load too when
 // `load_free`. Returns the squares that are left, N²; not finite when the given swing is out of all bounds.
