@@ -173,7 +173,7 @@ Grams grams_with(const Session& session, const BasisFamily& family, const std::v
                static_cast<int>(columns.size()) + family.size, of_flight[f]);
   });
   Grams grams;
-  for (const Grams& part : of_flight) append(part, grams);
+  for (Grams& part : of_flight) append(std::move(part), grams);
   return grams;
 }
 

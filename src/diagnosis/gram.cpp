@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <iterator>
 
 namespace gustlab::diagnosis {
 
@@ -82,9 +83,9 @@ void accumulate(const Whitened& whitened, const std::vector<int>& columns, int f
   }
 }
 
-void append(const Grams& more, Grams& grams) {
+void append(Grams&& more, Grams& grams) {
   grams.columns = more.columns;
-  grams.block.insert(grams.block.end(), more.block.begin(), more.block.end());
+  grams.block.insert(grams.block.end(), std::make_move_iterator(more.block.begin()), std::make_move_iterator(more.block.end()));
   grams.flight.insert(grams.flight.end(), more.flight.begin(), more.flight.end());
   grams.time_s.insert(grams.time_s.end(), more.time_s.begin(), more.time_s.end());
   for (const int cluster : more.cluster) grams.cluster.push_back(grams.clusters + cluster);

@@ -26,7 +26,7 @@ struct Grams {
 void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size, Grams& grams);
 
 // Those of further flights.
-void append(const Grams& more, Grams& grams);
+void append(Grams&& more, Grams& grams);
 
 // A column that is small beforehand: standard deviation in its natural unit.
 struct Trim {

@@ -50,7 +50,10 @@ class Lateness {
     return sure(0.0) && late_s > least_s && late_s < most_s ? late_s : 0.0;
   }
   // by how much the other one is later
-  double earlier_s() const { return sure(0.0) ? std::max(0.0, -xy_ / xx_) : 0.0; }
+  std::optional<double> earlier_s() const {
+    if (xx_ == 0.0) return std::nullopt;
+    return sure(0.0) ? std::max(0.0, -xy_ / xx_) : 0.0;
+  }
 
  private:
   double xx_ = 0.0, xy_ = 0.0, yy_ = 0.0, count_ = 0.0;
@@ -102,7 +105,7 @@ SensorLateness sensor_lateness(const std::vector<FlightData>& flights) {
 
 double rate_lateness_s(const std::vector<FlightData>& flights) { return rate_lateness(flights).seconds(0.0); }
 
-double pose_lateness_s(const std::vector<FlightData>& flights) { return rate_lateness(flights).earlier_s(); }
+std::optional<double> pose_lateness_s(const std::vector<FlightData>& flights) { return rate_lateness(flights).earlier_s(); }
 
 double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
   Lateness lateness;

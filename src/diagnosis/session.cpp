@@ -335,10 +335,10 @@ Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
     add(whiten_speeds(flights_[f], flights[f], noise.speeds), of_speeds[f]);
   });
   Grams grams;
-  for (const Grams& part : of_body) append(part, grams);
+  for (Grams& part : of_body) append(std::move(part), grams);
   // they tell of the commands' way alone: what is material to the body is counted by the body's rows
   const double rows = grams.rows;
-  for (const Grams& part : of_speeds) append(part, grams);
+  for (Grams& part : of_speeds) append(std::move(part), grams);
   grams.rows = rows;
   // a faster log has more innovations, and tells no more of what air and noise do not hide
   grams.rows *= std::min(1.0, sample_s() / fastest_sample_s);

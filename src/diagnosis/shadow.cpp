@@ -40,7 +40,7 @@ void suspect(Diagnosis& out, const std::string& why, const std::function<bool(co
 }
 
 void withdraw_shadows(const Session& session, const Selection& selection, const Remainder& rest, double recovered, const std::string& at_bound,
-                      const std::function<double()>& pose_late_s, Diagnosis& out) {
+                      const std::function<std::optional<double>()>& pose_late_s, Diagnosis& out) {
   const bool doubted = !rest.alarms.empty() && (recovered < least_recovered || (rest.omnibus_share > most_unexplained && recovered < clearly_recovered));
   if (!doubted && at_bound.empty()) return;
   suspect(out, fmt::format("only suspected: {:.0f} % of the structure is not explained, {:.0f} % of the held-out error is recovered",
@@ -49,8 +49,9 @@ void withdraw_shadows(const Session& session, const Selection& selection, const 
             if (!at_bound.empty()) return false;
             // measured speeds drive the rollouts, and show by themselves how commands come to them
             if (session.seen_in_speeds(session.catalogue().find(effect.effect))) return true;
-            // a pose that is later than the gyro is so whatever the forces are
-            if (effect.effect == "pose_delay" && pose_late_s() > least_told * effect.parameters.front().value) return true;
+            // how late a pose is gyro and attitudes tell, whatever the forces are
+            if (effect.effect == "pose_delay")
+              if (const std::optional<double> told_s = pose_late_s()) return *told_s > least_told * effect.parameters.front().value;
             return effect.astray < surely_even && effect.gain > clearly_more * rest.omnibus_gain &&
                    (session.shoots() || least_disturbance_left(selection, reference_floor(session.vehicle())) < half_gone);
           });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "diagnosis/diagnose.hpp"
@@ -16,6 +17,6 @@ void suspect(Diagnosis& out, const std::string& why, const std::function<bool(co
 // Names that may be shadows are only suspected. `recovered`: share of the recoverable held-out error; `at_bound`: what ran into its
 // bound; `pose_late_s`: how late gyro and attitudes by themselves say that the pose is.
 void withdraw_shadows(const Session& session, const Selection& selection, const Remainder& rest, double recovered, const std::string& at_bound,
-                      const std::function<double()>& pose_late_s, Diagnosis& out);
+                      const std::function<std::optional<double>()>& pose_late_s, Diagnosis& out);
 
 }  // namespace gustlab::diagnosis

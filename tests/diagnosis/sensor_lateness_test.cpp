@@ -3,9 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <random>
 
 #include "support/trials.hpp"
@@ -19,23 +17,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr double late_s = 0.003;
-
-template <class How>
-void change(const DiagnoseOptions& trial, char initial, How how) {
-  test::change_recordings(trial, [initial](const std::string& name) { return name[0] == initial; }, how);
-}
-
-// `by_s` later, between samples
-void delay(const DiagnoseOptions& trial, char initial, double by_s) {
-  change(trial, initial, [by_s](const FlightLog& log, std::vector<double>& values) {
-    const std::vector<double> from = values;
-    for (std::size_t k = 0; k < from.size(); ++k) {
-      const double at = (log.time_s[k] - by_s - log.time_s.front()) / (log.time_s[1] - log.time_s[0]);
-      const auto before = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(from.size() - 2)));
-      values[k] = from[before] + (at - static_cast<double>(before)) * (from[before + 1] - from[before]);
-    }
-  });
-}
 
 class Sensors : public ::testing::Test {
  protected:
@@ -55,7 +36,7 @@ class Sensors : public ::testing::Test {
 TEST_F(Sensors, LateGyroIsMeasured) {
   const DiagnoseOptions trial = fly();
   EXPECT_EQ(rate_lateness_s(flights_of(trial)), 0.0);
-  delay(trial, 'w', late_s);
+  test::delay(trial, 'w', late_s);
   EXPECT_NEAR(rate_lateness_s(flights_of(trial)), late_s, 0.0003);
 }
 
@@ -63,14 +44,14 @@ TEST_F(Sensors, LateGyroIsMeasured) {
 TEST_F(Sensors, AreNeverEarly) {
   const DiagnoseOptions trial = fly();
   EXPECT_EQ(pose_lateness_s(flights_of(trial)), 0.0);
-  delay(trial, 'w', -late_s);
+  test::delay(trial, 'w', -late_s);
   EXPECT_EQ(rate_lateness_s(flights_of(trial)), 0.0);
-  EXPECT_NEAR(pose_lateness_s(flights_of(trial)), late_s, 0.0003);
+  EXPECT_NEAR(pose_lateness_s(flights_of(trial)).value(), late_s, 0.0003);
 }
 
 TEST_F(Sensors, LateGyroIsNoMissingPhysics) {
   const DiagnoseOptions trial = fly();
-  delay(trial, 'w', late_s);
+  test::delay(trial, 'w', late_s);
   const Diagnosis d = diagnose(trial);
   EXPECT_EQ(d.verdict, Verdict::consistent) << to_json(d)["alarms"].dump();
   EXPECT_THAT(d.effects, IsEmpty());
@@ -80,7 +61,7 @@ TEST_F(Sensors, LateGyroIsNoMissingPhysics) {
 TEST_F(Sensors, LateAccelerometerIsMeasured) {
   const DiagnoseOptions trial = fly({"pose", "gyroscope", "accelerometer"}, 0.05);
   EXPECT_EQ(force_lateness_s(flights_of(trial), late_s), 0.0);
-  delay(trial, 'a', late_s);
+  test::delay(trial, 'a', late_s);
   EXPECT_NEAR(force_lateness_s(flights_of(trial), 0.0), late_s, 0.0006);
 }
 
@@ -105,8 +86,8 @@ TEST_F(Sensors, LastingErrorsAreNoMissingPhysics) {
       }
     };
   };
-  change(trial, 'p', wander(0.004));
-  change(trial, 'q', wander(0.0015));
+  test::change(trial, test::begins('p'), wander(0.004));
+  test::change(trial, test::begins('q'), wander(0.0015));
   const Diagnosis d = diagnose(trial);
   EXPECT_EQ(d.verdict, Verdict::consistent) << to_json(d)["alarms"].dump() << to_json(d)["disturbance"].dump() << to_json(d)["notes"].dump();
   EXPECT_THAT(d.effects, IsEmpty());

@@ -7,6 +7,7 @@
 
 #include "diagnosis/regimes.hpp"
 #include "support/trials.hpp"
+#include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
@@ -30,7 +31,7 @@ test::TrialSettings settings(const std::string& concealed, double noise = 1.0) {
 constexpr double quiet = 0.1;
 void smooth(const DiagnoseOptions& trial, double time_constant_s) {
   const auto measured = [](const std::string& name) { return !is_rotor_column(name); };
-  test::change_recordings(trial, measured, [&](const FlightLog& log, std::vector<double>& values) {
+  test::change(trial, measured, [&](const FlightLog& log, std::vector<double>& values) {
     const double keep = std::exp(-(log.time_s[1] - log.time_s[0]) / time_constant_s);
     const auto once = [&](auto first, auto last) {
       for (double state = *first; first != last; ++first) *first = state = keep * state + (1.0 - keep) * *first;
@@ -46,6 +47,36 @@ TEST(Shadow, LatePoseStandsWhereGyroAndAttitudesTellIt) {
   ASSERT_THAT(d.effects, ElementsAre(Field(&EffectFinding::effect, "pose_delay"))) << to_json(d).dump(1);
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.015, 0.002);
   EXPECT_EQ(d.verdict, Verdict::partly_explained);
+}
+
+// even, and worth more than all that is left: it would stand, unless the sensors by themselves say that the pose is not late
+TEST(Shadow, LatePoseStandsOrFallsByWhatGyroAndAttitudesTell) {
+  const TemporaryFolder folder;
+  const FlightLog log = read_flight_log(test::fly_trial(folder, settings("")).fit.front());
+  const VehicleModel vehicle = read_vehicle(log.meta.vehicle, log.path);
+  const Session session({prepare_flight(log, vehicle, {})}, vehicle, 1);
+  Selection selection;
+  selection.noise_nominal = selection.noise_selected = session.noise;
+  for (double& variance : selection.noise_nominal.variance) variance *= 100.0;
+  Remainder rest;
+  rest.alarms.push_back({"omnibus", "something", 0.1, {}});
+  rest.omnibus_gain = 10.0;
+  const auto stands = [&](std::optional<double> told_s) {
+    Diagnosis d;
+    EffectFinding late;
+    late.effect = "pose_delay";
+    late.parameters = {{"delay", "s", 0.02, 0.001}};
+    late.gain = 1000.0;
+    late.astray = 0.0;
+    d.effects.push_back(late);
+    withdraw_shadows(session, selection, rest, 0.0, "", [&] { return told_s; }, d);
+    EXPECT_EQ(d.effects.size() + d.rejected.size(), 1U);
+    return d.rejected.empty();
+  };
+  EXPECT_TRUE(stands(std::nullopt));
+  EXPECT_TRUE(stands(0.015));
+  EXPECT_FALSE(stands(0.0));
+  EXPECT_FALSE(stands(0.005));
 }
 
 TEST(Shadow, EvenMeansAlikeInEveryRegime) {

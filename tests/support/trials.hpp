@@ -78,7 +78,7 @@ effects = [{}]
 
 // Changes, in every recording of the trial, the columns that are wanted.
 template <class Wanted, class How>
-void change_recordings(const diagnosis::DiagnoseOptions& trial, Wanted wanted, How how) {
+void change(const diagnosis::DiagnoseOptions& trial, Wanted wanted, How how) {
   for (const auto* paths : {&trial.fit, &trial.holdout})
     for (const std::string& path : *paths) {
       FlightLog log = read_flight_log(path);
@@ -86,6 +86,22 @@ void change_recordings(const diagnosis::DiagnoseOptions& trial, Wanted wanted, H
         if (wanted(column.name)) how(log, column.values);
       write_flight_log(log, path);
     }
+}
+
+inline auto begins(char initial) {
+  return [initial](const std::string& column) { return column[0] == initial; };
+}
+
+// Columns of this initial `by_s` later, between samples.
+inline void delay(const diagnosis::DiagnoseOptions& trial, char initial, double by_s) {
+  change(trial, begins(initial), [by_s](const FlightLog& log, std::vector<double>& values) {
+    const std::vector<double> from = values;
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      const double at = (log.time_s[k] - by_s - log.time_s.front()) / (log.time_s[1] - log.time_s[0]);
+      const auto before = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(from.size() - 2)));
+      values[k] = from[before] + (at - static_cast<double>(before)) * (from[before + 1] - from[before]);
+    }
+  });
 }
 
 }  // namespace gustlab::test
