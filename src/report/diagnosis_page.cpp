@@ -180,7 +180,7 @@ std::string habit_card(const Json& habit, const Json& fit) {
                           figure(horizon[h].get<double>()), cell(part(part(fit, key), "hold")), cell(part(part(fit, key), "after")),
                           cell(part(part(habit, "fit"), key)));
     }
-  return "<div class=\"effect\"><div class=\"head\"><h3>A habit of the recorded loop, not physics</h3></div>" + paragraph(text(habit, "says")) +
+  return "<div class=\"effect\"><div class=\"head\"><h3>A habit of the recorded loop, not physics</h3></div>" + paragraph(capital(text(habit, "says")) + ".") +
          paragraph("It turns the vehicle in rollouts on its own recordings. Where a controller of gustlab flies the vehicle it is left out.") +
          "<div class=\"scroll\"><table><tr><th>mean error on held-out flights</th><th class=\"n\">after [s]</th><th class=\"n\">held</th>"
          "<th class=\"n\">physics</th><th class=\"n\">with the habit</th></tr>" + rows + "</table></div></div>";
@@ -243,7 +243,7 @@ std::string remarks(const Json& diagnosis) {
   for (const Json& alarm : part(diagnosis, "alarms"))
     items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(plain_alarm(text(alarm, "kind"))), escape(text(alarm, "says")));
   for (const Json& note : part(diagnosis, "notes"))
-    if (note.is_string()) items += "<li>" + escape(note.get<std::string>()) + "</li>";
+    if (note.is_string()) items += "<li>" + escape(capital(note.get<std::string>())) + ".</li>";
   return items.empty() ? "" : "<ul>" + items + "</ul>";
 }
 
