@@ -313,7 +313,9 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     const Group& group = catalogue.groups()[static_cast<std::size_t>(column.group)];
     if (is_history(group.row->name)) continue;
     Eigen::VectorXd from = value, to = value;
-    const double step = 1e-3 * column.natural;
+    // forces alone see rotors at the samples (where no mean of rows is taken), and quick ones are there already: a lag as long as a substep is tried
+    const bool at_sample_alone = out.forces_alone && !flight.read_slower && group.row->name == "motor_lag";
+    const double step = std::max(1e-3 * column.natural, at_sample_alone ? flight.sample_s / flight.substeps - value[c] : 0.0);
     to[c] += step;
     const Column0* reference = &base;
     Column0 companion;
