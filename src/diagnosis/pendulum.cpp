@@ -54,7 +54,7 @@ constexpr int shared = 2, own = 6;   // load, drag | trim x y, swing x (2) y (2)
 
 Regression regression(const FlightData& flight, const Smoothed& smoothed, double mass_kg, double gravity, const Swing& swing) {
   const SwingForce s = swing_force(flight, swing, gravity);
-  const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(0.1 / flight.sample_s)));
+  const std::size_t bin = bin_of(flight);
   const std::size_t bins = flight.samples.size() / bin;
   Regression r;
   r.X.setZero(static_cast<Eigen::Index>(2 * bins), shared + own);

@@ -15,7 +15,8 @@ namespace gustlab::diagnosis {
 void suspect(Diagnosis& out, const std::string& why, const std::function<bool(const EffectFinding&)>& stands = [](const EffectFinding&) { return false; });
 
 // Names that may be shadows are only suspected. `recovered`: share of the recoverable held-out error; `at_bound`: what ran into its
-// bound; `pose_late_s`: how late gyro and attitudes by themselves say that the pose is.
+// bound; `pose_late_s`: how late gyro and attitudes by themselves say that the pose is, nothing where
+// they are not recorded.
 void withdraw_shadows(const Session& session, const Selection& selection, const Remainder& rest, double recovered, const std::string& at_bound,
                       const std::function<std::optional<double>()>& pose_late_s, Diagnosis& out);
 

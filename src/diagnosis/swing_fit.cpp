@@ -27,8 +27,6 @@ Own pack(const SwingStart& start) {
 }
 SwingStart unpack(const Own& p) { return {p.segment<2>(0), p.segment<2>(2), p.segment<2>(4)}; }
 
-std::size_t bin_of(const FlightData& flight) { return static_cast<std::size_t>(std::max(1.0, std::round(bin_s / flight.sample_s))); }
-
 // of the first part of a flight, whole bins
 std::size_t samples_of(const FlightData& flight, double part) {
   return bin_of(flight) * static_cast<std::size_t>(part * static_cast<double>(flight.samples.size() / bin_of(flight)));
@@ -57,9 +55,10 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
   const auto left_of = [&](std::size_t f, const Shared& p, const Own& o, const std::vector<Vector3>& force) {
     return left_over(*flights[f], *smoothed[f], vehicle_mass_kg, unpack(p), unpack(o), force);
   };
+  const auto flown = [&](std::size_t f, const Shared& p, const Own& o) { return left_of(f, p, o, force_of(f, p, o)); };
   const auto squares = [&](const Shared& p, const std::vector<Own>& o) {
     double sum = 0.0;
-    for (std::size_t f = 0; f < flights.size(); ++f) sum += left_of(f, p, o[f], force_of(f, p, o[f])).squaredNorm();
+    for (std::size_t f = 0; f < flights.size(); ++f) sum += flown(f, p, o[f]).squaredNorm();
     return sum;
   };
   Shared at = pack(load);
@@ -82,7 +81,7 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
         const double delta = 1e-5;
         (j < first ? p[j] : o[j - first]) += delta;
         const bool swings_alike = j < first ? j >= 2 : j >= first + 4;  // mass, drag; trim
-        J.col(j) = (here - left_of(f, p, o, swings_alike ? force : force_of(f, p, o))) / delta;
+        J.col(j) = (here - (swings_alike ? left_of(f, p, o, force) : flown(f, p, o))) / delta;
       }
       const Eigen::Index place = first + own * static_cast<Eigen::Index>(f);
       const Eigen::MatrixXd H = J.transpose() * J;
@@ -125,6 +124,8 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
 }
 
 }  // namespace
+
+std::size_t bin_of(const FlightData& flight) { return static_cast<std::size_t>(std::max(1.0, std::round(bin_s / flight.sample_s))); }
 
 std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing, const SwingStart& start, std::size_t samples) {
   const double gravity = flight.vehicle.gravity_mps2, length_m = swing.length_m;

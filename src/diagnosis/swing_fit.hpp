@@ -19,6 +19,9 @@ struct SwingStart {
   Eigen::Vector2d trim_N = Eigen::Vector2d::Zero();                                           // constant horizontal force
 };
 
+// Samples of a flight whose means are compared: 0.1 s.
+std::size_t bin_of(const FlightData& flight);
+
 // Force in W on the vehicle per kg of load, per sample: tension of a massless cable, slack when it would push, and the
 // friction of its hook. Pounds, Bersak & Dollar, ICRA 2011; Sreenath, Lee & Kumar, CDC 2013, eq. (1)-(4), with the vehicle's
 // acceleration given. Of the first `samples` of the flight.
