@@ -7,7 +7,7 @@
 
 #include "commands.hpp"
 #include "config/toml.hpp"
-#include "diagnosis/replay.hpp"
+#include "diagnosis/rollout/replay.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "util/parallel.hpp"

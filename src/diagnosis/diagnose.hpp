@@ -1,13 +1,11 @@
 // From recordings to the name of the missing physics (DIAGNOSIS.md §3).
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "diagnosis/findings.hpp"
-#include "diagnosis/verify.hpp"
+#include "diagnosis/result/diagnosis.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -19,47 +17,7 @@ struct DiagnoseOptions {
   int jobs = 1;
 };
 
-// What one flight contributed.
-struct FlightUse {
-  std::string file, role;             // fit | holdout | reference | set_aside
-  double duration_s = 0.0, time_offset_s = 0.0;
-};
-
-// A channel of the unexplained wrench against the variable that it depends on most, per half second, before and after.
-struct ResidualPlot {
-  std::string channel, unit, variable;
-  std::vector<double> x, before, after;
-};
-
-struct Diagnosis {
-  Verdict verdict = Verdict::insufficient_data;
-  std::string vehicle;
-  std::vector<FlightUse> flights;
-  std::vector<Mismatch> mismatch;
-  std::vector<EffectFinding> effects;
-  std::vector<EffectFinding> calibration;    // below their reporting tolerance
-  std::vector<Disturbance> disturbance;
-  std::vector<LogFinding> log_findings;
-  std::vector<Rejected> rejected;
-  std::vector<NotIdentifiable> not_identifiable;
-  std::vector<Alarm> alarms;
-  double unexplained_share = 0.0;            // of all structure, what a generic test still finds
-  std::vector<std::string> notes;
-  std::string next_trajectory, next_why;
-  std::vector<std::pair<std::string, std::string>> next_parameters;   // of the trajectory, TOML literals
-  nlohmann::ordered_json residual_model;     // what is offered for the rest; null: nothing
-  std::string residual_toml;                 // the same as an [[effect]], and the habit's
-  nlohmann::ordered_json habit;              // of the loop that was recorded, see habit.hpp; null: none is needed
-  std::string augmented_toml;
-  // for the page: one held-out window, and unexplained forces against what they depend on
-  std::string window_file;
-  std::vector<WindowTrace> window;
-  std::vector<ResidualPlot> residuals;
-  nlohmann::ordered_json fit;                // FORMATS.md §4
-};
-
 // Throws DataError when no fit flight is usable.
 Diagnosis diagnose(const DiagnoseOptions& options);
-nlohmann::ordered_json to_json(const Diagnosis& diagnosis);
 
 }  // namespace gustlab::diagnosis

@@ -1,4 +1,4 @@
-"""The layer rule: which folder under src/ may include which, where third-party headers may appear, and file sizes."""
+"""The layer rule: which folder under src/ may include which, the rooms of the diagnosis, and where third-party headers may appear."""
 
 import re
 import unittest
@@ -30,6 +30,9 @@ ALLOWED = {
     "report": FOUNDATION | {"sweep", "calibration", "learning", "identification", "diagnosis"},
 }
 
+# the rooms of src/diagnosis from the bottom up: each may include itself and those before it; the files beside them stand on top
+DIAGNOSIS_ROOMS = ("result", "recording", "model", "estimation", "alignment", "selection", "rollout", "validation", "hover", "output")
+
 # a third-party header stays behind the folder that wraps it
 WRAPPED = {
     "mujoco/": ("src/plant/",),
@@ -40,7 +43,6 @@ WRAPPED = {
 }
 
 CODE = {".cpp", ".hpp", ".h", ".py", ".sh", ".cmake"}
-MOST_LINES = 400
 
 
 def code_files(*folders):
@@ -105,12 +107,45 @@ class Layers(unittest.TestCase):
                         problems.append(f"{where}: <{name}> (belongs to {', '.join(places)})")
         self.check(problems)
 
-    def test_no_file_is_long(self):
+    def test_rooms_of_the_diagnosis_include_downwards(self):
+        level = {room: number for number, room in enumerate(DIAGNOSIS_ROOMS)}
         problems = []
-        for path in code_files("src", "include", "apps", "tests", "scripts", "cmake"):
-            lines = len(path.read_text(encoding="utf-8").splitlines())
-            if lines > MOST_LINES:
-                problems.append(f"{path.relative_to(ROOT)}: {lines} lines (at most {MOST_LINES})")
+        for path in code_files("src/diagnosis"):
+            where = path.relative_to(ROOT)
+            room = where.parts[2] if len(where.parts) > 3 else None
+            if room and room not in level:
+                problems.append(f"{where}: the room {room} has no place in DIAGNOSIS_ROOMS")
+                continue
+            for system, name in includes(path):
+                parts = name.split("/")
+                if system or parts[0] != "diagnosis" or not room:
+                    continue
+                if len(parts) < 3 or level.get(parts[1], len(level)) > level[room]:
+                    problems.append(f"{where}: \"{name}\" ({room} stands below it)")
+        self.check(problems)
+
+    def test_components_of_the_diagnosis_have_no_circle(self):
+        """A component is a header with its .cpp; two that need each other are one or hide a third."""
+        needs = {}
+        for path in code_files("src/diagnosis"):
+            component = path.relative_to(ROOT / "src").with_suffix("").as_posix()
+            quoted = {name.removesuffix(".hpp") for system, name in includes(path) if not system}
+            needs.setdefault(component, set()).update(quoted - {component})
+        problems = []
+        ended, path_here = set(), []
+
+        def visit(component):
+            if component in path_here:
+                problems.append(" -> ".join(path_here[path_here.index(component):] + [component]))
+            elif component not in ended:
+                path_here.append(component)
+                for other in sorted(needs.get(component, ())):
+                    visit(other)
+                path_here.pop()
+                ended.add(component)
+
+        for component in sorted(needs):
+            visit(component)
         self.check(problems)
 
 

@@ -1,0 +1,62 @@
+#include "diagnosis/alignment/command_offsets.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "diagnosis/estimation/session.hpp"
+#include "diagnosis/recording/log_checks.hpp"
+#include "diagnosis/recording/vehicle_check.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double surely = 9.0;   // twice a log likelihood
+
+// −2 log likelihood of one flight, its commands read some time later, each with the noise that fits it best
+double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
+  flight.commands.delay(later_s);
+  flight.measured_speed.delay(later_s);
+  std::vector<FlightData> one;
+  one.push_back(std::move(flight));
+  Session session(std::move(one), vehicle, 1);
+  // a lag is no delay: it is late by more in slow turns than in quick ones
+  const std::vector<int> free = session.with_biases({session.catalogue().find("motor_lag")});
+  session.linearise(session.value(), free);
+  session.learn_noise(5, free);
+  const Fit fit = solve(session.grams(free).total(), free);
+  return session.innovations(free, fit.coefficient).front().minus_two_log_likelihood;
+}
+
+}  // namespace
+
+std::vector<double> command_offsets(const std::vector<FlightData>& fit, const std::vector<FlightData>& held,
+                                    const VehicleModel& vehicle, std::vector<LogFinding>& findings) {
+  std::vector<const FlightData*> all;
+  for (const FlightData& f : fit) all.push_back(&f);
+  for (const FlightData& f : held) all.push_back(&f);
+  std::vector<std::optional<double>> delay;
+  for (const FlightData* f : all) delay.push_back(torque_delay_s(*f, vehicle));
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t promptest = 0;
+  for (std::size_t i = 0; i < delay.size(); ++i)
+    if (delay[i] && *delay[i] < least) least = *delay[i], promptest = i;
+  std::vector<double> offset(all.size(), 0.0);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!delay[i] || *delay[i] - least <= 0.6 * all[i]->sample_s) continue;
+    // a controller that answers sensor noise moves the correlation's peak, not the likelihood's; a lag that all flights share
+    // moves both, but then the promptest flight does not refute later commands, either
+    const double later_s = *delay[i] - least;
+    const auto gain = [&](const FlightData& flight) { return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, later_s); };
+    const double own = gain(*all[i]);
+    if (own < 100.0 || gain(*all[promptest]) > -surely) continue;
+    offset[i] = later_s;
+    findings.push_back({all[i]->label, "u1…uN", "delay", all[i]->start_s, all[i]->start_s + all[i]->duration_s(),
+                        fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: commands are read that much later", 1e3 * offset[i]),
+                        false, false});
+  }
+  return offset;
+}
+
+}  // namespace gustlab::diagnosis

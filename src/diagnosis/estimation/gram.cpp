@@ -1,0 +1,175 @@
+#include "diagnosis/estimation/gram.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <iterator>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double block_s = 0.5;
+
+Eigen::MatrixXd pick(const Eigen::MatrixXd& gram, const std::vector<int>& rows, const std::vector<int>& columns) {
+  Eigen::MatrixXd part(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()));
+  for (Eigen::Index i = 0; i < part.rows(); ++i)
+    for (Eigen::Index j = 0; j < part.cols(); ++j)
+      part(i, j) = gram(rows[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(j)]);
+  return part;
+}
+
+Eigen::VectorXd pick_last(const Eigen::MatrixXd& gram, const std::vector<int>& rows) {
+  Eigen::VectorXd part(static_cast<Eigen::Index>(rows.size()));
+  for (Eigen::Index i = 0; i < part.size(); ++i) part[i] = gram(rows[static_cast<std::size_t>(i)], gram.cols() - 1);
+  return part;
+}
+
+// columns that say nothing keep their scale at one, so that they come out as zero
+Eigen::VectorXd scales(const Eigen::MatrixXd& square) {
+  return square.diagonal().unaryExpr([](double d) { return d > 1e-18 ? std::sqrt(d) : 1.0; });
+}
+
+}  // namespace
+
+Eigen::MatrixXd Grams::total() const {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(columns + 1, columns + 1);
+  for (const auto& b : block) sum += b;
+  return sum;
+}
+
+void Grams::shift(const Eigen::VectorXd& d) {
+  for (auto& b : block) {
+    const Eigen::VectorXd move = b.topLeftCorner(columns, columns) * d;
+    const double zz = b(columns, columns) + 2.0 * b.col(columns).head(columns).dot(d) + d.dot(move);
+    b.col(columns).head(columns) += move;
+    b.row(columns).head(columns) = b.col(columns).head(columns).transpose();
+    b(columns, columns) = zz;
+  }
+}
+
+void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size, Grams& grams) {
+  grams.columns = catalogue_size;
+  std::vector<int> at = columns;
+  at.push_back(catalogue_size);
+  const auto width = static_cast<Eigen::Index>(at.size());
+  const std::size_t rows = whitened.time_s.size();
+  const double start_s = rows > 0 ? whitened.time_s.front() : 0.0;
+  int last_cluster = -1, blocks = 0;
+  for (std::size_t first = 0; first < rows;) {
+    const auto index = std::floor((whitened.time_s[first] - start_s) / block_s);
+    std::size_t last = first;
+    while (last < rows && std::floor((whitened.time_s[last] - start_s) / block_s) == index) ++last;
+    // the rows of a block that count
+    Eigen::MatrixXd kept(static_cast<Eigen::Index>(last - first), width);
+    Eigen::Index count = 0;
+    for (std::size_t k = first; k < last; ++k)
+      if (whitened.warm[k]) kept.row(count++) = whitened.rows.row(static_cast<Eigen::Index>(k));
+    const double begin_s = whitened.time_s[first];
+    first = last;
+    if (count == 0) continue;
+    Eigen::MatrixXd local = Eigen::MatrixXd::Zero(width, width);
+    local.selfadjointView<Eigen::Lower>().rankUpdate(kept.topRows(count).transpose());
+    Eigen::MatrixXd full = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
+    for (Eigen::Index i = 0; i < width; ++i)
+      for (Eigen::Index j = 0; j < width; ++j)
+        full(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) = i < j ? local(j, i) : local(i, j);
+    grams.block.push_back(std::move(full));
+    grams.flight.push_back(flight);
+    grams.time_s.push_back(begin_s);
+    if (blocks++ % 2 == 0) last_cluster = grams.clusters++;
+    grams.cluster.push_back(last_cluster);
+    grams.rows += static_cast<double>(count);
+  }
+}
+
+void append(Grams&& more, Grams& grams) {
+  grams.columns = more.columns;
+  grams.block.insert(grams.block.end(), std::make_move_iterator(more.block.begin()), std::make_move_iterator(more.block.end()));
+  grams.flight.insert(grams.flight.end(), more.flight.begin(), more.flight.end());
+  grams.time_s.insert(grams.time_s.end(), more.time_s.begin(), more.time_s.end());
+  for (const int cluster : more.cluster) grams.cluster.push_back(grams.clusters + cluster);
+  grams.clusters += more.clusters;
+  grams.rows += more.rows;
+}
+
+Fit solve(const Eigen::MatrixXd& gram, const std::vector<int>& columns, double ridge) {
+  Fit fit;
+  const double zz = gram(gram.rows() - 1, gram.cols() - 1);
+  fit.loss = zz;
+  if (columns.empty()) return fit;
+  const Eigen::MatrixXd A = pick(gram, columns, columns);
+  const Eigen::VectorXd right = pick_last(gram, columns), scale = scales(A);
+  Eigen::MatrixXd unit = scale.cwiseInverse().asDiagonal() * A * scale.cwiseInverse().asDiagonal();
+  unit.diagonal().array() += ridge;
+  fit.coefficient = unit.ldlt().solve(right.cwiseQuotient(scale)).cwiseQuotient(scale);
+  fit.loss = zz - 2.0 * right.dot(fit.coefficient) + fit.coefficient.dot(A * fit.coefficient);
+  return fit;
+}
+
+Eigen::MatrixXd project_out(const Eigen::MatrixXd& gram, const std::vector<int>& columns) {
+  if (columns.empty()) return gram;
+  std::vector<int> all(static_cast<std::size_t>(gram.cols()));
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+  const Eigen::MatrixXd A = pick(gram, columns, columns), C = pick(gram, columns, all);
+  const Eigen::VectorXd scale = scales(A);
+  Eigen::MatrixXd unit = scale.cwiseInverse().asDiagonal() * A * scale.cwiseInverse().asDiagonal();
+  unit.diagonal().array() += 1e-10;
+  const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * C;
+  Eigen::MatrixXd left = gram - scaled.transpose() * unit.ldlt().solve(scaled);
+  for (const int c : columns) {
+    left.row(c).setZero();
+    left.col(c).setZero();
+  }
+  return left;
+}
+
+Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
+  const Eigen::MatrixXd total = grams.total();
+  const auto size = static_cast<Eigen::Index>(columns.size());
+  const Eigen::MatrixXd H = pick(total, columns, columns);
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(grams.clusters, size);
+  for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    const Eigen::VectorXd score =
+        pick_last(grams.block[b], columns) - pick(grams.block[b], columns, columns) * coefficient;
+    scores.row(grams.cluster[b]) += score.transpose();
+  }
+  // pseudo-inverse in unit scale: directions that the data do not see stay out
+  const Eigen::VectorXd scale = scales(H);
+  const Eigen::MatrixXd unit = scale.cwiseInverse().asDiagonal() * H * scale.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit);
+  const Eigen::VectorXd inverse =
+      eigen.eigenvalues().unaryExpr([](double v) { return v > 1e-10 ? 1.0 / v : 0.0; });
+  const Eigen::MatrixXd bread = scale.cwiseInverse().asDiagonal() *
+                                (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
+                                scale.cwiseInverse().asDiagonal();
+  const double small_sample = static_cast<double>(grams.clusters) / std::max(1, grams.clusters - 1);
+  return bread * (scores.transpose() * scores) * bread * small_sample;
+}
+
+double clustered_variance(const Grams& grams, const Eigen::VectorXd& pattern, const Eigen::VectorXd& left) {
+  std::vector<double> score(static_cast<std::size_t>(grams.clusters), 0.0);
+  double information = 0.0, squares = 0.0;
+  for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    const Eigen::VectorXd seen = grams.block[b] * pattern;
+    information += seen.dot(pattern);
+    score[static_cast<std::size_t>(grams.cluster[b])] += seen.dot(left);
+  }
+  for (const double s : score) squares += s * s;
+  return squares / (information * information);
+}
+
+Eigen::VectorXd block_losses(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
+  Eigen::VectorXd losses(static_cast<Eigen::Index>(grams.block.size()));
+  for (Eigen::Index b = 0; b < losses.size(); ++b) {
+    const auto& block = grams.block[static_cast<std::size_t>(b)];
+    double loss = block(grams.columns, grams.columns);
+    if (!columns.empty())
+      loss += -2.0 * pick_last(block, columns).dot(coefficient) +
+              coefficient.dot(pick(block, columns, columns) * coefficient);
+    losses[b] = loss;
+  }
+  return losses;
+}
+
+}  // namespace gustlab::diagnosis

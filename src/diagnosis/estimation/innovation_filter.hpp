@@ -1,0 +1,19 @@
+// The Kalman filter that weighs what the simulator missed, and the EM that learns how noisy the flight was.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "diagnosis/estimation/noise_model.hpp"
+#include "diagnosis/recording/flight_data.hpp"
+
+namespace gustlab::diagnosis {
+
+// `extra`: further columns (m pushes per sample), appended before y.
+Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
+                const std::vector<Pushes>* extra = nullptr);
+
+Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise);
+
+}  // namespace gustlab::diagnosis

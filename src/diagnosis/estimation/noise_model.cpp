@@ -1,0 +1,94 @@
+#include "diagnosis/estimation/noise_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+namespace gustlab::diagnosis {
+
+bool NoiseModel::possible() const {
+  const auto quick = [](double t) { return t <= slowest_disturbance_s; };
+  return std::all_of(time_s.begin(), time_s.end(), quick) && std::all_of(lasting_time_s.begin(), lasting_time_s.end(), quick) &&
+         std::equal(white.begin(), white.end(), least_white.begin(), std::greater_equal<>());
+}
+
+double NoiseModel::rms(std::size_t group) const {
+  if (errors_last() && group < 2) return std::sqrt((variance[group] * time_s[group] + 0.5 * white[group]) / calm_memory_s);
+  return std::sqrt(variance[group] + white[group] / (2.0 * white_mean_s(group)));
+}
+
+namespace {
+
+// of slow parts with one law, over all flights: mean square and correlation from one sample to the next
+struct Memory {
+  double square, correlation;
+};
+
+template <class Belongs>
+std::optional<Memory> memory(const std::vector<Smoothed>& flights, const Belongs& belongs) {
+  double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0;
+  for (const Smoothed& f : flights)
+    for (std::size_t j = 0; j < f.second.size(); ++j)
+      if (belongs(j)) second += f.second[j], count += f.count[j], lagged += f.lagged[j], pairs += f.pairs[j];
+  if (count == 0.0) return std::nullopt;
+  return Memory{std::max(second / count, 1e-12), std::clamp(lagged / pairs / (second / count), 0.02, 0.9995)};
+}
+
+}  // namespace
+
+NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s) {
+  NoiseModel next = noise;
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    const auto ours = [g](std::size_t j) { return j < 6 && disturbance_group[j] == static_cast<int>(g); };
+    const auto slow = memory(flights, ours);
+    if (!slow) continue;
+    double white = 0.0, pairs = 0.0;
+    for (const Smoothed& f : flights)
+      for (std::size_t j = 0; j < 6; ++j)
+        if (ours(j)) white += f.white[j], pairs += f.pairs[j];
+    next.variance[g] = slow->square;
+    next.white[g] = std::max(white / pairs, noise.least_white[g]);
+    // what is faster is the white part's, where there is one
+    next.time_s[g] = std::clamp(-sample_s / std::log(slow->correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
+  }
+  for (std::size_t g = 0; g < noise_groups && noise.errors_last(); ++g) {
+    const auto error = memory(flights, [g](std::size_t j) { return j / 3 == g + 2; });
+    if (!error) continue;
+    next.lasting_variance[g] = error->square;
+    next.lasting_time_s[g] = std::clamp(-sample_s / std::log(error->correlation), 0.2 * sample_s, slowest_disturbance_s);
+  }
+  for (std::size_t g = 0; g < noise_groups; ++g) {
+    double sum = 0.0, count = 0.0;
+    for (const Smoothed& f : flights) sum += f.residual[g], count += f.residual_count[g];
+    if (count > 0.0) next.measurement[g] = std::max(sum / count, 1e-14);
+  }
+  return next;
+}
+
+NoiseModel extrapolated(const NoiseModel& first, const NoiseModel& second, const NoiseModel& third) {
+  constexpr double slowest = 0.95, farthest = 1.5;
+  // the limit of a geometric series
+  const auto limit = [&](double a, double b, double c) {
+    const double before = std::log(b / a), last = std::log(c / b);
+    const double rate = before * last > 0.0 ? std::min(last / before, slowest) : 0.0;
+    return c * std::exp(std::clamp(last * rate / (1.0 - rate), -farthest, farthest));
+  };
+  NoiseModel result = third;
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    result.variance[g] = limit(first.variance[g], second.variance[g], third.variance[g]);
+    result.time_s[g] = std::min(limit(first.time_s[g], second.time_s[g], third.time_s[g]), slowest_disturbance_s);
+    result.white[g] = std::max(limit(first.white[g], second.white[g], third.white[g]), third.least_white[g]);
+  }
+  for (std::size_t g = 0; g < noise_groups && third.errors_last(); ++g) {
+    result.lasting_variance[g] = limit(first.lasting_variance[g], second.lasting_variance[g], third.lasting_variance[g]);
+    result.lasting_time_s[g] = std::min(limit(first.lasting_time_s[g], second.lasting_time_s[g], third.lasting_time_s[g]), slowest_disturbance_s);
+  }
+  for (std::size_t g = 0; g < noise_groups; ++g)
+    result.measurement[g] = limit(first.measurement[g], second.measurement[g], third.measurement[g]);
+  return result;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,382 @@
+#include "diagnosis/estimation/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "diagnosis/estimation/rotor_speeds.hpp"
+#include "diagnosis/model/command_surprise.hpp"
+#include "diagnosis/model/linear_model.hpp"
+#include "util/parallel.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+bool any_voltage(const std::vector<FlightData>& flights) {
+  return std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.has_voltage; });
+}
+
+bool any_channel(const std::vector<FlightData>& flights, unsigned channel) {
+  for (const FlightData& flight : flights)
+    for (const Sample& sample : flight.samples)
+      if (sample.channels & channel) return true;
+  return false;
+}
+
+Need told_by(const std::vector<FlightData>& flights) {
+  Need told = Need::nothing;
+  for (const auto& [channel, need] : {std::pair<unsigned, Need>{has_attitude, Need::attitude}, {has_position | has_velocity, Need::motion}, {has_force, Need::accelerometer}})
+    if (any_channel(flights, channel)) told = told | need;
+  for (const FlightData& flight : flights) {
+    const Environment& around = flight.vehicle.environment;
+    if (!flight.collective_only) told = told | Need::torque;
+    if (around.ground_z_m) told = told | Need::ground;
+    if (around.ceiling_z_m) told = told | Need::ceiling;
+    if (!around.walls.empty()) told = told | Need::wall;
+  }
+  return told;
+}
+
+bool same(const SensorCorrection& a, const SensorCorrection& b) {
+  return a.attitude_offset_B_rad == b.attitude_offset_B_rad && a.pose_delay_s == b.pose_delay_s &&
+         a.rate_bias_B_radps == b.rate_bias_B_radps && a.rate_scale == b.rate_scale;
+}
+
+}  // namespace
+
+// what counts degrees of freedom was measured on logs of up to 125 Hz
+constexpr double fastest_sample_s = 0.008;
+
+// of all flights together, about
+constexpr double most_windows = 600.0;
+
+// of innovations, sample to sample (white errors: up to 0.05); of twice the logarithm of a likelihood, per innovation (white errors in
+// slow flight: 0.012, interpolated poses: 0.66)
+constexpr double least_correlation = 0.1, least_gain_of_memory = 0.03;
+
+// a third of what a calm room leaves (measured: below it the two integrators' difference is named)
+constexpr double least_share_of_floor = 0.35;
+
+std::array<double, disturbance_groups> reference_floor(const VehicleModel& vehicle) {
+  // 0.106 m/s² of force; torques in proportion to that force at 0.23 (0.20 in yaw) of the arm
+  const double force = 0.106, lever = force * vehicle.mass_kg * vehicle.arm_m();
+  return {force, force, 0.23 * lever / vehicle.inertia_B_kgm2(0, 0), 0.20 * lever / vehicle.inertia_B_kgm2(2, 2)};
+}
+
+NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleModel& vehicle) {
+  NoiseModel noise;
+  const auto floor = reference_floor(vehicle);
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    // the air of a calm room, and for what is faster some times the least that is believed
+    noise.variance[g] = (g < 2 ? 0.36 : 0.25) * floor[g] * floor[g];
+    noise.least_white[g] = 2.0 * white_mean_s(g) * std::pow(least_share_of_floor * floor[g], 2);
+    noise.white[g] = (g < 2 ? 2.0 : 8.0) * noise.least_white[g];
+  }
+  noise.time_s = {0.2, 0.2, 0.1, 0.1};
+  constexpr std::array<unsigned, 4> channel = {has_position, has_attitude, has_rate, has_force};
+  constexpr std::array<double, 4> least = {1e-10, 1e-10, 1e-8, 1e-6};
+  for (std::size_t g = 0; g < noise_groups; ++g) {
+    double sum = 0.0, count = 0.0;
+    for (const FlightData& flight : flights)
+      for (int axis = 0; axis < 3; ++axis) {
+        std::vector<double> series;
+        for (const Sample& s : flight.samples) {
+          if (!(s.channels & channel[g])) continue;
+          series.push_back(g == 0   ? s.position_W_m[axis]
+                           : g == 1 ? 2.0 * s.attitude_WB.vec()[axis]
+                           : g == 2 ? s.body_rate_B_radps[axis]
+                                    : s.specific_force_B_mps2[axis]);
+        }
+        if (series.size() < 8) continue;
+        sum += third_difference_noise(series);
+        count += 1.0;
+      }
+    const double sd = count > 0.0 ? sum / count : 0.0;
+    noise.measurement[g] = std::max(sd * sd, least[g]);
+  }
+  return noise;
+}
+
+Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs, std::vector<FlightData> shooting_flights)
+    : noise(initial_noise(flights, vehicle)),
+      jobs_(jobs),
+      vehicle_(vehicle),
+      flights_(std::move(flights)),
+      catalogue_(vehicle, static_cast<int>(flights_.size()),
+                 {told_by(flights_), any_voltage(flights_), !shooting_flights.empty(),
+                  std::any_of(shooting_flights.begin(), shooting_flights.end(), [](const FlightData& f) { return !f.commands_filtered; })}),
+      linear_(flights_.size()),
+      value_(catalogue_.nominal()),
+      corrected_(flights_.size()),
+      shooting_flights_(std::move(shooting_flights)),
+      shot_(shooting_flights_.size()) {
+  if (!shoots()) for_each_flight([&](std::size_t f) { flights_[f].surprise = command_surprise(flights_[f]); });
+  for (int c = 0; c < catalogue_.size(); ++c) {
+    all_.push_back(c);
+    if (catalogue_.columns()[static_cast<std::size_t>(c)].group < 0) biases_.push_back(c);
+  }
+}
+
+std::vector<int> Session::with_biases(const std::vector<int>& groups) const {
+  std::vector<int> columns = columns_of(catalogue_, groups);
+  columns.insert(columns.end(), biases_.begin(), biases_.end());
+  return columns;
+}
+
+void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter) {
+  value_ = value;
+  double duration_s = 0.0;
+  for (const FlightData& flight : shooting_flights_) duration_s += flight.duration_s();
+  const double spacing_s = std::max(shooting_horizon_s.back(), duration_s / most_windows);
+  for_each_flight([&](std::size_t f) {
+    if (shoots()) shot_[f] = shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted, spacing_s);
+    if (shoots() && !with_filter) return;
+    const SensorCorrection correction = catalogue_.sensor_correction(value, static_cast<int>(f));
+    if (!same(correction, corrected_[f])) {
+      smooth_motion(flights_[f], correction);
+      corrected_[f] = correction;
+    }
+    estimate_speeds(flights_[f], static_cast<int>(f), catalogue_, value, noise.speeds);
+    gustlab::diagnosis::linearise(flights_[f], static_cast<int>(f), catalogue_, value, wanted, linear_[f]);
+    // the biases of the moment are taken out of the measurements
+    for (std::size_t k = 0; k < linear_[f].size(); ++k)
+      for (const int c : biases_) {
+        const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+        if (column.flight == static_cast<int>(f) && column.parameter < torque_trim) linear_[f].y[k][6 + column.parameter] -= value[c];
+      }
+  });
+}
+
+void Session::for_each_flight(const std::function<void(std::size_t)>& body) const {
+  parallel_for(static_cast<std::int64_t>(flights_.size()), jobs_, [&](std::int64_t f) { body(static_cast<std::size_t>(f)); });
+}
+
+void Session::suspect_load(const Swing& swing, std::vector<std::vector<Vector3>> force_per_flight) {
+  catalogue_.set_swing(swing);
+  for (std::size_t f = 0; f < flights_.size(); ++f) flights_[f].load_force_W_mps2 = std::move(force_per_flight[f]);
+}
+
+void Session::suspect_limit(double limit_radps) {
+  catalogue_.set_speed_limit(limit_radps);
+  for_each_flight([&](std::size_t f) {
+    flights_[f].limit_change = limit_changes(flights_[f], static_cast<int>(f), catalogue_, value_, {limit_radps}).front();
+  });
+}
+
+void Session::forget_transitions() {
+  for (LinearFlight& flight : linear_) flight.F.clear();
+}
+
+LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
+  LinearFlight rest{flight, {}, {}, {}, {}};
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto at = std::find(flight.columns.begin(), flight.columns.end(), columns[i]) - flight.columns.begin();
+    if (at == std::ssize(flight.columns)) continue;
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      rest.b[k] += coefficient[static_cast<Eigen::Index>(i)] * flight.B[k].col(at);
+      rest.y[k] -= coefficient[static_cast<Eigen::Index>(i)] * flight.D[k].col(at);
+    }
+    const std::vector<RotorArray>& by = flight.foretold_by[static_cast<std::size_t>(at)];
+    for (std::size_t k = 0; k < by.size(); ++k)
+      for (std::size_t r = 0; r < max_rotors; ++r) rest.faster[k][r] -= coefficient[static_cast<Eigen::Index>(i)] * by[k][r];
+  }
+  return rest;
+}
+
+LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns) {
+  LinearFlight part{flight, {}, {}, {}, {}};
+  std::vector<Eigen::Index> at;
+  for (std::size_t j = 0; j < flight.columns.size(); ++j)
+    if (std::find(columns.begin(), columns.end(), flight.columns[j]) != columns.end()) {
+      at.push_back(static_cast<Eigen::Index>(j));
+      part.columns.push_back(flight.columns[j]);
+      part.foretold_by.push_back(flight.foretold_by[j]);
+    }
+  for (std::size_t k = 0; k < flight.B.size(); ++k) {
+    part.B.push_back(flight.B[k](Eigen::all, at));
+    part.D.push_back(flight.D[k](Eigen::all, at));
+  }
+  return part;
+}
+
+// columns that were differentiated in the last linearisation
+std::vector<int> Session::present(const std::vector<int>& columns) const {
+  std::vector<int> result;
+  for (const int c : columns)
+    for (const LinearFlight& flight : linear_)
+      if (std::find(flight.columns.begin(), flight.columns.end(), c) != flight.columns.end()) {
+        result.push_back(c);
+        break;
+      }
+  return result;
+}
+
+void Session::learn_noise(int iterations, const std::vector<int>& columns) {
+  const std::vector<int> fitted = present(columns);
+  Eigen::VectorXd coefficient;
+  if (shoots()) {
+    weights_ = shooting_weights(shot_, {}, {});
+    for (int iteration = 0; iteration < 4; ++iteration) {
+      coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
+      weights_ = shooting_weights(shot_, fitted, coefficient);
+    }
+  }
+  noise.speeds = white_speed_noise(flights_, linear_);
+  std::vector<NoiseModel> before;
+  std::vector<LinearFlight> rest(flights_.size());
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const bool anew = iteration % 2 == 0;
+    if (anew && !shoots()) coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
+    smoothed.assign(flights_.size(), Smoothed{});
+    for_each_flight([&](std::size_t f) {
+      if (anew) rest[f] = taken_out(linear_[f], fitted, coefficient);
+      smoothed[f] = smooth(rest[f], noise);
+    });
+    if (anew) noise.speeds = likeliest(flights_, rest, noise.speeds);
+    before.push_back(noise);
+    noise = update(noise, smoothed, sample_s());
+    // two steps and a leap, and a step at the end
+    if (before.size() == 2 && iteration + 1 < iterations) noise = extrapolated(before[0], before[1], noise), before.clear();
+  }
+}
+
+void Session::search_noise(const std::vector<int>& columns) {
+  if (shoots() || linear_.front().forces_alone) return;
+  const std::vector<int> fitted = present(columns);
+  const Eigen::VectorXd coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
+  std::vector<LinearFlight> rest;
+  for (const LinearFlight& flight : linear_) rest.push_back(taken_out(flight, fitted, coefficient));
+  const NoiseModel calm = noise;
+  const double forgetful = descend(rest, noise);
+  // errors of the sensors may last
+  std::vector<Whitened> whitened(rest.size());
+  for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], rest[f], noise); });
+  const auto correlated = [](const auto& of_channels) {
+    return std::any_of(of_channels.begin(), of_channels.end(), [](double r) { return std::abs(r) > least_correlation; });
+  };
+  const auto correlation = lag_correlation(whitened, 3);
+  if (std::none_of(correlation.begin(), correlation.end(), correlated)) return;
+  NoiseModel lasting = calm;
+  lasting.lasting_variance = {1.6e-5, 2.5e-5, any_channel(flights_, has_rate) ? noise.measurement[2] : 1e-12,
+                              any_channel(flights_, has_force) ? noise.measurement[3] : 1e-12};   // 4 mm, 5 mrad
+  lasting.lasting_time_s = {0.1, 0.1, 0.5 * sample_s(), 0.5 * sample_s()};
+  const double remembering = descend(rest, lasting);
+  const double rows = std::accumulate(whitened.begin(), whitened.end(), 0.0, [](double sum, const Whitened& w) { return sum + static_cast<double>(w.time_s.size()); });
+  if (remembering < forgetful - least_gain_of_memory * rows) noise = lasting;
+}
+
+double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const {
+  const std::size_t count = flights.size();
+  const auto misfits = [&](const std::vector<NoiseModel>& models) {
+    std::vector<double> of(models.size() * count), sum(models.size(), 0.0);
+    parallel_for(std::ssize(of), jobs_, [&](std::int64_t at) {
+      const auto i = static_cast<std::size_t>(at), f = i % count;
+      of[i] = whiten(flights_[f], flights[f], models[i / count]).minus_two_log_likelihood;
+    });
+    for (std::size_t i = 0; i < of.size(); ++i) sum[i / count] += of[i];
+    return sum;
+  };
+  // a variance or a power is tried in steps of the square of what a time is
+  using PerGroup = std::array<double, disturbance_groups>;
+  struct Part {
+    PerGroup NoiseModel::*values;
+    bool time = false;
+  };
+  struct Law {
+    std::size_t group;
+    std::vector<Part> parts;
+  };
+  std::vector<Law> groups;
+  for (std::size_t g = 0; g < noise_groups && model.errors_last(); ++g)
+    groups.push_back({g, {{&NoiseModel::lasting_variance}, {&NoiseModel::lasting_time_s, true}}});
+  for (std::size_t g = 0; g < disturbance_groups; ++g)
+    groups.push_back({g, {{&NoiseModel::variance}, {&NoiseModel::time_s, true}, {&NoiseModel::white}}});
+  double least = misfits({model}).front();
+  for (const auto& [factor, sweeps] : {std::pair{2.0, 8}, {1.4, 4}}) {
+    // groups hardly depend on each other: one that stays will stay
+    std::vector<bool> moved(groups.size(), true);
+    for (int sweep = 0; sweep < sweeps; ++sweep)
+      for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (!moved[g]) continue;
+        moved[g] = false;
+        for (const Part& part : groups[g].parts) {
+          std::vector<NoiseModel> trials;
+          for (const double by : {factor, 1.0 / factor}) {
+            NoiseModel trial = model;
+            (trial.*part.values)[groups[g].group] *= part.time ? by : by * by;
+            if (trial.possible()) trials.push_back(trial);
+          }
+          const std::vector<double> here = misfits(trials);
+          for (std::size_t i = 0; i < trials.size(); ++i)
+            if (here[i] < least - 1.0) least = here[i], model = trials[i], moved[g] = true;
+        }
+      }
+  }
+  return least;
+}
+
+Grams Session::grams() const { return shoots() ? shooting_grams(shot_, weights_, catalogue_, value_) : grams_of(linear_); }
+
+Grams Session::grams(const std::vector<int>& columns) const {
+  const auto wanted = [&](int c) { return std::find(columns.begin(), columns.end(), c) != columns.end(); };
+  if (shoots() || std::all_of(linear_.begin(), linear_.end(), [&](const LinearFlight& l) { return std::all_of(l.columns.begin(), l.columns.end(), wanted); }))
+    return grams();
+  std::vector<LinearFlight> parts(flights_.size());
+  for_each_flight([&](std::size_t f) { parts[f] = only(linear_[f], columns); });
+  return grams_of(parts);
+}
+
+Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
+  std::vector<Grams> of_body(flights.size()), of_speeds(flights.size());
+  for_each_flight([&](std::size_t f) {
+    const auto add = [&](const Whitened& rows, Grams& grams) { accumulate(rows, flights[f].columns, static_cast<int>(f), catalogue_.size(), grams); };
+    add(whiten(flights_[f], flights[f], noise), of_body[f]);
+    add(whiten_speeds(flights_[f], flights[f], noise.speeds), of_speeds[f]);
+  });
+  Grams grams;
+  for (Grams& part : of_body) append(std::move(part), grams);
+  // they tell of the commands' way alone: what is material to the body is counted by the body's rows
+  const double rows = grams.rows;
+  for (Grams& part : of_speeds) append(std::move(part), grams);
+  grams.rows = rows;
+  // a faster log has more innovations, and tells no more of what air and noise do not hide
+  grams.rows *= std::min(1.0, sample_s() / fastest_sample_s);
+  return grams;
+}
+
+std::vector<Whitened> Session::innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
+                                           const std::vector<std::vector<Pushes>>* extra) const {
+  std::vector<Whitened> whitened(flights_.size());
+  for_each_flight([&](std::size_t f) {
+    whitened[f] = whiten(flights_[f], taken_out(linear_[f], columns, coefficient), noise, extra ? &(*extra)[f] : nullptr);
+  });
+  return whitened;
+}
+
+double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const {
+  std::vector<double> of(flights_.size());
+  for_each_flight([&](std::size_t f) {
+    const LinearFlight rest = taken_out(linear_[f], columns, coefficient);
+    of[f] = whiten(flights_[f], rest, noise).minus_two_log_likelihood + whiten_speeds(flights_[f], rest, noise.speeds).minus_two_log_likelihood;
+  });
+  return std::accumulate(of.begin(), of.end(), 0.0);
+}
+
+void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const {
+  const int delay = catalogue_.find("actuation_delay");
+  if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().foretold.empty()) return;
+  const int c = catalogue_.groups()[static_cast<std::size_t>(delay)].columns.front();
+  const double start_s = value_[c] + speed_lateness_s(flights_, linear_);
+  if (std::abs(value[c] - start_s) > sample_s()) value[c] = start_s;
+}
+
+bool Session::seen_in_speeds(int group) const {
+  for (const LinearFlight& flight : linear_)
+    for (std::size_t j = 0; j < flight.columns.size(); ++j)
+      if (!flight.foretold_by[j].empty() && catalogue_.columns()[static_cast<std::size_t>(flight.columns[j])].group == group) return true;
+  return false;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,99 @@
+// One diagnosis in memory: flights of one vehicle, linearised and weighed together.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "diagnosis/estimation/gram.hpp"
+#include "diagnosis/estimation/innovation_filter.hpp"
+#include "diagnosis/estimation/shooting.hpp"
+
+namespace gustlab::diagnosis {
+
+class Session {
+ public:
+  // `shooting_flights`: other (less filtered) versions of the same flights; Grams then come from predictions half a
+  // second ahead of these.
+  Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs,
+          std::vector<FlightData> shooting_flights = {});
+
+  const Catalogue& catalogue() const { return catalogue_; }
+  const VehicleModel& vehicle() const { return vehicle_; }
+  const std::vector<FlightData>& flights() const { return flights_; }
+  const std::vector<LinearFlight>& linear() const { return linear_; }
+  const Eigen::VectorXd& value() const { return value_; }
+  const std::vector<int>& all_columns() const { return all_; }
+  const std::vector<int>& biases() const { return biases_; }
+  // The columns of some groups and the biases, in this order.
+  std::vector<int> with_biases(const std::vector<int>& groups) const;
+  int jobs() const { return jobs_; }
+  double sample_s() const { return flights_.front().sample_s; }
+  // of the logs themselves, where they are read at a lower rate for being smoothed
+  const std::vector<FlightData>& flights_as_logged() const { return shoots() ? shooting_flights_ : flights_; }
+  double logged_sample_s() const { return flights_as_logged().front().sample_s; }
+
+  // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
+  // Where predictions are fitted, the filter's own part can be left out.
+  void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter = true);
+  // A load that swings so is suspected: its force history becomes a column.
+  void suspect_load(const Swing& swing, std::vector<std::vector<Vector3>> force_per_flight);
+  // A lower speed limit is suspected: what it changes becomes a column.
+  void suspect_limit(double limit_radps);
+  // F again from scratch at the next linearise (after a large effect was found).
+  void forget_transitions();
+  // EM on the noise, with the given columns at their least-squares values (ridged) all along.
+  void learn_noise(int iterations, const std::vector<int>& columns);
+  // A coarse search for the likeliest disturbance, from where EM would take hundreds of steps, and for errors of the sensors
+  // that last, where innovations are not white.
+  void search_noise(const std::vector<int>& columns);
+  Grams grams() const;
+  // Of these columns at least.
+  Grams grams(const std::vector<int>& columns) const;
+  // Innovations with the given columns taken out at these values (natural units, counted from the linearisation);
+  // `extra`: further columns per flight, before y.
+  std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
+                                    const std::vector<std::vector<Pushes>>* extra = nullptr) const;
+  // −2 log likelihood of the same.
+  double misfit(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
+
+  // Where rotor speeds are measured and a delay is among the groups, it starts from where speeds and commands match.
+  void start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const;
+  // Whether a group was last linearised in how measured rotor speeds follow their commands.
+  bool seen_in_speeds(int group) const;
+
+  // Each flight on a thread of its own; what a body writes belongs to its flight.
+  void for_each_flight(const std::function<void(std::size_t)>& body) const;
+  void take_weights(const Session& other) { weights_ = other.weights_; }
+  bool shoots() const { return !shooting_flights_.empty(); }
+
+  NoiseModel noise;
+  std::vector<Smoothed> smoothed;   // of the last EM iteration
+
+ private:
+  Grams grams_of(const std::vector<LinearFlight>& flights) const;
+  std::vector<int> present(const std::vector<int>& columns) const;
+  // Changes the model, a part at a time, to a likelier one; returns −2 log likelihood.
+  double descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const;
+  int jobs_;
+  VehicleModel vehicle_;
+  std::vector<FlightData> flights_;
+  Catalogue catalogue_;
+  std::vector<LinearFlight> linear_;
+  Eigen::VectorXd value_;
+  std::vector<int> all_, biases_;
+  std::vector<SensorCorrection> corrected_;
+  std::vector<FlightData> shooting_flights_;
+  std::vector<ShotFlight> shot_;
+  ShootingWeights weights_;
+};
+
+// A flight with these columns alone.
+LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns);
+// A flight with some columns at these values, and no column left.
+LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient);
+// Typical size of the noise before anything is known.
+NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleModel& vehicle);
+// What a calm room leaves unexplained, per group, sd in m/s² and rad/s² (Crazyflie prototype, scaled by size).
+std::array<double, disturbance_groups> reference_floor(const VehicleModel& vehicle);
+
+}  // namespace gustlab::diagnosis

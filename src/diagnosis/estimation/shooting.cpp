@@ -1,0 +1,241 @@
+#include "diagnosis/estimation/shooting.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/model/propagation.hpp"
+#include "diagnosis/recording/row_intervals.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// Columns that were filtered differently do not agree: a velocity is not quite the derivative of its position. Of the two the
+// faster one is predicted, where it was recorded: velocity (else position), body rate (else attitude).
+constexpr int rows_per_horizon = 6;
+constexpr auto window_rows = static_cast<Eigen::Index>(shooting_horizon_s.size()) * rows_per_horizon;
+
+// an effect this many times its natural size is not yet absurd
+constexpr double loose_prior = 20.0;
+// standard deviations beyond which a window counts no more; share of each row's noise that is its own
+constexpr double clearly_lost = 3.0, own_share = 0.05;
+
+struct Window {
+  std::size_t start;
+  std::array<std::size_t, shooting_horizon_s.size()> at;
+};
+
+std::vector<Window> windows_of(const FlightData& flight, double spacing_s) {
+  std::vector<Window> windows;
+  const auto length = static_cast<std::size_t>(std::lround(shooting_horizon_s.back() / flight.sample_s));
+  const auto spacing = static_cast<std::size_t>(std::lround(spacing_s / flight.sample_s));
+  for (std::size_t k = length; k + 2 * length < flight.samples.size(); k += spacing) {
+    bool whole = true;
+    for (std::size_t j = k + 1; j <= k + length; ++j) whole = whole && !flight.samples[j].starts_segment && !flight.samples[j].saturated;
+    if (!whole) continue;
+    Window w{k, {}};
+    for (std::size_t h = 0; h < w.at.size(); ++h)
+      w.at[h] = k + std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(shooting_horizon_s[h] / flight.sample_s)));
+    windows.push_back(w);
+  }
+  return windows;
+}
+
+// a flight as the nuisances and sensor effects of the moment read it
+struct Reading {
+  FlightData flight;
+  Vector3 trim_B_radps2 = Vector3::Zero();
+
+  Reading(const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value) : flight(recorded) {
+    smooth_motion(flight, catalogue.sensor_correction(value, index));
+    trim(index, catalogue, value);
+  }
+  // The motion of another reading, which trims of torques and commands do not change.
+  Reading(const Reading& other, const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value) : flight(other.flight) {
+    flight.commands = recorded.commands;
+    flight.measured_speed = recorded.measured_speed;
+    trim(index, catalogue, value);
+  }
+
+ private:
+  void trim(int index, const Catalogue& catalogue, const Eigen::VectorXd& value) {
+    double clock_s = 0.0, smoothing_s2 = 0.0;
+    for (int c = 0; c < catalogue.size(); ++c) {
+      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      if (column.group >= 0 || column.flight != index || column.parameter < torque_trim) continue;
+      if (column.parameter == command_clock) clock_s = value[c];
+      else if (column.parameter == command_smoothing) smoothing_s2 = value[c];
+      else trim_B_radps2[column.parameter - torque_trim] = value[c];
+    }
+    for (CommandRecord* record : {&flight.commands, &flight.measured_speed}) record->delay(clock_s), record->smooth(smoothing_s2);
+  }
+};
+
+// measured ⊟ predicted at every horizon of every window
+Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, const RotorHistory& rotors,
+                          const std::vector<Window>& windows) {
+  const FlightData& flight = reading.flight;
+  Eigen::MatrixXd out(window_rows, static_cast<Eigen::Index>(windows.size()));
+  const auto count = static_cast<std::size_t>(rotors.substeps);
+  const Vector3 arm = forces.vehicle().center_of_mass_B_m;
+  Evaluator evaluate{forces, {}, {}, reading.trim_B_radps2};
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    // a smoothed record is nearer the truth than half a second of open loop: forces see the recorded attitude, torques
+    // the recorded velocity, and neither is charged with the other's errors
+    Point moves = center_of_mass(flight.motion[windows[w].start], arm), turns = moves;
+    std::size_t k = windows[w].start;
+    for (std::size_t h = 0; h < windows[w].at.size(); ++h) {
+      for (; k < windows[w].at[h]; ++k) {
+        const Sample& sample = flight.samples[k];
+        const auto run = [&](const Point& from) {
+          return propagate(evaluate, from, sample.time_s - flight.start_s, flight.samples[k + 1].time_s - sample.time_s, sample.voltage_V,
+                           rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
+        };
+        const Point recorded = center_of_mass(flight.motion[k + 1], arm);
+        moves = run(moves);
+        turns = run(turns);
+        moves.attitude = recorded.attitude, moves.rate = recorded.rate;
+        turns.position = recorded.position, turns.velocity = recorded.velocity;
+      }
+      const Vector12 missed = center_of_mass(flight.motion[k], arm).minus(Point{moves.position, moves.velocity, turns.attitude, turns.rate});
+      const unsigned seen = flight.samples[k].channels;
+      out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, static_cast<Eigen::Index>(w))
+          << missed.segment<3>(seen & has_velocity ? 3 : 0), missed.segment<3>(seen & has_rate ? 9 : 6);
+    }
+  }
+  return out;
+}
+
+// histories come from scans; a lever shows in an accelerometer only
+bool has_no_prediction(std::string_view name) {
+  return is_history(name) || name == "imu_lever";
+}
+
+}  // namespace
+
+ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                 const std::vector<int>& wanted, double spacing_s) {
+  ShotFlight shot;
+  const std::vector<Window> windows = windows_of(flight, spacing_s);
+  const Reading base(flight, flight_index, catalogue, value);
+  const ForceModel forces = force_model(base.flight, catalogue, value, flight_index, -1);
+  const RotorHistory rotors = rotor_history(base.flight, forces);
+  const Eigen::MatrixXd r0 = residuals(base, forces, rotors, windows);
+  for (const int c : wanted) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    if (column.flight < 0 || column.flight == flight_index) shot.columns.push_back(c);
+  }
+  const auto width = static_cast<Eigen::Index>(shot.columns.size()) + 1;
+  shot.window.assign(windows.size(), Eigen::MatrixXd::Zero(window_rows, width));
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    shot.time_s.push_back(flight.samples[windows[w].start].time_s);
+    shot.window[w].col(width - 1) = r0.col(static_cast<Eigen::Index>(w));
+  }
+  for (Eigen::Index j = 0; j + 1 < width; ++j) {
+    const int c = shot.columns[static_cast<std::size_t>(j)];
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    Eigen::VectorXd to = value;
+    const double step = 1e-3 * column.natural;
+    to[c] += step;
+    Eigen::MatrixXd moved;
+    if (column.group < 0) {
+      if (column.parameter >= force_bias && column.parameter < torque_trim) continue;
+      const Reading reading = column.parameter >= torque_trim ? Reading(base, flight, flight_index, catalogue, to) : Reading(flight, flight_index, catalogue, to);
+      moved = residuals(reading, forces, column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
+    } else {
+      const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
+      if (has_no_prediction(row.name)) continue;
+      if (row.place == Place::measurement) {
+        moved = residuals(Reading(flight, flight_index, catalogue, to), forces, rotors, windows);
+      } else {
+        const ForceModel model = force_model(base.flight, catalogue, to, flight_index, column.group);
+        moved = residuals(base, model, row.place == Place::actuation ? rotor_history(base.flight, model) : rotors, windows);
+      }
+    }
+    for (std::size_t w = 0; w < windows.size(); ++w)
+      shot.window[w].col(j) = (r0.col(static_cast<Eigen::Index>(w)) - moved.col(static_cast<Eigen::Index>(w))) * (column.natural / step);
+  }
+  return shot;
+}
+
+ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const std::vector<int>& columns,
+                                 const Eigen::VectorXd& coefficient) {
+  // what is left, one column per window
+  std::vector<Eigen::VectorXd> left;
+  for (const ShotFlight& flight : flights)
+    for (const Eigen::MatrixXd& window : flight.window) {
+      Eigen::VectorXd r = window.col(window.cols() - 1);
+      for (std::size_t j = 0; j < flight.columns.size(); ++j)
+        for (std::size_t i = 0; i < columns.size(); ++i)
+          if (columns[i] == flight.columns[j]) r -= window.col(static_cast<Eigen::Index>(j)) * coefficient[static_cast<Eigen::Index>(i)];
+      left.push_back(std::move(r));
+    }
+  // robust size of each row: median
+  Eigen::VectorXd sd(window_rows);
+  constexpr std::array<double, 2> least = {1e-3, 1e-2};  // m/s and rad/s
+  for (Eigen::Index row = 0; row < window_rows; ++row) {
+    std::vector<double> sizes;
+    for (const Eigen::VectorXd& r : left) sizes.push_back(std::abs(r[row]));
+    sd[row] = std::max(left.empty() ? 1.0 : median(std::move(sizes)) / 0.6745, least[static_cast<std::size_t>(row % rows_per_horizon / 3)]);
+  }
+  // an error grows along the horizons: the rows of a window belong together
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Zero(window_rows, window_rows);
+  double count = 0.0;
+  for (const Eigen::VectorXd& r : left) {
+    Eigen::VectorXd z = r.cwiseQuotient(sd);
+    const double size = z.norm() / std::sqrt(static_cast<double>(window_rows));
+    if (size > clearly_lost) z *= clearly_lost / size;
+    correlation += z * z.transpose();
+    count += 1.0;
+  }
+  correlation = (correlation + own_share * count * Eigen::MatrixXd::Identity(window_rows, window_rows)) / ((1.0 + own_share) * std::max(1.0, count));
+  if (count == 0.0) correlation.setIdentity();
+  const Eigen::MatrixXd inverse = correlation.llt().matrixL().solve(Eigen::MatrixXd::Identity(window_rows, window_rows));
+  return inverse * sd.cwiseInverse().asDiagonal();
+}
+
+Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeights& weights, const Catalogue& catalogue,
+                     const Eigen::VectorXd& value) {
+  Grams grams;
+  const int catalogue_size = catalogue.size();
+  grams.columns = catalogue_size;
+  for (std::size_t f = 0; f < flights.size(); ++f) {
+    std::vector<int> at = flights[f].columns;
+    at.push_back(catalogue_size);
+    for (std::size_t w = 0; w < flights[f].window.size(); ++w) {
+      const Eigen::MatrixXd& window = flights[f].window[w];
+      Eigen::MatrixXd z = weights * window;
+      // a window that the model loses altogether weighs no more than one that it loses clearly
+      const double size = z.col(z.cols() - 1).norm() / std::sqrt(static_cast<double>(window_rows));
+      if (size > clearly_lost) z *= std::sqrt(clearly_lost / size);
+      const Eigen::MatrixXd local = z.transpose() * z;
+      Eigen::MatrixXd full = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
+      for (std::size_t i = 0; i < at.size(); ++i)
+        for (std::size_t j = 0; j < at.size(); ++j)
+          full(at[i], at[j]) = local(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      grams.block.push_back(std::move(full));
+      grams.flight.push_back(static_cast<int>(f));
+      grams.time_s.push_back(flights[f].time_s[w]);
+      grams.cluster.push_back(grams.clusters++);
+      grams.rows += static_cast<double>(window_rows);
+    }
+  }
+  // what is small unless the data say otherwise: one more measurement of each
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
+  for (int c = 0; c < catalogue_size; ++c) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    Eigen::Vector2d row(1.0, -(value[c] - column.nominal) / column.natural);
+    if (column.group >= 0) row /= loose_prior;
+    prior(c, c) += row[0] * row[0];
+    prior(c, catalogue_size) = prior(catalogue_size, c) = row[0] * row[1];
+    prior(catalogue_size, catalogue_size) += row[1] * row[1];
+  }
+  grams.block.push_back(std::move(prior));
+  grams.flight.push_back(0);
+  grams.time_s.push_back(0.0);
+  grams.cluster.push_back(grams.clusters++);
+  return grams;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,288 @@
+#include "diagnosis/model/catalogue.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "simulation/make_effects.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+class NumberCollector final : public ParameterVisitor {
+ public:
+  std::vector<Number> found;
+  void number(std::string_view name, double& value, const ParameterInfo& info) override {
+    found.push_back({std::string(name), &value, info});
+  }
+  void vector(std::string_view name, Vector3& value, const ParameterInfo& info) override {
+    for (int i = 0; i < 3; ++i) found.push_back({fmt::format("{}.{}", name, "xyz"[i]), &value[i], info});
+  }
+  void integer(std::string_view, std::int64_t&, const ParameterInfo&) override {}
+  void flag(std::string_view, bool&, const ParameterInfo&) override {}
+  void text(std::string_view, std::string&, const ParameterInfo&) override {}
+  void numbers(std::string_view, std::vector<double>&, const ParameterInfo&) override {}
+  void texts(std::string_view, std::vector<std::string>&, const ParameterInfo&) override {}
+};
+
+// sets the rotor of rotor_loss
+class RotorSetter final : public ParameterVisitor {
+ public:
+  explicit RotorSetter(int rotor) : rotor_(rotor) {}
+  void integer(std::string_view name, std::int64_t& value, const ParameterInfo&) override {
+    if (name == "rotor") value = rotor_;
+  }
+  void number(std::string_view, double&, const ParameterInfo&) override {}
+  void flag(std::string_view, bool&, const ParameterInfo&) override {}
+  void text(std::string_view, std::string&, const ParameterInfo&) override {}
+  void numbers(std::string_view, std::vector<double>&, const ParameterInfo&) override {}
+  void texts(std::string_view, std::vector<std::string>&, const ParameterInfo&) override {}
+  void vector(std::string_view, Vector3&, const ParameterInfo&) override {}
+
+ private:
+  int rotor_;
+};
+
+// found in the disturbance's spectrum
+bool has_no_column(std::string_view name) { return name == "gust"; }
+constexpr std::pair<Need, std::string_view> lacking[] = {
+    {Need::attitude, "no attitude in the logs"},
+    {Need::motion, "neither position nor velocity in the logs"},
+    {Need::torque, "these logs tell no torque"},
+    {Need::accelerometer, "no accelerometer in the logs"},
+    {Need::ground, "no ground height in the logs (environment.ground_z_m)"},
+    {Need::ceiling, "no ceiling height in the logs (environment.ceiling_z_m)"},
+    {Need::wall, "no walls in the logs (environment.walls)"}};
+
+}  // namespace
+
+bool is_history(std::string_view name) { return name == "slung_load" || name == "saturation"; }
+
+std::vector<Number> numbers_of(Parameterized& effect) {
+  NumberCollector collector;
+  effect.visit(collector);
+  return collector.found;
+}
+
+double scale_of(Scale scale, const VehicleModel& vehicle) {
+  switch (scale) {
+    case Scale::one: return 1.0;
+    case Scale::weight: return vehicle.weight_N();
+    case Scale::arm: return vehicle.arm_m();
+    case Scale::rotor_torque_per_speed:
+      return vehicle.weight_N() * vehicle.arm_m() / (vehicle.rotor_count * vehicle.hover_speed_radps());
+    case Scale::yaw_inertia: return vehicle.inertia_B_kgm2(2, 2);
+  }
+  return 1.0;
+}
+
+Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen) : vehicle_(vehicle), seen_(seen) {
+  const auto add = [&](const EffectRow& row, int rotor) {
+    Group group;
+    group.label = rotor > 0 ? fmt::format("{}#{}", row.name, rotor) : std::string(row.name);
+    group.row = &row;
+    group.rotor = rotor;
+    group.nominal = std::any_of(vehicle.effects.begin(), vehicle.effects.end(),
+                                [&](const EffectSpec& spec) { return spec.type == row.name; });
+    group.candidate = row.diagnosable && !has_no_column(row.name) && why_left_out(row).empty();
+    if (!group.candidate && !group.nominal) return;
+    if (row.name == "gust" || row.name == "measurement_noise") return;
+    const auto effect = make(group);
+    const auto numbers = numbers_of(*effect);
+    const int index = static_cast<int>(groups_.size());
+    for (std::size_t p = 0; group.candidate && p < numbers.size(); ++p) {
+      const Number& number = numbers[p];
+      // the battery is described by its voltage where there is one, otherwise by time
+      if (row.name == "battery_sag" && (number.name == "rate") == seen.voltage) continue;
+      if (row.name == "slung_load" && number.name != "mass") continue;
+      if (row.name == "motor_lag" && p == 1 && *number.value < 0.0) continue;
+      Column column;
+      column.group = index;
+      column.parameter = static_cast<int>(p);
+      column.name = number.name;
+      column.unit = number.info.unit;
+      const double scale = scale_of(number.info.scale, vehicle);
+      column.natural = number.info.natural * scale;
+      column.tolerance = number.info.tolerance * scale;
+      column.estimate_tolerance = number.info.estimate_tolerance * scale;
+      // how late and how smooth rotors answer, a filter feigns
+      if (seen.smoothing && row.place == Place::actuation && column.unit == "s") column.tolerance = std::max(column.tolerance, filter_feigns_s);
+      column.min = number.info.min;
+      column.max = number.info.max;
+      column.nominal = *number.value;
+      if (number.info.plausible > 0.0) column.max = number.info.plausible * scale, column.min = -column.max;
+      if (row.name == "saturation") {
+        if (number.name != "max_speed") continue;
+        column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;
+      }
+      for (int f = 0; f < (row.per_flight ? flights : 1); ++f) {
+        column.flight = row.per_flight ? f : -1;
+        group.columns.push_back(size());
+        columns_.push_back(column);
+      }
+    }
+    groups_.push_back(std::move(group));
+  };
+  for (const EffectRow& row : effect_registry()) {
+    if (row.name == "rotor_loss")
+      for (int rotor = 1; rotor <= vehicle.rotor_count; ++rotor) add(row, rotor);
+    else
+      add(row, 0);
+  }
+  for (int f = 0; f < flights; ++f)
+    for (int p = 0; p < (seen.tells(Need::accelerometer) ? 6 : 3); ++p) {
+      Column bias;
+      bias.parameter = p;
+      bias.flight = f;
+      bias.name = fmt::format("{}_bias_{}", p < 3 ? "gyro" : "accelerometer", "xyz"[p % 3]);
+      bias.unit = p < 3 ? "rad/s" : "m/s^2";
+      bias.natural = p < 3 ? 0.02 : 0.1;
+      bias.min = p < 3 ? -1.0 : -5.0;
+      bias.max = -bias.min;
+      columns_.push_back(bias);
+    }
+  for (int p = 0; !seen.trims && seen.tells(Need::torque) && p < Surprise::RowsAtCompileTime; ++p) {
+    Column surprise;
+    surprise.parameter = command_surprise_of + p;
+    surprise.name = fmt::format("command_surprise_{}", p);
+    surprise.max = 1e3;
+    surprise.min = -surprise.max;
+    columns_.push_back(surprise);
+  }
+  struct Trim {
+    const char *name, *unit;
+    double natural, most;
+  };
+  constexpr Trim trims[] = {{"torque_trim_x", "rad/s^2", torque_trim_sd, 50.0}, {"torque_trim_y", "rad/s^2", torque_trim_sd, 50.0},
+                            {"torque_trim_z", "rad/s^2", torque_trim_sd, 50.0}, {"command_clock", "s", command_clock_sd, 0.06},
+                            {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
+  for (int f = 0; seen.trims && f < flights; ++f)
+    for (int p = torque_trim; p <= (seen.smoothing ? command_smoothing : command_clock); ++p) {
+      const Trim& known = trims[p - torque_trim];
+      Column trim;
+      trim.parameter = p;
+      trim.flight = f;
+      trim.name = known.name;
+      trim.unit = known.unit;
+      trim.natural = known.natural;
+      trim.max = known.most;
+      trim.min = -trim.max;
+      columns_.push_back(trim);
+    }
+}
+
+std::string Catalogue::why_left_out(const EffectRow& row) const {
+  for (const auto& [need, why] : lacking)
+    if (row.asks(need) && !seen_.tells(need)) return std::string(why);
+  if (!seen_.tells(Need::torque) && !seen_.tells(Need::motion) && row.name == "mass") return "these logs tell thrust per mass only: see thrust_scale";
+  if (!seen_.trims) return {};
+  // columns that were filtered differently differ in amplitude as if a sensor had another scale
+  if (row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
+  if (row.name == "steady_wind") return "the logs were low-pass filtered, and half a second tells no wind from a force: see constant_force";
+  return {};
+}
+
+std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
+  std::unique_ptr<Effect> effect;
+  for (const EffectSpec& spec : vehicle_.effects)
+    if (spec.type == group.row->name) effect = std::move(make_effects({spec}).front().effect);
+  if (!effect) effect = group.row->make();
+  if (group.rotor > 0) {
+    RotorSetter setter(group.rotor);
+    effect->visit(setter);
+  }
+  // a lag that is alike up and down becomes two equal numbers, so that both can be fitted
+  if (group.row->name == "motor_lag" && seen_.tells(Need::motion)) {
+    const auto numbers = numbers_of(*effect);
+    if (*numbers[1].value < 0.0) *numbers[1].value = *numbers[0].value;
+  }
+  return effect;
+}
+
+Eigen::VectorXd Catalogue::nominal() const {
+  Eigen::VectorXd value(size());
+  for (int c = 0; c < size(); ++c) value[c] = columns_[static_cast<std::size_t>(c)].nominal;
+  return value;
+}
+
+int Catalogue::find(std::string_view label) const {
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    if (groups_[g].label == label) return static_cast<int>(g);
+  return -1;
+}
+
+std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int flight, int also) const {
+  std::vector<NamedEffect> result;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Group& group = groups_[g];
+    bool acts = static_cast<int>(g) == also || !group.candidate;
+    for (const int c : group.columns) acts = acts || value[c] != 0.0;
+    if (!acts || (group.candidate && is_history(group.row->name))) continue;
+    auto effect = make(group);
+    const auto numbers = numbers_of(*effect);
+    for (const int c : group.columns) {
+      const Column& column = columns_[static_cast<std::size_t>(c)];
+      if (column.flight < 0 || column.flight == flight)
+        *numbers[static_cast<std::size_t>(column.parameter)].value = value[c];
+    }
+    result.push_back({group.row, std::move(effect)});
+  }
+  return result;
+}
+
+void Catalogue::set_swing(const Swing& swing) {
+  for (Group& group : groups_)
+    if (group.row->name == "slung_load") group.swing = swing;
+}
+
+void Catalogue::set_speed_limit(double limit_radps) {
+  for (Group& group : groups_)
+    if (group.row->name == "saturation") group.limit_radps = limit_radps;
+}
+
+SensorCorrection Catalogue::sensor_correction(const Eigen::VectorXd& value, int flight) const {
+  SensorCorrection correction;
+  for (int c = 0; c < size(); ++c) {
+    const Column& column = columns_[static_cast<std::size_t>(c)];
+    if (column.flight >= 0 && column.flight != flight) continue;
+    if (column.group < 0) {
+      if (column.parameter < force_bias) correction.rate_bias_B_radps[column.parameter] = value[c];
+      continue;
+    }
+    const std::string_view name = groups_[static_cast<std::size_t>(column.group)].row->name;
+    if (name == "attitude_offset") correction.attitude_offset_B_rad[column.parameter] += value[c];
+    if (name == "yaw_offset") correction.attitude_offset_B_rad[2] += value[c];
+    if (name == "pose_delay") correction.pose_delay_s = value[c];
+    if (name == "gyro_scale") correction.rate_scale = value[c];
+  }
+  return correction;
+}
+
+void Catalogue::clamp(Eigen::VectorXd& value) const {
+  for (int c = 0; c < size(); ++c) {
+    const Column& column = columns_[static_cast<std::size_t>(c)];
+    // what is not there is not bounded either
+    if (value[c] != column.nominal) value[c] = std::clamp(value[c], column.min, column.max);
+  }
+}
+
+std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group) {
+  std::vector<int> own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
+  // only c_τ k_f / J_z is visible: with yaw_torque_ratio the moment of inertia in yaw stays as it is, unless a drag at the
+  // hubs or the rotors' own inertia turns against it
+  const auto in = [&](std::string_view label) { return std::find(groups.begin(), groups.end(), catalogue.find(label)) != groups.end(); };
+  if (group == catalogue.find("inertia") && in("yaw_torque_ratio") && !in("rotor_drag") && !in("rotor_inertia")) own.pop_back();
+  return own;
+}
+
+std::vector<int> columns_of(const Catalogue& catalogue, const std::vector<int>& groups) {
+  std::vector<int> columns;
+  for (const int g : groups) {
+    const std::vector<int> own = own_columns(catalogue, groups, g);
+    columns.insert(columns.end(), own.begin(), own.end());
+  }
+  return columns;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,121 @@
+// The catalogue as columns of a regression: every parameter of every candidate effect, per vehicle or per flight.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/recording/flight_data.hpp"
+#include "gustlab/effect.hpp"
+
+namespace gustlab::diagnosis {
+
+// Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims, a clock, and how much
+// less the commands were smoothed than the motion. Elsewhere, of all flights: coefficients of what was not foretold of the
+// commands (command_surprise.hpp).
+enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_smoothing = 10, command_surprise_of = 11 };
+
+// One number that may be fitted.
+struct Column {
+  int group = -1;        // −1: a nuisance (sensor bias, trim), always free and never a finding
+  int parameter = 0;     // index among the effect's numbers; of a nuisance: Nuisance
+  int flight = -1;       // −1: one value for all flights
+  std::string name;
+  std::string unit;
+  double natural = 1.0;  // typical size in SI, the regression's unit
+  double tolerance = 0.0, estimate_tolerance = 0.0;   // the latter where errors of the sensors last
+  double min = 0.0, max = 0.0;
+  double nominal = 0.0;  // value in the vehicle file
+  bool of_surprise() const { return group < 0 && parameter >= command_surprise_of; }
+  // a little beyond a bound is noise
+  bool admits(double value) const { return value >= min - 0.02 * natural && value <= max + 0.02 * natural; }
+};
+
+// What build tolerances and a re-seated battery leave from flight to flight: rad/s² (a third of a millimetre of a
+// Crazyflie's centre of mass), a logger's clocks, s, and the variance of a filter's kernel, s² (20 ms: 8 Hz).
+inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02, command_smoothing_sd = 4e-4;
+// Of a lag or delay in logs that were low-pass filtered: kernels are about as wide, and not quite as a smoothed command has it.
+inline constexpr double filter_feigns_s = 0.03;
+
+// How a load swings: length of its cable, damping ratio of small swings, and the length's standard error.
+struct Swing {
+  double length_m = 0.0, damping = 0.0, length_deviation_m = 0.0;
+};
+
+// All numbers of one effect (of one rotor, for rotor_loss): selected or left out together.
+struct Group {
+  std::string label;     // rotor_drag, rotor_loss#3
+  const EffectRow* row = nullptr;
+  int rotor = 0;         // rotor_loss: 1…N
+  bool nominal = false;  // part of the vehicle file
+  bool candidate = true; // false: part of the nominal model, with nothing to fit
+  Swing swing;           // slung_load: found by a scan
+  double limit_radps = 0.0;  // saturation: speed limit, found by a scan; its column is a switch near one
+  std::vector<int> columns;
+};
+
+// The numbers of an effect in the order in which it declares them.
+struct Number {
+  std::string name;
+  double* value;
+  ParameterInfo info;
+};
+std::vector<Number> numbers_of(Parameterized& effect);
+
+// Whether an effect's column is a history that a scan found; such an effect never flies in the linearised model.
+bool is_history(std::string_view effect);
+
+// What a parameter's natural size and tolerance are multiplied with for a vehicle.
+double scale_of(Scale scale, const VehicleModel& vehicle);
+
+class Catalogue {
+ public:
+  // battery_sag is fitted by voltage where that was seen, otherwise by time. `flights`: how many, for values per flight.
+  // Without attitude nothing fixed in the world, without position or velocity nothing that depends on them can be told,
+  // and without torque nothing that only turns the vehicle. Without velocity, a speed that falls more slowly than it
+  // rises cannot be told from thrust that is lost in a climb: motor_lag then has one time constant.
+  struct Seen {
+    Need told = Need::nothing;
+    bool voltage = false;
+    bool trims = false;  // torque trims and command clocks are free in every flight
+    bool smoothing = false;  // and how much less the commands were smoothed
+    bool tells(Need need) const { return (told & need) != Need::nothing; }
+  };
+  Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen);
+
+  const std::vector<Group>& groups() const { return groups_; }
+  const std::vector<Column>& columns() const { return columns_; }
+  // lags and delays near filter_feigns_s may be a filter's
+  bool filter_feigns_lags() const { return seen_.smoothing; }
+  // why an effect of the registry is not among the candidates; empty when it is
+  std::string why_left_out(const EffectRow& row) const;
+  int size() const { return static_cast<int>(columns_.size()); }
+  Eigen::VectorXd nominal() const;
+  int find(std::string_view label) const;  // group index or −1
+
+  // The effects that fly in one flight at given values: those of non-zero strength, and `also` (a group) in any case.
+  std::vector<NamedEffect> effects(const Eigen::VectorXd& value, int flight, int also = -1) const;
+  // The swing of slung_load, whose force is a history of each flight and never part of effects().
+  void set_swing(const Swing& swing);
+  void set_speed_limit(double limit_radps);
+  // Sensor effects and rate biases of one flight, as smoothing takes them out.
+  SensorCorrection sensor_correction(const Eigen::VectorXd& value, int flight) const;
+  // Values kept inside their bounds.
+  void clamp(Eigen::VectorXd& value) const;
+
+ private:
+  std::unique_ptr<Effect> make(const Group& group) const;
+
+  VehicleModel vehicle_;
+  Seen seen_;
+  std::vector<Group> groups_;
+  std::vector<Column> columns_;
+};
+
+// Columns of one group beside others: of exact aliases only one is free.
+std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group);
+// Columns of several groups.
+std::vector<int> columns_of(const Catalogue& catalogue, const std::vector<int>& groups);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,77 @@
+#include "diagnosis/model/command_surprise.hpp"
+
+#include <Eigen/Cholesky>
+
+#include "diagnosis/model/propagation.hpp"
+#include "simulation/make_effects.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr std::size_t lags = 3, fewest_samples = 200;
+constexpr double memory_s = 0.2, ridge = 1e-6;
+constexpr Eigen::Index per_lag = 4 + 3 + 3 + 3 + 3, width = per_lag * static_cast<Eigen::Index>(lags) + 1;
+
+// of the rotors alone, at rest
+std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight) {
+  ForceModel forces(flight.vehicle, make_effects(flight.vehicle.effects));
+  forces.set_speed_is_measured(!flight.measured_speed.empty());
+  forces.prepare(flight.sample_s / flight.substeps, 0, 0);
+  const RotorHistory rotors = rotor_history(flight, forces);
+  const auto count = static_cast<std::size_t>(rotors.substeps);
+  Evaluator evaluate{forces, {}, {}};
+  const Point rest{Vector3(0.0, 0.0, 1e3), Vector3::Zero(), Quaternion::Identity(), Vector3::Zero()};
+  std::vector<Eigen::Vector4d> result;
+  for (std::size_t k = 0; k < flight.samples.size(); ++k) {
+    const Acceleration a = evaluate(rest, 0.0, flight.vehicle.nominal_voltage_V, mean_of(&rotors.mean[k * count], rotors.substeps), {});
+    result.emplace_back(a.angular_B_radps2.x(), a.angular_B_radps2.y(), a.angular_B_radps2.z(), a.linear_W_mps2.z());
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Surprise> command_surprise(const FlightData& flight) {
+  if (flight.collective_only || flight.samples.size() < fewest_samples) return {};
+  const std::vector<Eigen::Vector4d> acceleration = rotor_acceleration(flight);
+  std::vector<Surprise> surprise(acceleration.size(), Surprise::Zero());
+  std::vector<std::size_t> row;
+  for (std::size_t k = 0, run = 0; k < acceleration.size(); ++k) {
+    run = flight.samples[k].starts_segment ? 0 : run + 1;
+    if (run > lags) row.push_back(k);
+  }
+  Eigen::MatrixXd X(static_cast<Eigen::Index>(row.size()), width), Y(static_cast<Eigen::Index>(row.size()), 4);
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    Eigen::Matrix<double, 1, width> x;
+    Eigen::Index at = 0;
+    for (std::size_t lag = 0; lag < lags; ++lag) {
+      const Sample& s = flight.samples[row[i] - lag];
+      const Matrix3 R = s.attitude_WB.toRotationMatrix();
+      x.segment<3>(at) = s.body_rate_B_radps.transpose();
+      x.segment<3>(at + 3) = R.row(2);
+      x.segment<3>(at + 6) = (R.transpose() * s.velocity_W_mps).transpose();
+      x.segment<3>(at + 9) = s.position_W_m.transpose();
+      x.segment<4>(at + 12) = acceleration[row[i] - lag - 1].transpose();
+      at += per_lag;
+    }
+    x[at] = 1.0;
+    X.row(static_cast<Eigen::Index>(i)) = x;
+    Y.row(static_cast<Eigen::Index>(i)) = acceleration[row[i]].transpose();
+  }
+  const Eigen::RowVectorXd mean = X.colwise().mean();
+  X.rowwise() -= mean;
+  X.rightCols<1>().setOnes();
+  const Eigen::RowVectorXd scale = (X.colwise().squaredNorm() / static_cast<double>(X.rows())).cwiseSqrt().array() + 1e-12;
+  for (Eigen::Index c = 0; c < width; ++c) X.col(c) /= scale[c];
+  Eigen::MatrixXd gram = X.transpose() * X;
+  gram.diagonal().array() += ridge * static_cast<double>(X.rows());
+  const Eigen::MatrixXd left = Y - X * gram.ldlt().solve(X.transpose() * Y);
+  for (std::size_t i = 0; i < row.size(); ++i) surprise[row[i]].head<4>() = left.row(static_cast<Eigen::Index>(i)).transpose();
+  const double kept = std::exp(-flight.sample_s / memory_s);
+  for (std::size_t k = 1; k < surprise.size(); ++k)
+    if (!flight.samples[k].starts_segment) surprise[k].tail<4>() = kept * surprise[k - 1].tail<4>() + (1.0 - kept) * surprise[k - 1].head<4>();
+  return surprise;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,21 @@
+// What nothing in the log foretold of the commands.
+//
+// A controller reads sensors that were not logged: faster, or with another noise. Its command then tells of what the filter does not
+// know yet (the disturbance of this very moment), and rotors that answer it seem weaker than they are: the bias of a direct
+// identification in closed loop. Only the part that the log foretells is independent of what comes; the other part is given
+// coefficients of its own (Ljung, System Identification, 1999, §13.4: instruments).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "diagnosis/recording/flight_data.hpp"
+
+namespace gustlab::diagnosis {
+
+// Per sample, of the acceleration that the rotors cause until the next (roll, pitch, yaw [rad/s²], along the body's z [m/s²]): what a
+// regression on all that was logged until then does not say, and what is remembered of that for as long as air lasts: it tells of the
+// vehicle's rates and of the disturbance. Empty where torques are not known.
+std::vector<Surprise> command_surprise(const FlightData& flight);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,61 @@
+// The simulator linearised along a flight, one sample ahead.
+//
+// Error state e = [δp δv δϑ δω] of the centre of mass (W, W, B, B) about the smoothed trajectory x̄, plus a free wrench
+// d = [force/mass in W, angular acceleration in B]:
+//   e⁺ = F e + (f(x̄_k, u; θ₀) ⊟ x̄_{k+1}) + Γ d + B θ,   y ⊟ h(x̄) = H e + D θ + v.
+// F, B and D are finite differences of the simulator's own forces; nothing is differentiated from the data.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "gustlab/types.hpp"
+
+namespace gustlab::diagnosis {
+
+inline constexpr int error_size = 12;     // δp δv δϑ δω
+inline constexpr int state_size = 18;     // and d
+inline constexpr int row_count = 12;      // position, attitude, rate, specific force
+inline constexpr int first_force_row = 9;
+
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+// accelerations, a column each: linear in W, angular in B
+using Push = Eigen::Matrix<double, 6, 1>;
+using Pushes = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+// Γ: what pushes over one interval do to the error state.
+inline Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const Pushes& push, double interval_s) {
+  Eigen::Matrix<double, 12, Eigen::Dynamic> moved(12, push.cols());
+  moved << 0.5 * interval_s * interval_s * push.topRows<3>(), interval_s * push.topRows<3>(),
+      0.5 * interval_s * interval_s * push.bottomRows<3>(), interval_s * push.bottomRows<3>();
+  return moved;
+}
+// What an accelerometer feels of them: rows of the specific force in B.
+inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const Pushes& push, const Matrix3& R_WB) { return R_WB.transpose() * push.topRows<3>(); }
+
+// The plant along one flight.
+struct LinearPlant {
+  std::vector<Matrix12> F;
+  std::vector<Vector12> b;                           // f(x̄_k) ⊟ x̄_{k+1}
+  std::vector<double> interval_s;                    // to the next sample
+  std::vector<bool> starts;                          // no prediction reaches this sample
+  std::vector<Eigen::Matrix<bool, row_count, 1>> measured;
+  std::vector<Vector12> y;                           // measured ⊟ h(x̄)
+  std::vector<Matrix3> R_WB;
+  std::vector<Eigen::Matrix<double, 3, 9>> force_rows;  // ∂ specific force / ∂ (δv, δϑ, δω)
+  // where commands and rotor speeds are both recorded, per sample: speed as commands foretell it, and how much faster it is, rad/s
+  std::vector<RotorArray> foretold, faster;
+  Vector3 center_of_mass_B_m = Vector3::Zero();
+  bool torque_known = true;
+  bool forces_alone = false;                         // neither a pose nor torques: see direct_forces.hpp
+  std::size_t size() const { return b.size(); }
+};
+// and what parameters change of it
+struct LinearFlight : LinearPlant {
+  std::vector<int> columns;                          // of the catalogue, those that can act in this flight
+  std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
+  std::vector<std::vector<RotorArray>> foretold_by;  // per column, per sample: what it changes of `foretold`; empty: nothing
+};
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,120 @@
+#include "diagnosis/model/propagation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// the recorded past of commands, for delays
+struct RecordedPast final : Actuation::Past {
+  const CommandRecord* record = nullptr;
+  double from_s = 0.0, step_s = 0.0;
+  void command(double age_s, RotorArray& speed) const override {
+    speed = record->mean(from_s - age_s, from_s - age_s + step_s);
+  }
+};
+
+}  // namespace
+
+Point propagate(Evaluator& evaluate, Point x, double time_s, double interval_s, double voltage_V, int substeps,
+                const RotorArray* speed, const RotorArray* acceleration) {
+  const double h = interval_s / substeps;
+  for (int s = 0; s < substeps; ++s, time_s += h) {
+    const Acceleration a = evaluate(x, time_s, voltage_V, speed[s], acceleration[s]);
+    Point middle;
+    middle.position = x.position + 0.5 * h * x.velocity;
+    middle.velocity = x.velocity + 0.5 * h * a.linear_W_mps2;
+    middle.attitude = x.attitude * exp_rotation(0.5 * h * x.rate);
+    middle.rate = x.rate + 0.5 * h * a.angular_B_radps2;
+    const Acceleration m = evaluate(middle, time_s + 0.5 * h, voltage_V, speed[s], acceleration[s]);
+    x.position += h * middle.velocity;
+    x.velocity += h * m.linear_W_mps2;
+    x.attitude = (x.attitude * exp_rotation(h * middle.rate)).normalized();
+    x.rate += h * m.angular_B_radps2;
+  }
+  return x;
+}
+
+ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, const Eigen::VectorXd& value, int index,
+                       int also) {
+  ForceModel forces(flight.vehicle, catalogue.effects(value, index, also));
+  forces.set_speed_is_measured(!flight.measured_speed.empty());
+  forces.prepare(flight.sample_s / flight.substeps, 0, 0);
+  return forces;
+}
+
+namespace {
+
+RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool measured) {
+  RotorHistory history;
+  const std::size_t n = flight.samples.size();
+  history.substeps = flight.substeps;
+  const auto count = static_cast<std::size_t>(history.substeps);
+  history.mean.resize(n * count);
+  history.acceleration.resize(n * count);
+  history.at_sample.resize(n);
+  const CommandRecord& record = measured ? flight.measured_speed : flight.commands;
+
+  RecordedPast past;
+  past.record = &record;
+  Actuation actuation;
+  actuation.past = &past;
+  RotorArray speed{};
+  for (std::size_t k = 0; k < n; ++k) {
+    const double interval_s =
+        k + 1 < n && !flight.samples[k + 1].starts_segment ? flight.samples[k + 1].time_s - flight.samples[k].time_s
+                                                           : flight.sample_s;
+    const double h = interval_s / history.substeps;
+    if (flight.samples[k].starts_segment) speed = record.mean(flight.samples[k].time_s, flight.samples[k].time_s + h);
+    history.at_sample[k] = speed;
+    for (std::size_t s = 0; s < count; ++s) {
+      const double t = flight.samples[k].time_s + static_cast<double>(s) * h;
+      const RotorArray command = record.mean(t, t + h);
+      RotorArray& mean = history.mean[k * count + s];
+      RotorArray& rise = history.acceleration[k * count + s];
+      if (measured) {
+        const RotorArray ahead = record.mean(t + 0.5 * h, t + 1.5 * h), behind = record.mean(t - 0.5 * h, t + 0.5 * h);
+        mean = command;
+        for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (ahead[i] - behind[i]) / h;
+        speed = ahead;
+        continue;
+      }
+      past.from_s = t;
+      past.step_s = h;
+      actuation.time_s = t - flight.start_s;
+      actuation.step_s = h;
+      actuation.voltage_V = flight.samples[k].voltage_V;
+      actuation.command_radps = command;
+      actuation.start_speed_radps = speed;
+      forces.actuate(actuation);
+      mean = actuation.mean_speed_radps;
+      for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (actuation.end_speed_radps[i] - speed[i]) / h;
+      speed = actuation.end_speed_radps;
+    }
+  }
+  // a sample that is the mean of a group of rows saw the mean speed of that time, not the speed at its middle
+  if (flight.read_slower) {
+    const std::size_t half = std::max<std::size_t>(1, count / 2);
+    for (std::size_t k = 1; k < n; ++k) {
+      if (flight.samples[k].starts_segment) continue;
+      history.at_sample[k] = {};
+      for (std::size_t s = k * count - half; s < k * count + half; ++s)
+        for (std::size_t i = 0; i < max_rotors; ++i) history.at_sample[k][i] += history.mean[s][i] / static_cast<double>(2 * half);
+    }
+  }
+  return history;
+}
+
+}  // namespace
+
+RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
+  return flight.estimated.mean.empty() ? history_of(flight, forces, !flight.measured_speed.empty()) : flight.estimated;
+}
+
+RotorHistory measured_history(const FlightData& flight, const ForceModel& forces) { return history_of(flight, forces, true); }
+
+RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces) { return history_of(flight, forces, false); }
+
+}  // namespace gustlab::diagnosis

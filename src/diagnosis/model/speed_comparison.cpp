@@ -1,0 +1,54 @@
+#include "diagnosis/model/speed_comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/model/propagation.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double same_share = 1e-9;               // of the hover speed: a command that is the measured speed itself
+
+// speed at every sample
+std::vector<RotorArray> commanded(const FlightData& flight, const Catalogue& catalogue, const Eigen::VectorXd& value, int index, int also) {
+  return commanded_history(flight, force_model(flight, catalogue, value, index, also)).at_sample;
+}
+
+}  // namespace
+
+void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                    LinearFlight& out) {
+  out.foretold.clear(), out.faster.clear();
+  out.foretold_by.assign(out.columns.size(), {});
+  if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only) return;
+  const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
+  out.foretold = commanded_history(flight, forces).at_sample;
+  out.faster = measured_history(flight, forces).at_sample;
+  double most = 0.0;
+  for (std::size_t k = 0; k < out.faster.size(); ++k)
+    for (std::size_t i = 0; i < max_rotors; ++i) out.faster[k][i] -= out.foretold[k][i], most = std::max(most, std::abs(out.faster[k][i]));
+  if (most <= same_share * flight.vehicle.hover_speed_radps()) return out.foretold.clear(), out.faster.clear();
+  for (std::size_t j = 0; j < out.columns.size(); ++j) {
+    const int c = out.columns[j];
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    if (column.group < 0) continue;
+    // both places may change a command (see ForceModel)
+    const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
+    if ((row.place != Place::actuation && row.place != Place::rotor) || is_history(row.name)) continue;
+    Eigen::VectorXd to = value;
+    const double step = 1e-3 * column.natural;
+    to[c] += step;
+    std::vector<RotorArray> by = commanded(flight, catalogue, to, flight_index, column.group);
+    bool acts = false;
+    for (std::size_t k = 0; k < by.size(); ++k)
+      for (std::size_t i = 0; i < max_rotors; ++i) {
+        by[k][i] = (by[k][i] - out.foretold[k][i]) * column.natural / step;
+        acts = acts || by[k][i] != 0.0;
+      }
+    if (acts) out.foretold_by[j] = std::move(by);
+  }
+}
+
+}  // namespace gustlab::diagnosis

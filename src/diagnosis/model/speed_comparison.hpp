@@ -1,0 +1,14 @@
+// Rotor speeds as the commands foretell them against those that were measured.
+#pragma once
+
+#include "diagnosis/model/catalogue.hpp"
+#include "diagnosis/model/linear_flight.hpp"
+#include "diagnosis/recording/flight_data.hpp"
+
+namespace gustlab::diagnosis {
+
+// Fills a flight's `foretold`, `faster` and `foretold_by`; nothing where only one of the two was recorded, or both are the same.
+void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                    LinearFlight& out);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,400 @@
+#include "diagnosis/recording/flight_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "diagnosis/recording/log_filters.hpp"
+#include "diagnosis/recording/row_intervals.hpp"
+#include "gustlab/errors.hpp"
+#include "vehicle/rotor_speed.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double grouped_s = 0.008;   // over which the fastest logs are averaged
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// columns of one log by name; absent columns read as NaN
+class Columns {
+ public:
+  Columns(const FlightLog& log, std::initializer_list<const char*> names) {
+    for (const char* name : names) columns_.push_back(log.find(name));
+  }
+  bool complete() const {
+    return std::all_of(columns_.begin(), columns_.end(), [](const auto* c) { return c != nullptr; });
+  }
+  Vector3 vector(std::size_t row) const { return {at(0, row), at(1, row), at(2, row)}; }
+  double at(std::size_t column, std::size_t row) const { return columns_[column] ? (*columns_[column])[row] : nan; }
+
+ private:
+  std::vector<const std::vector<double>*> columns_;
+};
+
+// local polynomial of given degree through (t − t0, value) of a window, least squares; returns its coefficients
+template <int Degree, class Value>
+std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> local_polynomial(const std::vector<double>& time_s,
+                                                                     const Value& value, std::size_t first,
+                                                                     std::size_t last, double at_s, double scale_s) {
+  Eigen::Matrix<double, Degree + 1, Degree + 1> gram = decltype(gram)::Zero();
+  Eigen::Matrix<double, Degree + 1, 4> right = decltype(right)::Zero();
+  for (std::size_t k = first; k < last; ++k) {
+    Eigen::Matrix<double, Degree + 1, 1> powers;
+    powers[0] = 1.0;
+    const double s = (time_s[k] - at_s) / scale_s;
+    for (int d = 1; d <= Degree; ++d) powers[d] = powers[d - 1] * s;
+    gram += powers * powers.transpose();
+    right += powers * value(k).transpose();
+  }
+  gram.diagonal().array() += 1e-12 * static_cast<double>(last - first);
+  const Eigen::Matrix<double, Degree + 1, 4> solution = gram.ldlt().solve(right);
+  std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> coefficients;
+  double unit = 1.0;
+  for (int d = 0; d <= Degree; ++d, unit *= scale_s)
+    coefficients[static_cast<std::size_t>(d)] = solution.row(d).transpose() / unit;
+  return coefficients;
+}
+
+// samples of one channel in one segment, and the local fits along them
+struct Stream {
+  std::vector<double> time_s;
+  std::vector<Eigen::Vector4d> value;
+
+  // [first, last) of the samples within half a window of a time, at least `least`
+  std::pair<std::size_t, std::size_t> window(double at_s, double half_s, std::size_t least) const {
+    auto first = static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s - half_s) - time_s.begin());
+    auto last = static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at_s + half_s) - time_s.begin());
+    while (last - first < least && (first > 0 || last < time_s.size())) {
+      const bool left = first > 0 && (last == time_s.size() || at_s - time_s[first - 1] < time_s[last] - at_s);
+      left ? --first : ++last;
+    }
+    return {first, last};
+  }
+
+  template <int Degree>
+  std::array<Eigen::Vector4d, Degree + 1> fit(double at_s, double half_s) const {
+    const auto [first, last] = window(at_s, half_s, Degree + 2);
+    return local_polynomial<Degree>(time_s, [this](std::size_t k) -> const Eigen::Vector4d& { return value[k]; }, first,
+                                    last, at_s, half_s);
+  }
+  bool can_fit(std::size_t least) const { return time_s.size() >= least; }
+};
+
+// every sampled column once more through one zero-phase Gaussian; quaternion signs are made continuous first
+FlightLog filtered_alike(FlightLog log, double sd_s) {
+  std::array<std::vector<double>*, 4> q{};
+  for (LogColumn& column : log.columns) {
+    const std::string_view names[] = {"qw", "qx", "qy", "qz"};
+    for (std::size_t i = 0; i < 4; ++i)
+      if (column.name == names[i]) q[i] = &column.values;
+  }
+  if (q[0] && q[1] && q[2] && q[3])
+    for (std::size_t k = 0, last = 0; k < log.rows(); ++k) {
+      double dot = 0.0;
+      for (const auto* c : q) dot += (*c)[k] * (*c)[last];
+      if (dot < 0.0)
+        for (auto* c : q) (*c)[k] *= -1.0;
+      if (!std::isnan(dot) || !std::isfinite((*q[0])[last])) last = k;
+    }
+  const auto& time = log.time_s;
+  std::vector<double> raw;
+  for (LogColumn& column : log.columns) {
+    raw = column.values;
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < log.rows(); ++k) {
+      while (time[k] - time[first] > 4.0 * sd_s) ++first;
+      double sum = 0.0, weight = 0.0;
+      for (std::size_t j = first; j < log.rows() && time[j] - time[k] <= 4.0 * sd_s; ++j) {
+        if (!std::isfinite(raw[j])) continue;
+        const double u = (time[j] - time[k]) / sd_s, w = std::exp(-0.5 * u * u);
+        sum += w * raw[j];
+        weight += w;
+      }
+      if (std::isfinite(raw[k])) column.values[k] = sum / weight;
+    }
+  }
+  return log;
+}
+
+// body rate of a quaternion and its derivative: ω = 2 vec(q⁻¹ q̇)
+Vector3 rate_of(const Quaternion& q, const Eigen::Vector4d& derivative) {
+  const Quaternion dq(derivative[3], derivative[0], derivative[1], derivative[2]);
+  return 2.0 * (q.conjugate() * dq).vec();
+}
+
+}  // namespace
+
+double third_difference_noise(const std::vector<double>& y) {
+  std::vector<double> d;
+  for (std::size_t k = 3; k < y.size(); ++k) {
+    const double third = y[k] - 3.0 * y[k - 1] + 3.0 * y[k - 2] - y[k - 3];
+    if (std::isfinite(third)) d.push_back(std::abs(third));
+  }
+  return median(std::move(d)) / (0.6745 * std::sqrt(20.0));
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s, const std::vector<double>& values) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  std::vector<double> steps;
+  std::size_t last = values.size();
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!std::isfinite(values[k])) continue;
+    if (last < values.size()) pairs.emplace_back(last, k), steps.push_back(time_s[k] - time_s[last]);
+    last = k;
+  }
+  const double longest_s = std::max(0.1, 5.0 * median(std::move(steps)));
+  std::erase_if(pairs, [&](const auto& p) { return time_s[p.second] - time_s[p.first] <= longest_s; });
+  return pairs;
+}
+
+CommandRecord::CommandRecord(std::vector<double> time_s, std::vector<RotorArray> speed_radps, bool linear)
+    : time_s_(std::move(time_s)), value_(std::move(speed_radps)), integral_(value_.size()), linear_(linear) {
+  for (std::size_t k = 1; k < value_.size(); ++k)
+    for (std::size_t i = 0; i < max_rotors; ++i)
+      integral_[k][i] = integral_[k - 1][i] + (time_s_[k] - time_s_[k - 1]) *
+                                                  (linear_ ? 0.5 * (value_[k - 1][i] + value_[k][i]) : value_[k - 1][i]);
+}
+
+RotorArray CommandRecord::integral(double time_s) const {
+  const auto next = std::upper_bound(time_s_.begin(), time_s_.end(), time_s);
+  const std::size_t k = next == time_s_.begin() ? 0 : static_cast<std::size_t>(next - time_s_.begin()) - 1;
+  const double dt = time_s - time_s_[k];
+  RotorArray result = integral_[k];
+  const bool inside = linear_ && dt > 0.0 && k + 1 < value_.size();
+  const double slope_time = inside ? 0.5 * dt * dt / (time_s_[k + 1] - time_s_[k]) : 0.0;
+  for (std::size_t i = 0; i < max_rotors; ++i) {
+    result[i] += dt * value_[k][i];
+    if (inside) result[i] += slope_time * (value_[k + 1][i] - value_[k][i]);
+  }
+  return result;
+}
+
+void CommandRecord::delay(double by_s) {
+  for (double& t : time_s_) t += by_s;
+}
+
+void CommandRecord::smooth(double variance_s2) { smoothed_s2_ += variance_s2; }
+
+RotorArray CommandRecord::mean(double from_s, double to_s) const {
+  RotorArray result = plain_mean(from_s, to_s);
+  if (smoothed_s2_ == 0.0) return result;
+  // three points have any small variance
+  constexpr double apart_s = 0.03;
+  const RotorArray before = plain_mean(from_s - apart_s, to_s - apart_s), after = plain_mean(from_s + apart_s, to_s + apart_s);
+  for (std::size_t i = 0; i < max_rotors; ++i) result[i] += 0.5 * smoothed_s2_ / (apart_s * apart_s) * (before[i] - 2.0 * result[i] + after[i]);
+  return result;
+}
+
+RotorArray CommandRecord::plain_mean(double from_s, double to_s) const {
+  RotorArray a = integral(from_s), b = integral(to_s);
+  for (std::size_t i = 0; i < max_rotors; ++i) b[i] = (b[i] - a[i]) / (to_s - from_s);
+  return b;
+}
+
+FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
+  const FlightLog smooth = options.common_filter_s > 0.0 ? filtered_alike(original, options.common_filter_s) : FlightLog{};
+  const FlightLog& log = options.common_filter_s > 0.0 ? smooth : original;
+  FlightData flight;
+  flight.file = log.path;
+  flight.label = log.path.substr(log.path.find_last_of('/') + 1);
+  flight.vehicle = vehicle;
+  flight.late = options.late;
+  flight.commands_filtered = commands_filtered(original);
+  const Environment& seen = log.meta.environment;
+  if (seen.ground_z_m) flight.vehicle.environment.ground_z_m = seen.ground_z_m;
+  if (seen.ceiling_z_m) flight.vehicle.environment.ceiling_z_m = seen.ceiling_z_m;
+  if (!seen.walls.empty()) flight.vehicle.environment.walls = seen.walls;
+  flight.collective_only = options.forces_only || log.meta.actuator == ActuatorKind::collective_thrust;
+  flight.hold_known = log.meta.hold == Hold::zoh;
+  const bool linear = log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
+
+  const auto& time = log.time_s;
+  const std::size_t rows = log.rows();
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < rows; ++k) steps.push_back(time[k] - time[k - 1]);
+  const double log_step_s = interval_s(steps);
+
+  // commands and measured rotor speeds keep their full rate
+  const auto record = [&](const char* prefix, ActuatorKind kind, bool interpolated) {
+    std::vector<const std::vector<double>*> columns;
+    const int wanted = kind == ActuatorKind::collective_thrust ? 1 : vehicle.rotor_count;
+    for (int i = 1; i <= wanted; ++i) columns.push_back(log.find(fmt::format("{}{}", prefix, i)));
+    if (columns.empty() || std::find(columns.begin(), columns.end(), nullptr) != columns.end()) return CommandRecord{};
+    std::vector<double> at;
+    std::vector<RotorArray> speed;
+    for (std::size_t k = 0; k < rows; ++k) {
+      RotorArray row{};
+      bool finite = true;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i) {
+        const double input = (*columns[std::min(i, columns.size() - 1)])[k];
+        finite = finite && std::isfinite(input);
+        if (finite) row[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], kind, input);
+      }
+      if (!finite) continue;
+      at.push_back(time[k]);
+      speed.push_back(row);
+    }
+    return at.size() < 2 ? CommandRecord{} : CommandRecord(std::move(at), std::move(speed), interpolated);
+  };
+  flight.commands = record("u", log.meta.actuator, linear);
+  flight.measured_speed = record("rotor", ActuatorKind::rotor_speed, true);
+  if (flight.commands.empty() && flight.measured_speed.empty())
+    throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
+                                vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));
+
+  const Columns p(log, {"px", "py", "pz"}), v(log, {"vx", "vy", "vz"}), w(log, {"wx", "wy", "wz"}),
+      a(log, {"ax", "ay", "az"}), q(log, {"qw", "qx", "qy", "qz"});
+  const auto* voltage = log.find("vbat");
+  flight.has_voltage = voltage != nullptr;
+
+  // faster logs are read more slowly: every so many samples, but not by much, since what the vehicle did between two samples has
+  // already changed its commands, and would bias what answers to them. Of the fastest, means over 8 ms take vibration out (over
+  // longer ones they would blur what the vehicle did)
+  const bool grouped = options.common_filter_s == 0.0 && log_step_s <= 0.0016 && log_step_s * options.max_rate_hz < 0.7;
+  auto stride = static_cast<std::size_t>(std::max(1L, std::lround(grouped ? grouped_s / log_step_s : 1.0 / (log_step_s * options.max_rate_hz))));
+  // an odd number of rows, so that the middle of a group is a row and substeps begin where commands change
+  if (grouped && stride % 2 == 0) ++stride;
+  const std::size_t group = grouped ? stride : 1;
+  Quaternion previous = Quaternion::Identity();
+  double last_voltage = vehicle.nominal_voltage_V;
+  for (std::size_t first = 0; first + group <= rows; first += stride) {
+    Sample sample;
+    Eigen::Vector4d attitude = Eigen::Vector4d::Zero();
+    sample.channels = has_position | has_velocity | has_attitude | has_rate | has_force;
+    double volts = 0.0;
+    for (std::size_t k = first; k < first + group; ++k) {
+      const auto add = [&](const Columns& columns, Vector3& sum, unsigned channel) {
+        const Vector3 value = columns.vector(k);
+        if (value.allFinite()) sum += value / static_cast<double>(group);
+        else sample.channels &= ~channel;
+      };
+      sample.time_s += time[k] / static_cast<double>(group);
+      add(p, sample.position_W_m, has_position);
+      add(v, sample.velocity_W_mps, has_velocity);
+      add(w, sample.body_rate_B_radps, has_rate);
+      add(a, sample.specific_force_B_mps2, has_force);
+      Quaternion one(q.at(0, k), q.at(1, k), q.at(2, k), q.at(3, k));
+      if (one.coeffs().allFinite()) {
+        if (one.coeffs().dot(previous.coeffs()) < 0.0) one.coeffs() *= -1.0;
+        previous = one;
+        attitude += one.coeffs();
+      } else {
+        sample.channels &= ~has_attitude;
+      }
+      if (voltage && std::isfinite((*voltage)[k])) last_voltage = (*voltage)[k];
+      volts += last_voltage / static_cast<double>(group);
+    }
+    if (sample.channels & has_attitude) sample.attitude_WB.coeffs() = attitude.normalized();
+    if (options.forces_only && (sample.channels & has_position)) sample.channels &= ~(has_rate | has_force);
+    // derived from the position
+    if ((sample.channels & has_position) && !options.as_recorded) sample.channels &= ~has_velocity;
+    sample.voltage_V = flight.has_voltage ? volts : 0.0;
+    flight.samples.push_back(sample);
+  }
+  // where the pose is missing, there is nothing to linearise about
+  if (const auto* pose = log.find("px") ? log.find("px") : log.find("qw"))
+    for (const auto& [last, next] : pose_gaps(time, *pose))
+      std::erase_if(flight.samples, [from_s = time[last], to_s = time[next]](const Sample& s) { return s.time_s > from_s && s.time_s < to_s; });
+  steps.clear();
+  for (std::size_t k = 1; k < flight.samples.size(); ++k)
+    steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);
+  flight.sample_s = interval_s(steps);
+  const double longest_s = longest_interval_s(steps);
+  flight.read_slower = stride > 1;
+  flight.substeps = static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / options.substep_s - 1e-6)));
+  for (std::size_t k = 0; k < flight.samples.size(); ++k)
+    flight.samples[k].starts_segment = k == 0 || steps[k - 1] > longest_s;
+  flight.start_s = flight.samples.empty() ? 0.0 : flight.samples.front().time_s;
+
+  // commands at a limit tell nothing of the small signal
+  const CommandRecord& inputs = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  for (std::size_t k = 1; k < flight.samples.size(); ++k) {
+    const RotorArray mean = inputs.mean(flight.samples[k].time_s - flight.sample_s, flight.samples[k].time_s);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
+      flight.samples[k].saturated = flight.samples[k].saturated || mean[i] > 1.001 * vehicle.max_speed_radps;
+  }
+  flight.as_recorded = options.as_recorded;
+  smooth_motion(flight, {});
+  return flight;
+}
+
+double rate_half_window_s(const FlightData& flight) { return std::max(flight.as_recorded ? 0.0 : 0.045, 2.1 * flight.sample_s); }
+
+void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
+  const auto& samples = flight.samples;
+  flight.motion.assign(samples.size(), Motion{});
+  const double pose_half_s = std::max(flight.as_recorded ? 0.0 : 0.095, 2.6 * flight.sample_s),
+               rate_half_s = rate_half_window_s(flight),
+               acceleration_half_s = std::max(0.105, 3.1 * flight.sample_s);
+
+  for (std::size_t begin = 0; begin < samples.size();) {
+    std::size_t end = begin + 1;
+    while (end < samples.size() && !samples[end].starts_segment) ++end;
+
+    // sensor effects come out of the samples: a late pose belongs to an earlier time
+    Stream position, velocity, attitude, rate;
+    for (std::size_t k = begin; k < end; ++k) {
+      const Sample& s = samples[k];
+      const auto put = [](Stream& stream, double time_s, const Vector3& value) {
+        stream.time_s.push_back(time_s);
+        stream.value.emplace_back(value.x(), value.y(), value.z(), 0.0);
+      };
+      const double pose_time_s = s.time_s - correction.pose_delay_s;
+      if (s.channels & has_position) put(position, pose_time_s, s.position_W_m);
+      if (s.channels & has_velocity) put(velocity, pose_time_s, s.velocity_W_mps);
+      if (s.channels & has_rate)
+        put(rate, s.time_s, (s.body_rate_B_radps - correction.rate_bias_B_radps) / (1.0 + correction.rate_scale));
+      if (s.channels & has_attitude) {
+        const Vector3 back = -correction.attitude_offset_B_rad;
+        const double angle = back.norm();
+        Quaternion q = s.attitude_WB;
+        if (angle > 0.0) q = q * Quaternion(Eigen::AngleAxisd(angle, back / angle));
+        attitude.time_s.push_back(pose_time_s);
+        attitude.value.push_back(q.coeffs());
+      }
+    }
+    for (std::size_t k = begin; k < end; ++k) {
+      Motion& motion = flight.motion[k];
+      const double t = samples[k].time_s;
+      if (position.can_fit(5)) {
+        const auto c = position.fit<3>(t, pose_half_s);
+        motion.position_W_m = c[0].head<3>();
+        motion.velocity_W_mps = c[1].head<3>();
+        motion.acceleration_W_mps2 = 2.0 * position.fit<3>(t, acceleration_half_s)[2].head<3>();
+      }
+      if (velocity.can_fit(5)) {
+        const auto c = velocity.fit<3>(t, pose_half_s);
+        motion.velocity_W_mps = c[0].head<3>();
+        motion.acceleration_W_mps2 = c[1].head<3>();
+      }
+      if (attitude.can_fit(5)) {
+        const auto c = attitude.fit<3>(t, pose_half_s);
+        motion.attitude_WB.coeffs() = c[0].normalized();
+        motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
+      }
+      if (rate.can_fit(5)) {
+        const auto c = rate.fit<2>(t, rate_half_s);
+        motion.body_rate_B_radps = c[0].head<3>();
+        motion.angular_acceleration_B_radps2 = c[1].head<3>();
+      }
+      // without attitude the rate is integrated; torques and body forces do not depend on it
+      if (!attitude.can_fit(5) && k > begin) {
+        const Vector3 turn = flight.motion[k - 1].body_rate_B_radps * (t - samples[k - 1].time_s);
+        const double angle = turn.norm();
+        motion.attitude_WB = flight.motion[k - 1].attitude_WB;
+        if (angle > 0.0) motion.attitude_WB = motion.attitude_WB * Quaternion(Eigen::AngleAxisd(angle, turn / angle));
+      }
+    }
+    if (!rate.can_fit(5) && attitude.can_fit(5))
+      for (std::size_t k = begin + 1; k + 1 < end; ++k)
+        flight.motion[k].angular_acceleration_B_radps2 =
+            (flight.motion[k + 1].body_rate_B_radps - flight.motion[k - 1].body_rate_B_radps) /
+            (samples[k + 1].time_s - samples[k - 1].time_s);
+    begin = end;
+  }
+}
+
+}  // namespace gustlab::diagnosis

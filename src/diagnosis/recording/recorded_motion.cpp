@@ -1,0 +1,191 @@
+#include "diagnosis/recording/recorded_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/recording/flight_data.hpp"
+#include "diagnosis/recording/row_intervals.hpp"
+#include "gustlab/errors.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double slope_window_s = 0.15;
+
+std::vector<Vector3> triple(const FlightLog& log, const std::array<const char*, 3>& names) {
+  const auto *x = log.find(names[0]), *y = log.find(names[1]), *z = log.find(names[2]);
+  std::vector<Vector3> result;
+  if (!x || !y || !z) return result;
+  for (std::size_t row = 0; row < log.rows(); ++row) result.emplace_back((*x)[row], (*y)[row], (*z)[row]);
+  return result;
+}
+
+// mean over the axes of what third differences say of a series of vectors
+double noise_of(const std::vector<Vector3>& series) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> one;
+    for (const Vector3& value : series) one.push_back(value[axis]);
+    sum += std::pow(third_difference_noise(one), 2);
+  }
+  return std::sqrt(sum / 3.0);
+}
+
+}  // namespace
+
+Vector3 turn_between(const Quaternion& a, const Quaternion& b) {
+  Quaternion d = a.conjugate() * b;
+  if (d.w() < 0.0) d.coeffs() *= -1.0;
+  const double sine = d.vec().norm();
+  return sine > 0.0 ? Vector3(2.0 * std::atan2(sine, d.w()) / sine * d.vec()) : Vector3::Zero();
+}
+
+Quaternion turned(const Quaternion& q, const Vector3& turn_B) {
+  const double angle = turn_B.norm();
+  return angle > 0.0 ? q * Quaternion(Eigen::AngleAxisd(angle, turn_B / angle)) : q;
+}
+
+FlightLog with_shared_rows(const FlightLog& log) {
+  constexpr double farthest_s = 0.05;   // that a value may be from its neighbours
+  std::vector<const std::vector<double>*> motion;
+  for (const char* name : {"px", "vx", "qw", "wx"})
+    if (const auto* column = log.find(name)) motion.push_back(column);
+  const auto* attitude = log.find("qw");
+  const auto whole = [&](std::size_t row) { return std::all_of(motion.begin(), motion.end(), [row](const auto* c) { return std::isfinite((*c)[row]); }); };
+  bool shared = attitude == nullptr;
+  for (std::size_t row = 0; row < log.rows() && !shared; ++row) shared = whole(row);
+  if (shared) return log;
+
+  FlightLog merged = log;
+  merged.time_s.clear();
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < log.rows(); ++row)
+    if (std::isfinite((*attitude)[row])) rows.push_back(row), merged.time_s.push_back(log.time_s[row]);
+  for (std::size_t c = 0; c < log.columns.size(); ++c) {
+    const std::vector<double>& from = log.columns[c].values;
+    std::vector<double>& to = merged.columns[c].values;
+    to.clear();
+    for (const std::size_t row : rows) {
+      std::size_t before = row, after = row;
+      while (before > 0 && !std::isfinite(from[before]) && log.time_s[row] - log.time_s[before] <= farthest_s) --before;
+      while (after + 1 < from.size() && !std::isfinite(from[after]) && log.time_s[after] - log.time_s[row] <= farthest_s) ++after;
+      const double gap_s = log.time_s[after] - log.time_s[before];
+      const double part = gap_s > 0.0 ? (log.time_s[row] - log.time_s[before]) / gap_s : 0.0;
+      to.push_back(gap_s <= farthest_s ? from[before] + part * (from[after] - from[before]) : std::nan(""));
+    }
+  }
+  return merged;
+}
+
+RecordedMotion::RecordedMotion(const FlightLog& log)
+    : time_s_(log.time_s),
+      position_(triple(log, {"px", "py", "pz"})),
+      velocity_(triple(log, {"vx", "vy", "vz"})),
+      rate_(triple(log, {"wx", "wy", "wz"})),
+      complete_(log.rows(), true),
+      stretch_(log.rows(), 0) {
+  const std::vector<Vector3> vector_part = triple(log, {"qx", "qy", "qz"});
+  const auto* scalar = log.find("qw");
+  if (vector_part.empty() || !scalar)
+    throw DataError(fmt::format("{}: cannot be replayed (a rollout starts from an attitude, and the log has none)", log.path));
+  std::vector<double> steps;
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const Vector3& v = vector_part[row];
+    Quaternion q((*scalar)[row], v.x(), v.y(), v.z());
+    complete_[row] = q.coeffs().allFinite();
+    for (const auto* channel : {&position_, &velocity_, &rate_})
+      if (!channel->empty()) complete_[row] = complete_[row] && (*channel)[row].allFinite();
+    attitude_.push_back(q.normalized());
+    if (row > 0) steps.push_back(time_s_[row] - time_s_[row - 1]);
+  }
+  sample_s_ = median(std::move(steps));
+  for (std::size_t row = 1; row < rows(); ++row)
+    stretch_[row] = follows(row - 1) && complete_[row - 1] ? stretch_[row - 1] : row;
+
+  // increments of the attitude are first differences already: two more make the third
+  std::vector<double> turns[3];
+  for (std::size_t row = 3; row < rows(); ++row) {
+    const Vector3 a = turn_between(attitude_[row - 3], attitude_[row - 2]), b = turn_between(attitude_[row - 2], attitude_[row - 1]),
+                  c = turn_between(attitude_[row - 1], attitude_[row]);
+    const Vector3 third = c - 2.0 * b + a;
+    for (int axis = 0; axis < 3; ++axis)
+      if (third.allFinite()) turns[axis].push_back(std::abs(third[axis]));
+  }
+  double attitude_square = 0.0;
+  for (std::vector<double>& one : turns) {
+    attitude_square += std::pow(median(std::move(one)) / (0.6745 * std::sqrt(20.0)), 2) / 3.0;
+  }
+  noise_ = {noise_of(position_), noise_of(velocity_), std::sqrt(attitude_square), noise_of(rate_)};
+  const double gain = slope(rows() - 1, [](std::size_t) { return Vector3::Zero(); }).noise_gain;
+  if (!has_velocity()) noise_[1] = gain * noise_[0];
+  if (!has_body_rate()) noise_[3] = gain * noise_[2];
+}
+
+std::size_t RecordedMotion::nearest(double time_s) const {
+  const double wanted = time_s + time_s_.front();
+  const auto after = static_cast<std::size_t>(std::lower_bound(time_s_.begin(), time_s_.end(), wanted) - time_s_.begin());
+  if (after == 0) return 0;
+  if (after == rows()) return rows() - 1;
+  return wanted - time_s_[after - 1] <= time_s_[after] - wanted ? after - 1 : after;
+}
+
+// least-squares parabola through the samples of the last stretch of time; its slope at the row
+template <class Value>
+RecordedMotion::Slope RecordedMotion::slope(std::size_t row, Value value) const {
+  std::size_t first = row;
+  while (first > stretch_[row] && (row - first < 2 || time_s_[row] - time_s_[first - 1] <= slope_window_s)) --first;
+  Slope result;
+  if (first == row) return result;
+  const bool line = row - first < 2;
+  Matrix3 gram = Matrix3::Zero();
+  Matrix3 right = Matrix3::Zero();
+  for (std::size_t k = first; k <= row; ++k) {
+    const double s = (time_s_[k] - time_s_[row]) / slope_window_s;
+    const Vector3 powers(1.0, s, line ? 0.0 : s * s);
+    gram += powers * powers.transpose();
+    right += powers * value(k).transpose();
+  }
+  if (line) gram(2, 2) = 1.0;
+  const Matrix3 inverse = gram.inverse();
+  result.value = (inverse * right).row(1).transpose() / slope_window_s;
+  result.noise_gain = std::sqrt(inverse(1, 1)) / slope_window_s;
+  return result;
+}
+
+bool RecordedMotion::can_start(std::size_t row) const {
+  const bool estimates = (has_position() && !has_velocity()) || !has_body_rate();
+  return complete_[row] && (!estimates || time_s_[row] - time_s_[stretch_[row]] >= slope_window_s - 1e-9);
+}
+
+Vector3 RecordedMotion::velocity_W_mps(std::size_t row) const {
+  if (has_velocity()) return velocity_[row];
+  if (!has_position()) return Vector3::Zero();
+  return slope(row, [this](std::size_t k) { return position_[k]; }).value;
+}
+
+Vector3 RecordedMotion::body_rate_B_radps(std::size_t row) const {
+  if (has_body_rate()) return rate_[row];
+  return slope(row, [this, row](std::size_t k) { return turn_between(attitude_[row], attitude_[k]); }).value;
+}
+
+Vector3 RecordedMotion::body_rate_at(double time_s) const {
+  const std::size_t row = nearest(time_s);
+  const double late = time_s - this->time_s(row);
+  const std::size_t other = late >= 0.0 ? std::min(row + 1, rows() - 1) : row - (row > 0 ? 1 : 0);
+  if (other == row || late == 0.0) return body_rate_B_radps(row);
+  const double part = late / (this->time_s(other) - this->time_s(row));
+  return body_rate_B_radps(row) + part * (body_rate_B_radps(other) - body_rate_B_radps(row));
+}
+
+Quaternion RecordedMotion::attitude_at(double time_s) const {
+  const std::size_t row = nearest(time_s);
+  const double late = time_s - this->time_s(row);
+  const std::size_t other = late >= 0.0 ? std::min(row + 1, rows() - 1) : row - (row > 0 ? 1 : 0);
+  if (other == row || late == 0.0) return attitude_[row];
+  return attitude_[row].slerp(late / (this->time_s(other) - this->time_s(row)), attitude_[other]);
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,189 @@
+#include "diagnosis/recording/vehicle_check.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+using Row = Eigen::RowVectorXd;
+
+// what is slower than this is trim, drag or flapping, and does not count here
+constexpr double difference_s = 0.06;
+// angular acceleration is a local fit over this long; rotor speeds are averaged alike
+constexpr double average_s = 0.09;
+
+// how the vehicle turned after its rotors' speeds changed, what they all did alike left out
+struct Response {
+  Eigen::MatrixXd gram, right;             // rotors × rotors of (Ω/Ω_h)², rotors × 3 with ω̇
+  Vector3 norm = Vector3::Zero();            // of the part of each ω̇ that the speeds explain, rad/s²
+  double explained = 0.0;                  // share of the variance of roll and pitch acceleration
+
+  // correlation of what these gains (rad/s² per (Ω/Ω_h)²) foretell with what the speeds can explain at all, -1…1: rotors
+  // that never moved apart (a mixer of six has four dimensions) count for nothing
+  [[nodiscard]] double agreement(int axis, const Row& gains) const {
+    return gains.dot(right.col(axis)) / (std::sqrt((gains * gram).dot(gains)) * norm[axis] + 1e-300);
+  }
+};
+
+// ω̇ against Ω² some time before
+Response measured_response(const std::vector<FlightData>& flights, const VehicleModel& vehicle, double delay_s) {
+  const int rotors = vehicle.rotor_count;
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(rotors, rotors), right = Eigen::MatrixXd::Zero(rotors, 3);
+  double total = 0.0;
+  const double hover = vehicle.hover_speed_radps();
+  for (const FlightData& flight : flights) {
+    if (flight.collective_only) continue;
+    const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+    const auto back = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / flight.sample_s)));
+    const auto at = [&](std::size_t k) {
+      Row speed(rotors);
+      const double t = flight.samples[k].time_s - delay_s;
+      const RotorArray mean = record.mean(t - 0.5 * average_s, t + 0.5 * average_s);
+      for (int i = 0; i < rotors; ++i) speed[i] = std::pow(mean[static_cast<std::size_t>(i)] / hover, 2);
+      return speed;
+    };
+    for (std::size_t k = 2 * back; k + back < flight.samples.size(); ++k) {
+      const Row x = at(k) - at(k - back);
+      const Vector3 y = flight.motion[k].angular_acceleration_B_radps2 - flight.motion[k - back].angular_acceleration_B_radps2;
+      if (!x.allFinite() || !y.allFinite()) continue;
+      gram += x.transpose() * x;
+      right += x.transpose() * y.transpose();
+      total += y.head<2>().squaredNorm();
+    }
+  }
+  const Eigen::VectorXd alike = gram.rowwise().sum();
+  right -= alike * right.colwise().sum() / (alike.sum() + 1e-300);
+  gram -= alike * alike.transpose() / (alike.sum() + 1e-300);
+  Eigen::MatrixXd ridged = gram;
+  ridged.diagonal().array() += 1e-6 * gram.trace() / rotors + 1e-12;
+  const Vector3 explained = right.cwiseProduct(ridged.ldlt().solve(right)).colwise().sum();
+  return {gram, right, explained.cwiseMax(0.0).cwiseSqrt(), explained.head<2>().sum() / (total + 1e-300)};
+}
+
+// how strongly each rotor turns the vehicle about each axis by the vehicle file, rotor i standing where `place[i]` stands
+Eigen::MatrixXd nominal_gains(const VehicleModel& vehicle, const std::vector<int>& place) {
+  Eigen::MatrixXd gains(3, vehicle.rotor_count);
+  for (int i = 0; i < vehicle.rotor_count; ++i) {
+    const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(place[static_cast<std::size_t>(i)])];
+    const Vector3 hub = rotor.position_B_m - vehicle.center_of_mass_B_m;
+    gains.col(i) = hub.cross(rotor.axis_B) - rotor.direction * rotor.torque_ratio_m * rotor.axis_B;
+  }
+  return gains;
+}
+
+std::string order_text(const std::vector<int>& place) {
+  std::string text;
+  for (const int p : place) text += fmt::format("{}{}", text.empty() ? "" : ", ", p + 1);
+  return text;
+}
+
+}  // namespace
+
+std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, VehicleModel& vehicle) {
+  std::vector<LogFinding> findings;
+  const bool turns = std::any_of(flights.begin(), flights.end(), [](const FlightData& flight) {
+    return !flight.collective_only && std::any_of(flight.samples.begin(), flight.samples.end(), [](const Sample& s) {
+      return (s.channels & (has_rate | has_attitude)) != 0;
+    });
+  });
+  if (!turns || vehicle.rotor_count > 6) return findings;
+  // rotors and logs answer late by an unknown time
+  Response found;
+  for (const double delay_s : {0.0, 0.01, 0.02, 0.03, 0.045, 0.06}) {
+    const Response trial = measured_response(flights, vehicle, delay_s);
+    if (trial.explained > found.explained) found = trial;
+  }
+  if (found.explained < 0.1) return findings;
+  std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
+  std::iota(place.begin(), place.end(), 0);
+  const auto level = [&](const std::vector<int>& p) {
+    const Eigen::MatrixXd g = nominal_gains(vehicle, p);
+    return found.agreement(0, g.row(0)) + found.agreement(1, g.row(1));
+  };
+  const auto whole = [&](const std::vector<int>& p) {
+    return level(p) + 0.5 * std::abs(found.agreement(2, nominal_gains(vehicle, p).row(2)));
+  };
+  const std::string file = vehicle.source_path.substr(vehicle.source_path.find_last_of('/') + 1);
+  const double stated = level(place);
+  if (stated < 1.0) {
+    std::vector<int> best = place, trial = place;
+    do {
+      if (whole(trial) > whole(best)) best = trial;
+    } while (std::next_permutation(trial.begin(), trial.end()));
+    if (level(best) > 1.6 && level(best) > stated + 0.8) {
+      LogFinding finding;
+      finding.file = file;
+      finding.column = "rotor";
+      finding.kind = "inconsistent";
+      finding.says = fmt::format(
+          "the rotor order of the vehicle file contradicts roll and pitch (agreement {:.2f} of 2); u1…u{} drive the rotors "
+          "that the file lists as {} (agreement {:.2f}): the diagnosis goes on with that order",
+          stated, vehicle.rotor_count, order_text(best), level(best));
+      findings.push_back(finding);
+      const auto rotors = vehicle.rotors;
+      for (std::size_t i = 0; i < best.size(); ++i) vehicle.rotors[i] = rotors[static_cast<std::size_t>(best[i])];
+    }
+  }
+  if (level(place) > 1.0 && vehicle.rotors[0].torque_ratio_m > 0.0) {
+    const double yaw = found.agreement(2, nominal_gains(vehicle, place).row(2));
+    if (yaw < -0.6) {
+      LogFinding finding;
+      finding.file = file;
+      finding.column = "rotor.direction";
+      finding.kind = "sign";
+      finding.says = fmt::format(
+          "the vehicle yaws against the torque of the vehicle file (agreement {:.2f}): every rotor turns the other way "
+          "round than the file says, and the diagnosis goes on with that",
+          yaw);
+      findings.push_back(finding);
+      for (int i = 0; i < vehicle.rotor_count; ++i) vehicle.rotors[static_cast<std::size_t>(i)].direction *= -1.0;
+    }
+  }
+  return findings;
+}
+
+std::optional<double> torque_delay_s(const FlightData& flight, const VehicleModel& vehicle) {
+  if (flight.collective_only || flight.samples.size() < 200) return std::nullopt;
+  const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
+  std::iota(place.begin(), place.end(), 0);
+  const Eigen::MatrixXd gains = nominal_gains(vehicle, place);
+  const double hover = vehicle.hover_speed_radps(), dt = flight.sample_s;
+  const auto lag = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / dt)));
+  const auto agreement = [&](double delay_s) {
+    double xy = 0.0, xx = 0.0, yy = 0.0;
+    const auto torque = [&](std::size_t k) {
+      const RotorArray speed = record.mean(flight.samples[k].time_s - delay_s - 0.5 * average_s,
+                                           flight.samples[k].time_s - delay_s + 0.5 * average_s);
+      Eigen::Vector2d t = Eigen::Vector2d::Zero();
+      for (int i = 0; i < vehicle.rotor_count; ++i)
+        t += gains.col(i).head<2>() * std::pow(speed[static_cast<std::size_t>(i)] / hover, 2);
+      return t;
+    };
+    for (std::size_t k = 2 * lag; k + lag < flight.samples.size(); ++k) {
+      const Eigen::Vector2d x = torque(k) - torque(k - lag);
+      const Eigen::Vector2d y = (flight.motion[k].angular_acceleration_B_radps2 -
+                                 flight.motion[k - lag].angular_acceleration_B_radps2).head<2>();
+      xy += x.dot(y), xx += x.squaredNorm(), yy += y.squaredNorm();
+    }
+    return xy / std::sqrt(xx * yy + 1e-300);
+  };
+  double best = 0.0, at = 0.0;
+  const double step = 0.25 * dt;
+  for (double delay_s = -4.0 * dt; delay_s <= 10.0 * dt + 1e-9; delay_s += step) {
+    const double r = agreement(delay_s);
+    if (r > best) best = r, at = delay_s;
+  }
+  if (best < 0.25) return std::nullopt;
+  // the top of a parabola through three points
+  const double left = agreement(at - step), right = agreement(at + step), bend = left - 2.0 * best + right;
+  return bend < 0.0 ? at + 0.5 * step * (left - right) / bend : at;
+}
+
+}  // namespace gustlab::diagnosis

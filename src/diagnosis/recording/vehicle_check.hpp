@@ -1,0 +1,18 @@
+// Does the log contradict the vehicle file? Rotor order and directions come before any physics (DIAGNOSIS.md §3.9).
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/recording/flight_data.hpp"
+#include "diagnosis/result/findings.hpp"
+
+namespace gustlab::diagnosis {
+
+// Corrects the vehicle's rotors where the flights say clearly that order or directions are others, and says so.
+std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, VehicleModel& vehicle);
+
+// Seconds by which the turning of the vehicle follows its (nominal) rotors' torques: cross-correlation of roll and pitch.
+// std::nullopt when the flight does not say it clearly.
+std::optional<double> torque_delay_s(const FlightData& flight, const VehicleModel& vehicle);
+
+}  // namespace gustlab::diagnosis

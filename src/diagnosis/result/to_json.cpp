@@ -1,0 +1,99 @@
+#include "diagnosis/result/diagnosis.hpp"
+
+#include <cmath>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+// JSON has no infinity and no NaN
+ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
+
+ordered_json values(const std::vector<NamedValue>& named) {
+  ordered_json result = ordered_json::object();
+  for (const NamedValue& v : named) {
+    if (v.name == "rotor") result[v.name] = {{"value", static_cast<int>(v.value)}, {"std", 0}, {"unit", v.unit}};
+    else result[v.name] = {{"value", number(v.value)}, {"std", number(v.deviation)}, {"unit", v.unit}};
+  }
+  return result;
+}
+
+ordered_json effects(const std::vector<EffectFinding>& findings) {
+  ordered_json result = ordered_json::array();
+  for (const EffectFinding& f : findings) {
+    ordered_json one = {{"effect", f.effect}, {"place", f.place}, {"confidence", number(f.confidence)}, {"says", f.says}};
+    one["parameters"] = values(f.parameters);
+    if (!f.per_flight.empty()) {
+      one["per_flight"] = ordered_json::object();
+      for (const auto& [file, named] : f.per_flight) one["per_flight"][file] = values(named);
+    }
+    one["class"] = f.classmates;
+    one["delta_score"] = number(f.gain);
+    one["confusable_with"] = ordered_json::array();
+    for (const ConfusableEffect& c : f.confusable)
+      one["confusable_with"].push_back({{"effect", c.effect}, {"equivalent", c.equivalent}, {"z", number(c.z)}, {"delta_score", number(c.delta_score)}});
+    if (!f.least_even.variable.empty())
+      one["least_even"] = {{"variable", f.least_even.variable}, {"share", f.least_even.share}, {"std", f.least_even.deviation}};
+    result.push_back(one);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::consistent: return "consistent";
+    case Verdict::explained: return "explained";
+    case Verdict::partly_explained: return "partly_explained";
+    case Verdict::unexplained: return "unexplained";
+    case Verdict::insufficient_data: return "insufficient_data";
+  }
+  return "?";
+}
+
+ordered_json to_json(const Diagnosis& d) {
+  ordered_json out = {{"format", "gustlab-diagnosis/1"}, {"verdict", to_string(d.verdict)}, {"vehicle", d.vehicle}};
+  out["flights"] = ordered_json::array();
+  for (const FlightUse& f : d.flights)
+    out["flights"].push_back({{"file", f.file}, {"role", f.role}, {"duration_s", f.duration_s}, {"time_offset_s", f.time_offset_s}});
+  out["mismatch"] = ordered_json::array();
+  for (const Mismatch& m : d.mismatch) {
+    ordered_json where = ordered_json::array();
+    for (const Region& r : m.where) where.push_back({{"variable", r.variable}, {"above", number(r.above)}, {"share", number(r.share)}});
+    out["mismatch"].push_back({{"channel", m.channel}, {"significant", m.significant}, {"p_value", number(m.p_value)},
+                               {"rms", number(m.rms)}, {"noise_rms", number(m.noise_rms)}, {"unit", m.unit}, {"where", where}});
+  }
+  out["effects"] = effects(d.effects);
+  out["calibration"] = effects(d.calibration);
+  if (!d.residual_model.is_null()) out["residual_model"] = d.residual_model;
+  if (!d.habit.is_null()) out["habit"] = d.habit;
+  out["disturbance"] = ordered_json::array();
+  for (const Disturbance& g : d.disturbance)
+    out["disturbance"].push_back({{"group", g.group}, {"before", number(g.before)}, {"after", number(g.after)}, {"unit", g.unit},
+                                  {"correlation_time_s", number(g.correlation_time_s)}});
+  out["log_findings"] = ordered_json::array();
+  for (const LogFinding& f : d.log_findings)
+    out["log_findings"].push_back({{"file", f.file}, {"column", f.column}, {"kind", f.kind}, {"from_s", f.from_s}, {"to_s", f.to_s}, {"says", f.says}});
+  out["rejected"] = ordered_json::array();
+  for (const Rejected& r : d.rejected)
+    out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.delta_score)}, {"why", r.why}});
+  out["not_identifiable"] = ordered_json::array();
+  for (const NotIdentifiable& n : d.not_identifiable) out["not_identifiable"].push_back({{"effect", n.effect}, {"why", n.why}});
+  out["alarms"] = ordered_json::array();
+  for (const Alarm& a : d.alarms) out["alarms"].push_back({{"kind", a.kind}, {"says", a.says}, {"size", number(a.size)}, {"channels", a.channels}});
+  out["unexplained_share"] = number(d.unexplained_share);
+  out["notes"] = d.notes;
+  out["fit"] = d.fit;
+  if (!d.next_trajectory.empty()) {
+    out["next_flight"] = {{"trajectory", d.next_trajectory}, {"why", d.next_why}};
+    // numbers, lists of numbers and plain texts are the same in TOML and JSON
+    for (const auto& [name, literal] : d.next_parameters) out["next_flight"]["parameters"][name] = ordered_json::parse(literal);
+  }
+  out["augmented_model"] = "augmented.toml";
+  return out;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,59 @@
+// One model along one recording: rotors driven by the recorded inputs, the body let go at a sample.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/recording/flight_data.hpp"
+#include "diagnosis/recording/recorded_motion.hpp"
+#include "diagnosis/rollout/replay_options.hpp"
+#include "plant/plant.hpp"
+
+namespace gustlab::diagnosis {
+
+// What every rollout on one recording shares.
+struct Recording {
+  FlightLog log;                  // whose rows tell the whole motion
+  RecordedMotion motion;
+  VehicleModel vehicle;           // with the flight's surroundings, and nothing that touches the ground
+  CommandRecord inputs;
+  bool speed_is_measured = false;
+  bool collective_only = false;   // the attitude is taken as recorded
+  std::vector<double> voltage_V;  // per row, the last that was measured; empty: not known
+  double step_s = 0.001;          // of the plant; divides the sample interval
+
+  Recording(const FlightLog& log, const VehicleModel& vehicle, const ReplayOptions& options);
+};
+
+// Not pure chance, as gust and measurement_noise are.
+bool is_predictable(const EffectRow& row);
+
+class Rollout {
+ public:
+  // `effects`: all that act; those that are pure chance are left out.
+  Rollout(const Recording& recording, const std::vector<EffectSpec>& effects);
+
+  // Rotor speeds at every row, from running the command's way over the whole recording.
+  std::vector<RotorArray> rotor_speeds();
+  // Seconds by which the pose is late in this model.
+  double pose_delay_s() const { return pose_delay_s_; }
+  // The state behind a recorded sample, sensor effects taken out; its time is that of the (late) pose.
+  VehicleState start(std::size_t row) const;
+  // Lets the body go; rotor_speeds as above.
+  void begin(const VehicleState& start, const std::vector<RotorArray>& rotor_speeds);
+  // What the sensors say at a later time; false when the state left the numbers.
+  bool run_to(double time_s, Measured& seen);
+
+ private:
+  RotorCommand command(double from_s) const;
+  void restart_rotors(const RotorArray& speed_radps);
+  bool advance();
+
+  const Recording& recording_;
+  Plant plant_;
+  double pose_delay_s_ = 0.0;
+  double begin_s_ = 0.0;
+  Measured before_, now_;
+  std::int64_t steps_ = 0;
+};
+
+}  // namespace gustlab::diagnosis

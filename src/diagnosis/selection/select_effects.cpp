@@ -1,0 +1,388 @@
+#include "diagnosis/selection/select_effects.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "diagnosis/selection/stability.hpp"
+#include "diagnosis/selection/subset_search.hpp"
+#include "diagnosis/selection/suspect_histories.hpp"
+#include "diagnosis/selection/trims.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr std::size_t most_changes = 8;   // of a set that fits half-second predictions, before it is taken as it is
+
+// the search's working parts, in the order of DIAGNOSIS.md §3.6
+class Selector {
+ public:
+  Selector(Session& session, const SelectionOptions& options)
+      : s_(session), options_(options), catalogue_(session.catalogue()) {
+    natural_.resize(catalogue_.size());
+    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.columns()[static_cast<std::size_t>(c)].natural;
+  }
+
+  Selection run() {
+    Selection result;
+    Eigen::VectorXd value = catalogue_.nominal();
+    const NoiseModel calm = s_.noise;
+    s_.linearise(value, s_.all_columns());
+    s_.learn_noise(6, s_.biases());
+    result.nominal_from(s_);
+    suspect_histories(s_, value, {});
+    // what nothing explains yet is no noise to begin with
+    s_.noise = calm;
+
+    std::vector<int> chosen;
+    std::map<std::vector<int>, Eigen::VectorXd> visited;
+    constexpr int rounds = 6;
+    for (int round = 0; round < rounds; ++round) {
+      anew_ = round > 0;
+      if (anew_) s_.linearise(value, s_.all_columns());
+      if (round == 1 && !chosen.empty()) suspect_histories(s_, value, chosen);
+      if (round == 0) s_.search_noise(s_.all_columns());
+      if (round == 0 && s_.noise.errors_last()) {
+        const NoiseModel found = s_.noise;  // before and after are told apart with the same sensors
+        s_.learn_noise(6, s_.biases());
+        result.nominal_from(s_);
+        s_.noise = found;
+      }
+      s_.learn_noise(4, s_.all_columns());
+      const Grams grams = absolute(value);
+      const std::vector<int> next = search(grams);
+      value = refine(next, coefficients(grams, next));
+      const bool settled = round > 0 && next == chosen;
+      chosen = next;
+      if (round == 0) value = likelier_lateness(chosen, value);
+      visited[chosen] = value;
+      if (settled) break;
+      if (round == 0) s_.forget_transitions();
+      if (round == rounds - 1) value = best_visited(visited, chosen);
+    }
+    finish(result, chosen, value);
+    return result;
+  }
+
+  // fewer groups, fitted anew
+  Selection without(const Selection& before, const std::vector<int>& withdrawn) {
+    Selection result;
+    result.noise_nominal = before.noise_nominal;
+    result.smoothed_nominal = before.smoothed_nominal;
+    std::vector<int> chosen;
+    Eigen::VectorXd value = catalogue_.nominal();
+    for (const Finding& finding : before.findings)
+      if (std::find(withdrawn.begin(), withdrawn.end(), finding.group) == withdrawn.end()) chosen.push_back(finding.group);
+    drop_unfelt(chosen);
+    for (const int c : s_.with_biases(chosen)) value[c] = before.value[c];
+    finish(result, chosen, refine(chosen, value));
+    return result;
+  }
+
+ private:
+  // Grams whose coefficients count from the nominal vehicle, in natural units
+  Grams absolute(const Eigen::VectorXd& value) {
+    Grams grams = s_.grams();
+    grams.shift((value - catalogue_.nominal()).cwiseQuotient(natural_));
+    return grams;
+  }
+
+  // what a further effect must gain; where the model was linearised anew about what was found, a large effect leaves no
+  // second-order error that could be taken for another
+  double material(double rows, double total_gain) const {
+    const double relative = options_.relative_materiality * total_gain;
+    return std::max(options_.materiality * rows, anew_ && !s_.shoots() ? std::min(relative, options_.most_materiality * rows) : relative);
+  }
+
+  std::vector<int> search(const Grams& grams) const {
+    const Eigen::MatrixXd projected = project_out(grams.total(), s_.biases());
+    const SubsetSearch search(catalogue_, s_.vehicle(), std::log(grams.rows));
+    for (int most = options_.most_effects;; most += 3) {
+      const auto by_size = search.run(projected, most, options_.beam);
+      double least = by_size[0].front().loss;
+      for (const auto& subsets : by_size)
+        for (const Subset& subset : subsets) least = std::min(least, subset.loss);
+      const std::vector<int> groups = SubsetSearch::choose(by_size, material(grams.rows, by_size[0].front().loss - least)).groups;
+      // real vehicles may differ in more ways than a search begins with
+      if (static_cast<int>(groups.size()) < most || most > options_.most_effects) return groups;
+    }
+  }
+
+  Eigen::VectorXd value_at(const std::vector<int>& columns, const Fit& fit) const {
+    Eigen::VectorXd value = catalogue_.nominal();
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] * natural_[columns[i]];
+    return value;
+  }
+
+  // values of a fit on absolute Grams, SI
+  Eigen::VectorXd coefficients(const Grams& grams, const std::vector<int>& groups) const {
+    const std::vector<int> columns = s_.with_biases(groups);
+    Eigen::VectorXd value = value_at(columns, solve(grams.total(), columns));
+    // a wind that was tried with a drag of natural size means more with a smaller one
+    const int wind = catalogue_.find("steady_wind"), drag = catalogue_.find("rotor_drag");
+    if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
+      const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
+      if (s_.value()[d] == 0.0 && value[d] > 0.1 * natural_[d])
+        for (const int c : catalogue_.groups()[static_cast<std::size_t>(wind)].columns) value[c] *= natural_[d] / value[d];
+    }
+    catalogue_.clamp(value);
+    return value;
+  }
+
+  bool possible(const Eigen::VectorXd& value, int group) const {
+    const std::vector<int> columns = columns_of(catalogue_, {group});
+    return std::all_of(columns.begin(), columns.end(), [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].admits(value[c]); });
+  }
+
+  // Gauss–Newton in the nonlinear model, at most three steps
+  Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
+    s_.start_delay(groups, value);
+    const std::vector<int> columns = s_.with_biases(groups);
+    for (int step = 0; step < (s_.shoots() ? 6 : 3); ++step) {
+      s_.linearise(value, columns, false);
+      const Fit fit = solve(s_.grams().total(), columns);
+      const Eigen::VectorXd before = value;
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        value[columns[i]] += std::clamp(fit.coefficient[static_cast<Eigen::Index>(i)], -20.0, 20.0) * natural_[columns[i]];
+      catalogue_.clamp(value);
+      // a value at its bound has nowhere to go
+      if ((value - before).cwiseQuotient(natural_).cwiseAbs().maxCoeff() < 2e-2) break;
+    }
+    return value;
+  }
+
+  // the set did not settle: every visited set under one noise model
+  Eigen::VectorXd best_visited(const std::map<std::vector<int>, Eigen::VectorXd>& visited, std::vector<int>& chosen) {
+    double best = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd value = catalogue_.nominal();
+    for (const auto& [groups, start] : visited) {
+      const Eigen::VectorXd refined = refine(groups, start);
+      s_.linearise(refined, s_.with_biases(groups));
+      const Grams grams = s_.grams();
+      const double loss = solve(grams.total(), s_.with_biases(groups)).loss;
+      const double score = loss + std::log(grams.rows) * static_cast<double>(columns_of(catalogue_, groups).size()) +
+                           options_.materiality * grams.rows * static_cast<double>(groups.size());
+      if (score < best) {
+        best = score;
+        value = refined;
+        chosen = groups;
+      }
+    }
+    return value;
+  }
+
+  // Where the model was linearised a lag and a delay are the same: if one was chosen, the other is fitted in its place.
+  Eigen::VectorXd likelier_lateness(std::vector<int>& chosen, const Eigen::VectorXd& value) {
+    const std::array<int, 2> late = {catalogue_.find("motor_lag"), catalogue_.find("actuation_delay")};
+    for (const auto& [from, to] : {std::pair{late[0], late[1]}, {late[1], late[0]}}) {
+      const bool chosen_alone = std::count(chosen.begin(), chosen.end(), from) > 0 && std::count(chosen.begin(), chosen.end(), to) == 0;
+      if (to < 0 || !chosen_alone || below_tolerance(s_, value, from)) continue;
+      std::vector<int> other = chosen;
+      std::replace(other.begin(), other.end(), from, to);
+      std::sort(other.begin(), other.end());
+      const int was = columns_of(catalogue_, {from}).front(), is = columns_of(catalogue_, {to}).front();
+      Eigen::VectorXd start = value;
+      for (const int c : columns_of(catalogue_, {from})) start[c] = catalogue_.nominal()[c];
+      start[is] += value[was] - catalogue_.nominal()[was];
+      catalogue_.clamp(start);
+      return best_visited({{chosen, value}, {other, start}}, chosen);
+    }
+    return value;
+  }
+
+  void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
+    Eigen::MatrixXd total;
+    std::set<std::vector<int>> visited;
+    std::size_t changes = 0;
+    bool simplified = false;
+    anew_ = true;
+    for (bool settled = false; !settled;) {
+      s_.linearise(value, s_.all_columns());
+      s_.learn_noise(6, s_.with_biases(chosen));
+      result.grams = absolute(value);
+      total = result.grams.total();
+      result.loss_nominal = solve(total, s_.biases()).loss;
+      const std::size_t before = chosen.size();
+      prune(result, chosen, total, result.loss_nominal);
+      settled = chosen.size() == before || chosen.empty();   // what stays takes over what went
+      // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right (and may
+      // be pruned to the same set again and again)
+      if (settled && s_.shoots() && visited.size() < most_changes && changes++ < 2 * most_changes) {
+        const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
+        const double loss = solve(total, s_.with_biases(chosen)).loss;
+        visited.insert(chosen);
+        const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited, material(result.grams.rows, result.loss_nominal - loss));
+        settled = better.empty();
+        if (!settled) chosen = better;
+      }
+      if (settled && !simplified) {
+        simplified = true;
+        const std::vector<int> simpler = least_said(total, chosen);
+        settled = simpler == chosen;
+        chosen = simpler;
+      }
+      if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
+    }
+    result.noise_selected = s_.noise;
+    result.smoothed_selected = s_.smoothed;
+    result.degrees_of_freedom = result.grams.rows;
+
+    const std::vector<int> columns = s_.with_biases(chosen);
+    const Fit fit = solve(total, columns);
+    const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
+    result.loss_selected = fit.loss;
+    std::vector<int> foretold = columns;
+    std::erase_if(foretold, [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].of_surprise(); });
+    result.unforetold_gain = solve(total, foretold).loss - fit.loss;
+    result.value = value_at(columns, fit);
+    result.deviation = Eigen::VectorXd::Zero(catalogue_.size());
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      result.deviation[columns[i]] = std::sqrt(std::max(0.0, covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)))) * natural_[columns[i]];
+    catalogue_.clamp(result.value);
+    for (const int g : chosen) {
+      Finding finding;
+      finding.group = g;
+      std::vector<int> rest = chosen;
+      std::erase(rest, g);
+      finding.gain = solve(total, s_.with_biases(rest)).loss - fit.loss;
+      finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
+      result.findings.push_back(finding);
+    }
+    rivals(result, chosen, fit);
+    const std::vector<double> included = inclusion(s_, result.grams, chosen, options_);
+    for (Finding& finding : result.findings) finding.inclusion = included[static_cast<std::size_t>(finding.group)];
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
+    for (const int g : search.candidates) {
+      if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
+      std::vector<int> more = chosen;
+      more.push_back(g);
+      result.alone.emplace_back(g, fit.loss - solve(total, s_.with_biases(more)).loss - std::log(result.grams.rows) * static_cast<double>(columns_of(catalogue_, {g}).size()));
+    }
+  }
+
+  // a wind is felt only with a drag
+  void drop_unfelt(std::vector<int>& chosen) const {
+    if (!SubsetSearch(catalogue_, s_.vehicle(), 0.0).allowed(chosen)) std::erase(chosen, catalogue_.find("steady_wind"));
+  }
+
+  // One effect exchanged for another, and the set to compare that with: a trim is at work beside the effect as well, and only
+  // what it gains in the effect's place makes it an equal.
+  struct Exchange {
+    std::vector<int> groups, kept;
+    Fit fit = {}, kept_fit = {};
+    bool trim = false;   // the other is below its tolerance
+  };
+  std::optional<Exchange> exchange(const Eigen::MatrixXd& total, const SubsetSearch& search, const std::vector<int>& chosen,
+                                   const Fit& fit, int group, int other) const {
+    Exchange e{.groups = chosen, .kept = chosen};
+    std::replace(e.groups.begin(), e.groups.end(), group, other);
+    if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(e.groups)) return std::nullopt;
+    e.fit = solve(total, s_.with_biases(e.groups));
+    const Eigen::VectorXd value = value_at(s_.with_biases(e.groups), e.fit);
+    if (!possible(value, other)) return std::nullopt;
+    e.trim = below_tolerance(s_, value, other);
+    if (e.trim) e.kept.push_back(other);
+    e.kept_fit = e.trim ? solve(total, s_.with_biases(e.kept)) : fit;
+    return e;
+  }
+
+  // Of sets that fit alike, one effect exchanged, the one with the least to say: mass with a trimmed inertia is thrust with a
+  // wrong one.
+  std::vector<int> least_said(const Eigen::MatrixXd& total, const std::vector<int>& chosen) const {
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
+    const auto said = [&](const std::vector<int>& groups, const Fit& fit) {
+      const Eigen::VectorXd value = value_at(s_.with_biases(groups), fit);
+      double sum = 0.0;
+      for (const int g : groups) sum += std::min(1.0, std::pow(size_in_tolerances(s_, value, g), 2));
+      return sum;
+    };
+    const Fit fit = solve(total, s_.with_biases(chosen));
+    std::vector<int> best = chosen;
+    double least = said(chosen, fit) - 0.1;
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      for (const int other : search.candidates) {
+        const std::optional<Exchange> e = exchange(total, search, chosen, fit, chosen[i], other);
+        if (!e || e->fit.loss - e->kept_fit.loss > options_.trim_cost) continue;
+        if (const double sum = said(e->groups, e->fit); sum < least) best = e->groups, least = sum;
+      }
+    std::sort(best.begin(), best.end());
+    return best;
+  }
+
+  // backward: what is not material, not significant or not possible goes, the weakest first
+  void prune(const Selection& result, std::vector<int>& chosen, const Eigen::MatrixXd& total, double loss_none) const {
+    while (!chosen.empty()) {
+      const std::vector<int> columns = s_.with_biases(chosen);
+      const Fit fit = solve(total, columns);
+      const Eigen::VectorXd value = value_at(columns, fit);
+      const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
+      const double needed = material(result.grams.rows, std::max(0.0, loss_none - fit.loss));
+      int worst = -1;
+      double worst_gain = 0.0;
+      Eigen::Index at = 0;
+      for (const int g : chosen) {
+        const auto size = static_cast<Eigen::Index>(own_columns(catalogue_, chosen, g).size());
+        std::vector<int> rest = chosen;
+        std::erase(rest, g);
+        const double gain = solve(total, s_.with_biases(rest)).loss - fit.loss;
+        const Eigen::VectorXd b = fit.coefficient.segment(at, size);
+        Eigen::MatrixXd block = covariance.block(at, at, size, size);
+        block.diagonal().array() += 1e-18;
+        const double wald = b.dot(block.ldlt().solve(b));
+        const double p = boost::math::cdf(boost::math::complement(boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
+        const bool bad = gain < needed || !(s_.shoots() || possible(value, g)) || !(p < options_.wald_p / static_cast<double>(catalogue_.groups().size()));
+        if (bad && (worst < 0 || gain < worst_gain)) worst = g, worst_gain = gain;
+        at += size;
+      }
+      if (worst < 0) return;
+      std::erase(chosen, worst);
+      drop_unfelt(chosen);
+    }
+  }
+
+  // replace each selected effect by every other, one at a time
+  void rivals(Selection& result, const std::vector<int>& chosen, const Fit& fit) const {
+    const Eigen::MatrixXd total = result.grams.total();
+    const Eigen::VectorXd own = block_losses(result.grams, s_.with_biases(chosen), fit.coefficient);
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
+    for (Finding& finding : result.findings) {
+      for (const int other : search.candidates) {
+        const std::optional<Exchange> e = exchange(total, search, chosen, fit, finding.group, other);
+        if (!e) continue;
+        const Eigen::VectorXd difference = block_losses(result.grams, s_.with_biases(e->groups), e->fit.coefficient) -
+                                           (e->trim ? block_losses(result.grams, s_.with_biases(e->kept), e->kept_fit.coefficient) : own);
+        Eigen::VectorXd sums = Eigen::VectorXd::Zero(result.grams.clusters);
+        for (Eigen::Index b = 0; b < difference.size(); ++b)
+          sums[result.grams.cluster[static_cast<std::size_t>(b)]] += difference[b];
+        const double mean = sums.mean();
+        const double sd = std::sqrt((sums.array() - mean).square().sum() / std::max(1.0, static_cast<double>(sums.size()) - 1.0));
+        finding.rivals.push_back({other, sums.sum() / (std::sqrt(static_cast<double>(sums.size())) * sd + 1e-9),
+                                  e->fit.loss - e->kept_fit.loss, e->trim});
+      }
+      std::stable_sort(finding.rivals.begin(), finding.rivals.end(), [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });
+      if (finding.rivals.size() > 4) finding.rivals.resize(4);
+    }
+  }
+
+  Session& s_;
+  const SelectionOptions& options_;
+  const Catalogue& catalogue_;
+  Eigen::VectorXd natural_;
+  bool anew_ = false;   // linearised about what was found
+};
+
+}  // namespace
+
+Selection select_effects(Session& session, const SelectionOptions& options) { return Selector(session, options).run(); }
+
+Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before, const std::vector<int>& groups) {
+  return Selector(session, options).without(before, groups);
+}
+
+}  // namespace gustlab::diagnosis

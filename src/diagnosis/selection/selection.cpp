@@ -1,0 +1,17 @@
+#include "diagnosis/selection/selection.hpp"
+
+namespace gustlab::diagnosis {
+
+std::vector<int> Selection::groups() const {
+  std::vector<int> result;
+  for (const Finding& finding : findings) result.push_back(finding.group);
+  return result;
+}
+
+const Finding* Selection::find(int group) const {
+  for (const Finding& finding : findings)
+    if (finding.group == group) return &finding;
+  return nullptr;
+}
+
+}  // namespace gustlab::diagnosis

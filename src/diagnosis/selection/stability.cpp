@@ -1,0 +1,38 @@
+#include "diagnosis/selection/stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/selection/subset_search.hpp"
+#include "gustlab/random.hpp"
+
+namespace gustlab::diagnosis {
+
+std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen, const SelectionOptions& options) {
+  std::vector<double> share(session.catalogue().groups().size(), 0.0);
+  if (chosen.empty()) return share;
+  const SubsetSearch search(session.catalogue(), session.vehicle(), std::log(grams.rows));
+  const RandomStream random(20261121, 0, "half_samples");
+  const int most = std::min(static_cast<int>(chosen.size()) + 1, options.most_effects);
+  for (int draw = 0; draw < options.half_samples / 2; ++draw) {
+    std::vector<bool> first(static_cast<std::size_t>(grams.clusters));
+    for (std::size_t i = 0; i < first.size(); ++i)
+      first[i] = random.uniform4(static_cast<std::uint64_t>(draw) * 100000 + i)[0] < 0.5;
+    for (const bool half : {true, false}) {
+      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1);
+      double blocks = 0.0;
+      for (std::size_t b = 0; b < grams.block.size(); ++b)
+        if (first[static_cast<std::size_t>(grams.cluster[b])] == half) {
+          gram += grams.block[b];
+          blocks += 1.0 / static_cast<double>(grams.block.size());
+        }
+      const auto by_size = search.run(project_out(gram, session.biases()), most, 5);
+      for (const int g : SubsetSearch::choose(by_size, options.materiality * grams.rows * blocks).groups)
+        ++share[static_cast<std::size_t>(g)];
+    }
+  }
+  for (double& s : share) s /= options.half_samples;
+  return share;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,13 @@
+// How surely a group is found: in which share of half samples a search anew chooses it.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/selection/selection.hpp"
+
+namespace gustlab::diagnosis {
+
+// Complementary halves of the clusters, each searched for sets of up to one more than was chosen; a share per catalogue group.
+std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen, const SelectionOptions& options);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,122 @@
+#include "diagnosis/selection/subset_search.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "diagnosis/selection/selection.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// air-relative effects: without one of them a wind is not felt
+constexpr std::string_view air_relative[] = {"rotor_drag", "quadratic_drag", "axial_inflow", "translational_lift",
+                                             "flapping_torque"};
+
+}  // namespace
+
+SubsetSearch::SubsetSearch(const Catalogue& known, const VehicleModel&, double per_parameter)
+    : catalogue(known), penalty(per_parameter) {
+  for (std::size_t g = 0; g < catalogue.groups().size(); ++g)
+    if (catalogue.groups()[g].candidate) candidates.push_back(static_cast<int>(g));
+}
+
+bool SubsetSearch::allowed(const std::vector<int>& groups) const {
+  bool wind = false, air = false, mass = false, thrust = false;
+  for (std::size_t g = 0; g < catalogue.groups().size(); ++g) {
+    const Group& group = catalogue.groups()[g];
+    const bool in = std::find(groups.begin(), groups.end(), static_cast<int>(g)) != groups.end();
+    if (in && group.row->name == "steady_wind") wind = true;
+    if (in && group.row->name == "mass") mass = true;
+    if (in && group.row->name == "thrust_scale") thrust = true;
+    if ((in || group.nominal) && std::find(std::begin(air_relative), std::end(air_relative), group.row->name) != std::end(air_relative))
+      air = true;
+  }
+  // mass, inertia and thrust together have one exact scale alias
+  return (!wind || air) && !(mass && thrust);
+}
+
+Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const {
+  Subset subset;
+  subset.groups = groups;
+  const std::vector<int> columns = columns_of(catalogue, groups);
+  const Fit fit = solve(gram, columns);
+  subset.loss = fit.loss;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(columns[i])];
+    if (!column.admits(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural))
+      subset.loss = std::numeric_limits<double>::infinity();
+  }
+  subset.score = subset.loss + penalty * static_cast<double>(columns.size());
+  // a cable's length and its swing in every flight were fitted beforehand
+  for (const int g : groups)
+    if (catalogue.groups()[static_cast<std::size_t>(g)].row->name == "slung_load") subset.score += 30.0 * penalty;
+    else if (catalogue.groups()[static_cast<std::size_t>(g)].row->name == "saturation") subset.score += 5.0 * penalty;
+  return subset;
+}
+
+std::vector<std::vector<Subset>> SubsetSearch::run(const Eigen::MatrixXd& gram, int most, int beam) const {
+  std::vector<std::vector<Subset>> by_size{{evaluate(gram, {})}};
+  std::vector<std::vector<int>> bases{{}};
+  for (int size = 1; size <= most; ++size) {
+    std::set<std::vector<int>> tried;
+    std::vector<Subset> found;
+    for (const auto& base : bases)
+      for (const int g : candidates) {
+        if (std::find(base.begin(), base.end(), g) != base.end()) continue;
+        std::vector<int> groups = base;
+        groups.insert(std::upper_bound(groups.begin(), groups.end(), g), g);
+        if (tried.insert(groups).second) found.push_back(evaluate(gram, groups));
+      }
+    // ties in the order of the catalogue, so that the same data give the same answer
+    std::stable_sort(found.begin(), found.end(), [](const Subset& a, const Subset& b) { return a.score < b.score; });
+    // every single is a base of the next round, even one that needs a companion
+    bases.clear();
+    const std::size_t kept = size == 1 ? found.size() : std::min<std::size_t>(found.size(), static_cast<std::size_t>(beam));
+    for (std::size_t i = 0; i < kept; ++i) bases.push_back(found[i].groups);
+    std::erase_if(found, [this](const Subset& s) { return !allowed(s.groups); });
+    if (found.size() > static_cast<std::size_t>(beam)) found.resize(static_cast<std::size_t>(beam));
+    by_size.push_back(std::move(found));
+    if (bases.empty()) break;
+  }
+  return by_size;
+}
+
+std::vector<int> SubsetSearch::improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::set<std::vector<int>>& visited,
+                                        double material) const {
+  double best = evaluate(gram, groups).score - material;
+  std::vector<int> better;
+  const auto try_groups = [&](std::vector<int> changed) {
+    std::sort(changed.begin(), changed.end());
+    if (visited.contains(changed) || !allowed(changed)) return;
+    const double score = evaluate(gram, changed).score;
+    if (score < best) best = score, better = std::move(changed);
+  };
+  for (const int g : candidates) {
+    if (std::find(groups.begin(), groups.end(), g) != groups.end()) continue;
+    std::vector<int> more = groups;
+    more.push_back(g);
+    try_groups(more);
+    // an exchange costs no further effect, but should pay as much
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      std::vector<int> changed = groups;
+      changed[i] = g;
+      try_groups(changed);
+    }
+  }
+  return better;
+}
+
+Subset SubsetSearch::choose(const std::vector<std::vector<Subset>>& by_size, double material) {
+  Subset best = by_size[0].front();
+  for (std::size_t size = 1; size < by_size.size(); ++size) {
+    if (by_size[size].empty()) continue;
+    const Subset& candidate = by_size[size].front();
+    const double more = static_cast<double>(size) - static_cast<double>(best.groups.size());
+    if (candidate.score < best.score - material * more) best = candidate;
+  }
+  return best;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,37 @@
+// Best subsets of groups on one Gram matrix from which all that is always free has been projected out.
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "diagnosis/estimation/gram.hpp"
+#include "diagnosis/model/catalogue.hpp"
+
+namespace gustlab::diagnosis {
+
+struct Subset {
+  std::vector<int> groups;  // sorted
+  double loss = 0.0;
+  double score = 0.0;       // loss + parameters × log(dof)
+};
+
+struct SubsetSearch {
+  SubsetSearch(const Catalogue& catalogue, const VehicleModel& vehicle, double penalty);
+
+  // The best subsets of each size, best first.
+  std::vector<std::vector<Subset>> run(const Eigen::MatrixXd& gram, int most, int beam) const;
+  // The subset to choose when every further group must gain at least `material`.
+  static Subset choose(const std::vector<std::vector<Subset>>& by_size, double material);
+  // Loss of one subset; infinite when a coefficient leaves its bounds or a group needs another that is missing.
+  Subset evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const;
+  // One group more, or one for another, where that pays most: at least what a further effect must gain. Empty: nothing does.
+  std::vector<int> improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::set<std::vector<int>>& visited,
+                            double material) const;
+  bool allowed(const std::vector<int>& groups) const;
+
+  const Catalogue& catalogue;
+  double penalty;
+  std::vector<int> candidates;
+};
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,52 @@
+// Columns without a physical name: they ask whether anything is left, not what it is.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "diagnosis/estimation/session.hpp"
+
+namespace gustlab::diagnosis {
+
+// Smooth functions of the place in the flown volume: polynomials, closeness to the ground, bumps.
+inline constexpr int near_ground = 7;
+using Place = Eigen::Matrix<double, near_ground + 10, 1>;
+class FlownVolume {
+ public:
+  explicit FlownVolume(const Session& session);
+  Place functions(const Vector3& position_W_m) const;
+
+ private:
+  Vector3 middle_W_m_, half_m_;
+  double lowest_m_;
+};
+
+// A family of columns per flight: m pushes per sample, to be appended to the filter's own.
+struct BasisFamily {
+  std::string name;
+  std::vector<std::vector<Pushes>> columns;   // [flight][sample]
+  std::vector<int> channel;                   // per column: force x y z (or along W), torque x y z
+  int size = 0;
+};
+// force of position, force and torque of body velocity, of time, and torque of past commands
+std::vector<BasisFamily> omnibus_bases(const Session& session);
+// a dozen smooth functions of the state acting on one channel each: force x y z, torque x y z in the body
+std::vector<BasisFamily> channel_bases(const Session& session);
+
+// Grams of [these columns of the catalogue, the family, z], whitened under the session's noise, over all flights.
+Grams grams_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
+// Their sum when the columns from `first` are trims, which are small beforehand.
+void keep_small(const std::vector<Trim>& trims, std::size_t first, Eigen::MatrixXd& gram);
+
+// What a family gains (χ²) beyond the given columns (always free with it) and small values of the trims: all of it, and
+// its terms on one channel alone.
+struct Gain {
+  double all = 0.0;
+  std::array<double, 6> channel{};
+  std::array<int, 6> size{};  // terms on the channel
+};
+std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families, const std::vector<int>& columns,
+                           const std::vector<Trim>& trims = {});
+
+}  // namespace gustlab::diagnosis

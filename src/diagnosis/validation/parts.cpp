@@ -1,0 +1,89 @@
+#include "diagnosis/validation/parts.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "diagnosis/selection/trims.hpp"
+#include "diagnosis/validation/generic_bases.hpp"
+#include "diagnosis/validation/remainder.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double least_seen = 25.0;   // χ² of a push that is not there, with everything else free
+constexpr double mostly = 0.5;
+
+}  // namespace
+
+std::vector<Parts> parts(const Session& session, const Selection& selection) {
+  std::vector<Parts> result(selection.findings.size());
+  const auto turns = [](const LinearFlight& flight) { return flight.torque_known && !flight.forces_alone; };
+  if (session.shoots() || selection.findings.empty() || !std::all_of(session.linear().begin(), session.linear().end(), turns)) return result;
+  const Catalogue& catalogue = session.catalogue();
+  // a gust moves the vehicle along its own push, and lasts longer than what the filter allows for: then pushes to the side are free
+  const bool gusty = session.noise.rms(0) > most_of_floor * reference_floor(session.vehicle())[0];
+  BasisFamily pushes;
+  const auto tested = static_cast<Eigen::Index>(result.size());
+  pushes.size = static_cast<int>(gusty ? 2 * tested : tested);
+  std::vector<Eigen::Array3d> with_rate(result.size(), Eigen::Array3d::Zero()), turning = with_rate;
+  Eigen::Array3d rates = Eigen::Array3d::Zero();
+  for (std::size_t f = 0; f < session.linear().size(); ++f) {
+    const LinearFlight& flight = session.linear()[f];
+    std::vector<Pushes>& of_flight = pushes.columns.emplace_back(flight.size(), Pushes::Zero(6, pushes.size));
+    for (std::size_t k = 0; k < flight.size(); ++k) {
+      const Eigen::Array3d rate = session.flights()[f].motion[k].body_rate_B_radps;
+      rates += rate.square();
+      for (std::size_t i = 0; i < result.size(); ++i) {
+        Eigen::Matrix<double, 12, 1> moved = Eigen::Matrix<double, 12, 1>::Zero();
+        for (std::size_t j = 0; j < flight.columns.size(); ++j) {
+          const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
+          if (column.group != selection.findings[i].group) continue;
+          moved += (selection.value[flight.columns[j]] - column.nominal) / column.natural / flight.interval_s[k] * flight.B[k].col(static_cast<Eigen::Index>(j));
+        }
+        const auto at = static_cast<Eigen::Index>(i);
+        of_flight[k].block<3, 1>(0, at) = moved.segment<3>(3);
+        if (gusty) of_flight[k].block<2, 1>(0, at).swap(of_flight[k].block<2, 1>(0, tested + at));
+        const Eigen::Array3d turn = moved.tail<3>();
+        with_rate[i] += turn * rate;
+        turning[i] += turn.square();
+      }
+    }
+  }
+  std::vector<int> beside = session.with_biases(selection.groups());
+  const std::vector<Trim> trims = trims_beside(session, beside, scatter_share);
+  const std::size_t own = beside.size();
+  for (const Trim& trim : trims) beside.push_back(trim.column);
+  const Grams grams = grams_with(session, pushes, beside);
+  Eigen::MatrixXd gram = grams.total();
+  keep_small(trims, own, gram);
+  std::vector<int> known(beside.size());
+  std::iota(known.begin(), known.end(), 0);
+  for (Eigen::Index i = tested; i < pushes.size; ++i) known.push_back(static_cast<int>(static_cast<Eigen::Index>(beside.size()) + i));
+  const Eigen::MatrixXd projected = project_out(gram, known);
+  // what is left of a column, the known ones fitted to it
+  const auto left_of = [&](Eigen::Index column) {
+    Eigen::MatrixXd target = gram;
+    target.col(target.cols() - 1) = gram.col(column);
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(gram.cols());
+    const Eigen::VectorXd others = solve(target, known).coefficient;
+    for (std::size_t i = 0; i < known.size(); ++i) weights[known[i]] = -others[static_cast<Eigen::Index>(i)];
+    weights[column] = 1.0;
+    return weights;
+  };
+  const Eigen::VectorXd unexplained = left_of(gram.cols() - 1);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(beside.size() + i);
+    const double seen = projected(at, at);
+    if (!(seen > least_seen)) continue;
+    const Eigen::VectorXd pattern = left_of(at);
+    const double excess = projected(at, projected.cols() - 1) / seen;
+    const bool damps = (with_rate[i].square() / rates.max(1e-12)).sum() > mostly * turning[i].sum();
+    result[i] = {excess, std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern))), damps};
+  }
+  return result;
+}
+
+}  // namespace gustlab::diagnosis

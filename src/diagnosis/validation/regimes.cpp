@@ -1,0 +1,135 @@
+#include "diagnosis/validation/regimes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double block_s = 0.5;
+constexpr int parts = 3;
+constexpr double few = 4.0, untold = 1.0;  // clusters; a deviation
+
+struct Variables {
+  std::vector<std::string> name = {"speed", "vertical speed", "height", "x", "y", "tilt", "thrust", "command activity", "time"};
+  std::vector<std::vector<double>> value;  // per variable, per block
+};
+
+Variables variables_of(const Session& session, const Grams& grams) {
+  Variables result;
+  result.value.assign(result.name.size(), std::vector<double>(grams.block.size(), 0.0));
+  for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    const FlightData& flight = session.flights()[static_cast<std::size_t>(grams.flight[b])];
+    const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+    const auto first = std::lower_bound(flight.samples.begin(), flight.samples.end(), grams.time_s[b],
+                                        [](const Sample& s, double t) { return s.time_s < t; }) - flight.samples.begin();
+    std::array<double, 9> sum{};
+    double count = 0.0;
+    for (auto k = static_cast<std::size_t>(first); k < flight.samples.size() && flight.samples[k].time_s < grams.time_s[b] + block_s; ++k) {
+      const Motion& m = flight.motion[k];
+      const double t = flight.samples[k].time_s;
+      const RotorArray now = record.mean(t, t + flight.sample_s), old = record.mean(t - flight.sample_s, t);
+      double thrust = 0.0, change = 0.0;
+      for (std::size_t i = 0; i < max_rotors; ++i) thrust += now[i] * now[i], change += std::pow(now[i] - old[i], 2);
+      const std::array<double, 9> here = {m.velocity_W_mps.norm(), m.velocity_W_mps.z(), m.position_W_m.z(), m.position_W_m.x(),
+                                          m.position_W_m.y(), -(m.attitude_WB * Vector3::UnitZ()).z(), thrust, change, t - flight.start_s};
+      for (std::size_t v = 0; v < sum.size(); ++v) sum[v] += here[v];
+      count += 1.0;
+    }
+    for (std::size_t v = 0; v < sum.size(); ++v) result.value[v][b] = sum[v] / std::max(1.0, count);
+  }
+  return result;
+}
+
+std::vector<Regimes> regimes_of(const Session& session, const Selection& selection, const Finding& finding, const Variables& variables) {
+  const Catalogue& catalogue = session.catalogue();
+  const Grams& grams = selection.grams;
+  // the finding's pattern as it was fitted, and what the whole fit leaves
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(grams.columns + 1), left = own;
+  left[grams.columns] = 1.0;
+  for (int c = 0; c < catalogue.size(); ++c) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const double coefficient = (selection.value[c] - column.nominal) / column.natural;
+    left[c] = -coefficient;
+    if (column.group == finding.group) own[c] = coefficient;
+  }
+  std::vector<double> information, remaining;
+  for (const Eigen::MatrixXd& block : grams.block) {
+    const Eigen::VectorXd pattern = block * own;
+    information.push_back(pattern.dot(own));
+    remaining.push_back(pattern.dot(left));
+  }
+  const double all = std::accumulate(information.begin(), information.end(), 0.0);
+  std::vector<Regimes> result;
+  if (!(all > 0.0)) return result;
+
+  for (std::size_t v = 0; v < variables.name.size(); ++v) {
+    std::vector<std::size_t> order(grams.block.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return variables.value[v][a] < variables.value[v][b]; });
+    Regimes regimes;
+    regimes.variable = variables.name[v];
+    std::array<double, parts> info{}, score{};
+    std::vector<int> part(order.size());
+    double before = 0.0;
+    for (const std::size_t b : order) {
+      part[b] = std::min(parts - 1, static_cast<int>(before / all * parts));
+      before += information[b];
+      info[static_cast<std::size_t>(part[b])] += information[b];
+      score[static_cast<std::size_t>(part[b])] += remaining[b];
+    }
+    for (std::size_t p = 0; p < parts; ++p) {
+      regimes.share.push_back(info[p] > 0.0 ? 1.0 + score[p] / info[p] : 1.0);
+      std::vector<double> cluster(static_cast<std::size_t>(grams.clusters), 0.0), clustered = cluster;
+      for (std::size_t b = 0; b < part.size(); ++b)
+        if (part[b] == static_cast<int>(p)) {
+          cluster[static_cast<std::size_t>(grams.cluster[b])] += remaining[b] - (regimes.share[p] - 1.0) * information[b];
+          clustered[static_cast<std::size_t>(grams.cluster[b])] += information[b];
+        }
+      double variance = 0.0, squares = 0.0;
+      for (const double c : cluster) variance += c * c;
+      for (const double i : clustered) squares += i * i;
+      // what few clusters say has no error that they could tell
+      regimes.deviation.push_back(info[p] * info[p] > few * squares ? std::sqrt(variance) / info[p] : untold);
+    }
+    const double mean = std::accumulate(regimes.share.begin(), regimes.share.end(), 0.0) / parts;
+    double between = 0.0, expected = 0.0;
+    for (std::size_t p = 0; p < parts; ++p) {
+      between += std::pow(regimes.share[p] - mean, 2) / (parts - 1);
+      expected += std::pow(regimes.deviation[p], 2) / parts;
+      regimes.chi_squared += std::pow((regimes.share[p] - mean) / regimes.deviation[p], 2);
+    }
+    regimes.spread = std::sqrt(std::max(0.0, between - expected));
+    result.push_back(std::move(regimes));
+  }
+  std::stable_sort(result.begin(), result.end(), [](const Regimes& a, const Regimes& b) { return a.spread > b.spread; });
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::vector<Regimes>> regimes(const Session& session, const Selection& selection) {
+  std::vector<std::vector<Regimes>> result;
+  if (selection.findings.empty()) return result;
+  const Variables variables = variables_of(session, selection.grams);
+  for (const Finding& finding : selection.findings) result.push_back(regimes_of(session, selection, finding, variables));
+  return result;
+}
+
+double most_astray(const std::vector<Regimes>& regimes) {
+  double most = 0.0;
+  std::size_t told = 0;
+  for (const Regimes& r : regimes) {
+    if (std::find(r.deviation.begin(), r.deviation.end(), untold) != r.deviation.end()) continue;
+    ++told;
+    double expected = 0.0;
+    for (const double d : r.deviation) expected += d * d / parts;
+    most = std::max(most, std::sqrt(r.spread * r.spread + 2.0 * expected * std::sqrt(2.0 / (parts - 1))));
+  }
+  return 2 * told > regimes.size() ? most : untold;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,178 @@
+#include "diagnosis/validation/remainder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "diagnosis/selection/trims.hpp"
+#include "diagnosis/validation/dependence.hpp"
+#include "diagnosis/validation/generic_bases.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr std::array<const char*, 12> sensor_name = {"position x", "position y", "position z", "roll", "pitch", "yaw",
+                                                     "roll rate", "pitch rate", "yaw rate", "specific force x",
+                                                     "specific force y", "specific force z"};
+
+// of the disturbance groups
+const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
+    {{"force_x", "force_y"}, {"force_z"}, {"torque_x", "torque_y"}, {"torque_z"}}};
+
+// of a gust: correlation time, and disturbance that lasts half a second against all of a calm room's (clean flights: up to 0.45)
+constexpr double fastest_gust_s = 0.25, slowest_gust_s = 4.0, least_slow_share = 0.7;
+// of innovations; where errors of the sensors are known to last, colour that one correlation time does not follow is theirs
+constexpr double most_correlation = 0.15, most_correlation_of_lasting = 0.3;
+
+std::vector<double> ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  std::vector<double> rank(values.size());
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<double>(i);
+  return rank;
+}
+
+double correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const double n = static_cast<double>(a.size());
+  const double ma = std::accumulate(a.begin(), a.end(), 0.0) / n, mb = std::accumulate(b.begin(), b.end(), 0.0) / n;
+  double ab = 0.0, aa = 0.0, bb = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ab += (a[i] - ma) * (b[i] - mb);
+    aa += (a[i] - ma) * (a[i] - ma);
+    bb += (b[i] - mb) * (b[i] - mb);
+  }
+  return ab / std::sqrt(aa * bb + 1e-300);
+}
+
+}  // namespace
+
+bool beyond_chance(double gain, int size, double rows) {
+  return gain > size + 6.0 * std::sqrt(2.0 * size) + 0.001 * rows;
+}
+
+Remainder remainder(const Session& session, const Selection& selection, bool shadow) {
+  Remainder result;
+  const double rows = selection.degrees_of_freedom;
+  const std::vector<int> columns = session.with_biases(selection.groups());
+
+  // a gust lasts longer than the air of a calm room, or has a line; it does not depend on where the vehicle is
+  const auto floor = reference_floor(session.vehicle());
+  const NoiseModel& noise = selection.noise_selected;
+  result.gust = gust_parts(session, selection.smoothed_selected);
+  const bool slow = result.gust.slow_mps2 > least_slow_share * floor[0] && result.gust.time_s > fastest_gust_s && result.gust.time_s < slowest_gust_s;
+  // a line below a calm room's disturbance may be the flown figure's own
+  const bool line = result.gust.line_mps2 > floor[0];
+  if (!line) result.gust.line_mps2 = 0.0;
+  if (!slow) result.gust.horizontal_mps2 = 0.0;
+  result.depends_on_state = (slow || line) && depends_on_state(session, selection.smoothed_selected);
+  if (result.depends_on_state) result.alarms.push_back({"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
+  result.gust_like = !shadow && (slow || line) && !result.depends_on_state;
+
+  const std::vector<Trim> trims = trims_beside(session, columns, scatter_share);
+  double worst = 0.0;
+  std::vector<BasisFamily> families = omnibus_bases(session);
+  for (BasisFamily& family : channel_bases(session)) families.push_back(std::move(family));
+  const std::vector<Gain> gains = gains_of(session, families, columns, trims);
+  for (std::size_t i = 0; i < families.size(); ++i) {
+    const BasisFamily& family = families[i];
+    const bool smooth = family.name.starts_with("smooth");
+    // what moves slowly is like any slow function of place and time
+    if (result.gust_like && (smooth ? family.channel.front() < 2 : family.name == "position" || family.name == "time")) continue;
+    if (!beyond_chance(gains[i].all, family.size, rows)) continue;
+    worst = std::max(worst, gains[i].all);
+    Alarm alarm{"omnibus", fmt::format("the rest depends on {}", family.name), gains[i].all / rows, {}};
+    const double most = *std::max_element(gains[i].channel.begin(), gains[i].channel.end());
+    for (std::size_t c = 0; c < channel_name.size(); ++c)
+      if (beyond_chance(gains[i].channel[c], gains[i].size[c], rows) && gains[i].channel[c] > 0.25 * most) alarm.channels.emplace_back(channel_name[c]);
+    if (smooth) {
+      const std::string& where = alarm.channels.front();
+      if (std::any_of(result.alarms.begin(), result.alarms.end(), [&](const Alarm& a) { return std::find(a.channels.begin(), a.channels.end(), where) != a.channels.end(); })) continue;
+      alarm.says = fmt::format("{} still is a smooth function of the state", where);
+    }
+    result.alarms.push_back(std::move(alarm));
+  }
+  result.gust_like = result.gust_like && worst == 0.0;
+  const double explained = std::max(0.0, selection.loss_nominal - selection.loss_selected);
+  result.omnibus_gain = worst;
+  result.omnibus_share = worst > 0.0 ? worst / (worst + explained) : 0.0;
+
+  // autocorrelation of the whitened innovations over 25 lags
+  const Fit fit = solve(session.grams(columns).total(), columns);
+  const auto whitened = session.innovations(columns, fit.coefficient);
+  const auto correlated = lag_correlation(whitened, 25);
+  for (std::size_t c = 0; c < row_count; ++c) {
+    // a gust is not quite what the filter has for it
+    if (std::isnan(correlated[0][c]) || (result.gust_like && (c < 3 || c > 8))) continue;
+    const auto most = std::max_element(correlated.begin(), correlated.end(), [c](const auto& a, const auto& b) { return std::abs(a[c]) < std::abs(b[c]); });
+    const double r = std::abs((*most)[c]);
+    const auto lag = most - correlated.begin() + 1;
+    const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(), [](const FlightData& f) { return f.read_slower; });
+    if (r > (noise.errors_last() ? most_correlation_of_lasting : most_correlation) && own_rate)
+      result.alarms.push_back({"whiteness", fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], lag), 0.01 * r,
+                               {channel_name[c % 3 + (c < 3 || c > 8 ? 0 : 3)]}});
+  }
+
+  // disturbance above what a calm room leaves
+  constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    // half a second ahead tells what lasts: its spectral density against that of a calm room's air
+    const double lasting = std::sqrt(noise.variance[g] * noise.time_s[g] / calm_memory_s) / floor[g], ratio = std::max(noise.rms(g) / floor[g], lasting);
+    if (ratio > most_of_floor && !(g < 2 && result.gust_like))
+      result.alarms.push_back({"floor", fmt::format("{} is disturbed {:.1f} times as much as in a calm room{}", group_name[g], ratio, ratio == lasting ? ", slowly" : ""),
+                               0.001 * ratio, channels_of[g]});
+  }
+
+  // disturbance that grows with the state: dynamics that linear bases cannot follow
+  std::vector<double> activity, speed, height;
+  std::array<std::vector<double>, disturbance_groups> energy;
+  for (std::size_t f = 0; f < session.flights().size(); ++f) {
+    const FlightData& flight = session.flights()[f];
+    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(0.5 / flight.sample_s)));
+    const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+    for (std::size_t first = 1; first + length <= flight.samples.size(); first += length) {
+      std::array<double, disturbance_groups> e{};
+      double change = 0.0, fast = 0.0, high = 0.0;
+      for (std::size_t k = first; k < first + length; ++k) {
+        for (std::size_t j = 0; j < 6; ++j)
+          e[static_cast<std::size_t>(disturbance_group[j])] += std::pow(selection.smoothed_selected[f].disturbance[k][static_cast<Eigen::Index>(j)], 2);
+        const double t = flight.samples[k].time_s;
+        const RotorArray now = record.mean(t - flight.sample_s, t), old = record.mean(t - 2.0 * flight.sample_s, t - flight.sample_s);
+        for (std::size_t i = 0; i < max_rotors; ++i) change += std::pow(now[i] - old[i], 2);
+        fast += flight.motion[k].velocity_W_mps.norm();
+        high += flight.motion[k].position_W_m.z();
+      }
+      activity.push_back(std::sqrt(change));
+      speed.push_back(fast);
+      height.push_back(-high);
+      for (std::size_t g = 0; g < disturbance_groups; ++g)
+        energy[g].push_back(e[g] / static_cast<double>(length * channels_of[g].size()));
+    }
+  }
+  for (std::size_t g = 0; g < disturbance_groups; ++g)
+    for (const auto& [name, x] : {std::pair<const char*, const std::vector<double>*>{"command activity", &activity},
+                                  {"speed", &speed}, {"low height", &height}}) {
+      const double r = correlation(ranks(energy[g]), ranks(*x));
+      std::vector<std::size_t> order(x->size());
+      std::iota(order.begin(), order.end(), std::size_t{0});
+      std::stable_sort(order.begin(), order.end(), [&, values = x](std::size_t a, std::size_t b) { return (*values)[a] < (*values)[b]; });
+      const std::size_t quarter = order.size() / 4;
+      double low = 1e-300, high = 0.0;
+      for (std::size_t i = 0; i < quarter; ++i) {
+        low += energy[g][order[i]];
+        high += energy[g][order[order.size() - 1 - i]];
+      }
+      // where it is largest it must be more than a calm room's
+      if (r > 0.45 && high > 3.0 * low && std::sqrt(high / static_cast<double>(quarter)) > floor[g]) {
+        if (g == 0) result.gust_like = false;
+        result.alarms.push_back({"heteroscedastic", fmt::format("{} grows with {}", group_name[g], name), 0.001 * high / low, channels_of[g]});
+        break;
+      }
+    }
+  return result;
+}
+
+}  // namespace gustlab::diagnosis

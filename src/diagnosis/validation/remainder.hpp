@@ -1,0 +1,35 @@
+// Whether anything is left after the chosen effects, and in which channel.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "diagnosis/result/findings.hpp"
+#include "diagnosis/selection/selection.hpp"
+#include "diagnosis/validation/gust_parts.hpp"
+
+namespace gustlab::diagnosis {
+
+inline constexpr std::array<const char*, 6> channel_name = {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
+
+// times the reference floor: disturbed more than a calm room
+inline constexpr double most_of_floor = 2.5;
+
+struct Remainder {
+  std::vector<Alarm> alarms;
+  double omnibus_gain = 0.0;    // χ² of the family that still finds most
+  double omnibus_share = 0.0;   // of all structure, what the omnibus test still finds
+  bool gust_like = false;       // horizontal floor raised and slowly varying, or with a line, and no dependence on the state explains it
+  bool depends_on_state = false;  // the horizontal force, on where or how fast the vehicle is
+  GustParts gust;
+};
+
+// At the selected model; the session must be linearised there.
+// `shadow`: a force of every flight's own was withdrawn, so what is left is no gust.
+Remainder remainder(const Session& session, const Selection& selection, bool shadow);
+
+// more than chance and more than a thousandth of the information (DIAGNOSIS.md §3.5c)
+bool beyond_chance(double gain, int size, double rows);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,76 @@
+// What commands tell of sensors that were not logged: nothing when they follow the log, the other sensor's noise when they do not.
+#include "diagnosis/model/command_surprise.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/vehicles.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+using ::testing::IsEmpty;
+
+constexpr double gyro_sd_radps = 0.05, gain_ps = 400.0;   // of the controller: commanded speed, rad/s per rad/s of roll rate
+
+// 30 s at 100 Hz: a roll rate that wanders, its gyro, and rotors that answer this gyro or another one with the same noise
+FlightData flown(bool same_gyro) {
+  FlightData flight;
+  flight.vehicle = test::crazyflie();
+  flight.sample_s = 0.01;
+  flight.substeps = 1;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<double> time_s;
+  std::vector<RotorArray> speed;
+  double rate = 0.0;
+  for (int k = 0; k < 3000; ++k) {
+    rate = 0.95 * rate + 0.1 * normal(random);
+    Sample sample{.time_s = 0.01 * k, .channels = has_rate, .starts_segment = k == 0};
+    sample.body_rate_B_radps.x() = rate + gyro_sd_radps * normal(random);
+    const double read = same_gyro ? sample.body_rate_B_radps.x() : rate + gyro_sd_radps * normal(random);
+    flight.samples.push_back(sample);
+    RotorArray row{};
+    for (std::size_t i = 0; i < 4; ++i)
+      row[i] = flight.vehicle.hover_speed_radps() - std::copysign(gain_ps, flight.vehicle.rotors[i].position_B_m.y()) * read;
+    time_s.push_back(sample.time_s);
+    speed.push_back(row);
+  }
+  flight.commands = CommandRecord(time_s, speed, false);
+  return flight;
+}
+
+double rms(const std::vector<Surprise>& surprise, Eigen::Index of) {
+  double sum = 0.0;
+  for (const Surprise& s : surprise) sum += s[of] * s[of];
+  return std::sqrt(sum / static_cast<double>(surprise.size()));
+}
+
+TEST(CommandSurprise, IsSmallWhereCommandsFollowTheLog) {
+  const double follows = rms(command_surprise(flown(true)), 0), differs = rms(command_surprise(flown(false)), 0);
+  ASSERT_GT(differs, 0.0);
+  EXPECT_LT(follows, 0.1 * differs);
+}
+
+TEST(CommandSurprise, RemembersWhatItWas) {
+  const std::vector<Surprise> surprise = command_surprise(flown(false));
+  ASSERT_EQ(surprise.size(), 3000u);
+  EXPECT_EQ(surprise.front(), Surprise::Zero());
+  double together = 0.0;
+  for (std::size_t k = 1; k < surprise.size(); ++k) together += surprise[k][4] * surprise[k - 1][0];
+  EXPECT_GT(together, 0.0);
+  EXPECT_LT(rms(surprise, 4), rms(surprise, 0));
+  // roll alone was surprising
+  EXPECT_LT(rms(surprise, 1), 0.01 * rms(surprise, 0));
+}
+
+TEST(CommandSurprise, IsNotKnownWithoutTorques) {
+  FlightData flight = flown(false);
+  flight.collective_only = true;
+  EXPECT_THAT(command_surprise(flight), IsEmpty());
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,94 @@
+// Commands that were sampled from a faster loop are told from commands that were logged whole.
+#include "diagnosis/recording/command_jitter.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/trials.hpp"
+#include "support/vehicles.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+using ::testing::Contains;
+using ::testing::IsEmpty;
+
+// 20 s of a Crazyflie's commands at 100 Hz: roll and pitch swing at 1 and 1.5 Hz, and every rotor jitters
+FlightData commanded(double swing_radps, double jitter_radps) {
+  FlightData flight;
+  flight.vehicle = test::crazyflie();
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::vector<double> time_s;
+  std::vector<RotorArray> speed;
+  for (int k = 0; k < 2000; ++k) {
+    time_s.push_back(0.01 * k);
+    RotorArray row{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vector3 hub = flight.vehicle.rotors[i].position_B_m;
+      row[i] = flight.vehicle.hover_speed_radps() + jitter_radps * normal(random) +
+               swing_radps * (std::copysign(1.0, hub.y()) * std::sin(2.0 * pi * time_s.back()) +
+                              std::copysign(1.0, hub.x()) * std::sin(3.0 * pi * time_s.back()));
+    }
+    speed.push_back(row);
+    flight.samples.push_back({.time_s = time_s.back()});
+  }
+  flight.commands = CommandRecord(time_s, speed, false);
+  return flight;
+}
+
+TEST(CommandJitter, IsTheWhiteShareOfTheCommandedTorque) {
+  EXPECT_LT(command_jitter_share(commanded(50.0, 0.0)), 0.01);
+  EXPECT_GT(command_jitter_share(commanded(0.0, 50.0)), 0.85);
+  // four rotors swing together (variance 4² 50²/2) and jitter alone (4 · 40²)
+  EXPECT_NEAR(command_jitter_share(commanded(50.0, 40.0)), 6400.0 / (6400.0 + 20000.0), 0.03);
+}
+
+// a 500 Hz loop, logged at 100 Hz; the geometric controller's commands change at every tick, those of PID hardly do
+test::TrialSettings sampled_loop(const char* controller, double noise) {
+  return {.controller = controller, .fit = {"multisine"}, .holdout = {"circle"}, .duration_s = 8.0, .log_rate_hz = 100.0, .noise = noise};
+}
+
+// with sidecars that say this of the commands
+Diagnosis diagnose_saying(const DiagnoseOptions& trial, Hold hold) {
+  for (const auto* paths : {&trial.fit, &trial.holdout})
+    for (const std::string& path : *paths) {
+      FlightLog log = read_flight_log(path);
+      log.meta.hold = hold;
+      write_flight_log(log, path);
+    }
+  return diagnose(trial);
+}
+
+std::vector<std::string> finding_kinds(const Diagnosis& d) {
+  std::vector<std::string> kinds;
+  for (const LogFinding& finding : d.log_findings) kinds.push_back(finding.kind);
+  return kinds;
+}
+
+TEST(CommandJitter, OfASampledLoopMakesTheLogInsufficient) {
+  const TemporaryFolder folder;
+  const DiagnoseOptions trial = test::fly_trial(folder, sampled_loop("geometric", 1.0));
+  const Diagnosis d = diagnose_saying(trial, Hold::unknown);
+  EXPECT_EQ(d.verdict, Verdict::insufficient_data);
+  EXPECT_THAT(d.effects, IsEmpty());
+  EXPECT_THAT(finding_kinds(d), Contains("inconsistent"));
+
+  // a log that says how its commands are held is believed
+  const Diagnosis believed = diagnose_saying(trial, Hold::zoh);
+  EXPECT_NE(believed.verdict, Verdict::insufficient_data);
+  EXPECT_THAT(finding_kinds(believed), IsEmpty());
+}
+
+TEST(CommandJitter, DoesNotConcernSmoothCommandsWhoseHoldIsUnknown) {
+  const TemporaryFolder folder;
+  const DiagnoseOptions trial = test::fly_trial(folder, sampled_loop("pid", 0.1));
+  const Diagnosis d = diagnose_saying(trial, Hold::unknown);
+  EXPECT_NE(d.verdict, Verdict::insufficient_data);
+  EXPECT_THAT(finding_kinds(d), IsEmpty()) << to_json(d)["log_findings"].dump();
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis

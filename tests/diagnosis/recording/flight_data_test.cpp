@@ -1,0 +1,112 @@
+// Reading a log whose sensors have rates of their own.
+#include "diagnosis/recording/flight_data.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "diagnosis/recording/recorded_motion.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+constexpr double spin_radps = 2.0, step_s = 0.004;
+
+Quaternion attitude(double time_s) { return Quaternion(Eigen::AngleAxisd(spin_radps * time_s, Vector3::UnitZ()) * Eigen::AngleAxisd(0.2, Vector3::UnitX())); }
+
+// two turns about the vertical, the attitude in every second row, by the sign that makes its scalar positive
+FlightLog spin() {
+  FlightLog log;
+  log.path = "somewhere/spin.csv";
+  log.meta.hold = Hold::zoh;
+  for (const char* name : {"qw", "qx", "qy", "qz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"}) log.columns.push_back({name, {}});
+  const Vector3 rate = attitude(0.0).conjugate() * Vector3(0.0, 0.0, spin_radps);
+  for (std::size_t k = 0; k < 1600; ++k) {
+    const double t = step_s * static_cast<double>(k);
+    log.time_s.push_back(t);
+    Eigen::Vector4d q(attitude(t).w(), attitude(t).x(), attitude(t).y(), attitude(t).z());
+    if (q[0] < 0.0) q = -q;
+    if (k % 2 == 1) q.setConstant(std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < 4; ++i) log.columns[i].values.push_back(q[static_cast<int>(i)]);
+    for (std::size_t i = 0; i < 3; ++i) log.columns[4 + i].values.push_back(rate[static_cast<int>(i)]);
+    for (std::size_t i = 0; i < 4; ++i) log.columns[7 + i].values.push_back(1000.0);
+  }
+  return log;
+}
+
+double worst_attitude_rad(const FlightData& flight) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < flight.samples.size(); ++k)
+    worst = std::max(worst, flight.motion[k].attitude_WB.angularDistance(attitude(flight.samples[k].time_s)));
+  return worst;
+}
+
+// GIVEN an attitude that turns through 180 degrees, with rows between that have none WHEN read THEN no sample is off by a sign
+TEST(FlightData, AttitudeIsContinuousAcrossRowsWithoutOne) {
+  const VehicleModel vehicle = read_vehicle("crazyflie", "");
+  EXPECT_LT(worst_attitude_rad(prepare_flight(spin(), vehicle, {})), 1e-3);
+  ReadingOptions smoothed;
+  smoothed.max_rate_hz = 20.0;
+  smoothed.common_filter_s = 0.022;
+  EXPECT_LT(worst_attitude_rad(prepare_flight(spin(), vehicle, smoothed)), 5e-2);
+}
+
+// the same spin, the attitude at 200 Hz in rows of its own between those of gyro and commands at 250 Hz
+FlightLog rows_apart() {
+  const FlightLog together = spin();
+  FlightLog log = together;
+  log.time_s.clear();
+  for (LogColumn& column : log.columns) column.values.clear();
+  std::size_t row = 0;
+  for (int pose = 0; pose < 1270; ++pose) {
+    const double pose_s = 0.0013 + 0.005 * pose;
+    for (; together.time_s[row] < pose_s; ++row) {
+      log.time_s.push_back(together.time_s[row]);
+      for (std::size_t c = 0; c < log.columns.size(); ++c)
+        log.columns[c].values.push_back(c < 4 ? std::numeric_limits<double>::quiet_NaN() : together.columns[c].values[row]);
+    }
+    log.time_s.push_back(pose_s);
+    const Quaternion q = attitude(pose_s);
+    const double values[] = {q.w(), q.x(), q.y(), q.z()};
+    for (std::size_t c = 0; c < log.columns.size(); ++c) log.columns[c].values.push_back(c < 4 ? values[c] : std::numeric_limits<double>::quiet_NaN());
+  }
+  return log;
+}
+
+// GIVEN sensors that never share a row WHEN read THEN the flight is one stretch, and its whole motion is known at the attitude's rows
+TEST(FlightData, SensorsMayHaveRowsOfTheirOwn) {
+  const FlightLog log = rows_apart();
+  const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), {});
+  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return s.starts_segment; }), 1);
+  EXPECT_LT(worst_attitude_rad(flight), 1e-3);
+  const FlightLog shared = with_shared_rows(log);
+  const RecordedMotion motion(shared);
+  ASSERT_EQ(motion.rows(), 1270u);
+  for (const std::size_t row : {std::size_t{10}, std::size_t{800}}) {
+    EXPECT_TRUE(motion.complete(row));
+    EXPECT_NEAR(motion.body_rate_B_radps(row).norm(), spin_radps, 1e-6);
+    EXPECT_LT(motion.attitude_WB(row).angularDistance(attitude(shared.time_s[row])), 1e-9);
+  }
+}
+
+// GIVEN two sensors of 125 Hz, a fifth of a millisecond apart WHEN read THEN it is no log of 5 kHz
+TEST(FlightData, RowsThatNearlyMeetAreNoFasterLog) {
+  FlightLog log = spin();
+  for (std::size_t k = 0; k < log.rows(); ++k) {
+    log.time_s[k] = k % 2 == 0 ? 2.0 * step_s * static_cast<double>(k / 2) : log.time_s[k - 1] + 0.0002;
+    for (std::size_t c = 4; c < log.columns.size() && k % 2 == 0; ++c) log.columns[c].values[k] = std::numeric_limits<double>::quiet_NaN();
+  }
+  const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), {});
+  EXPECT_NEAR(flight.sample_s, step_s, 1e-5);
+  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return s.starts_segment; }), 1);
+  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return (s.channels & has_attitude) != 0; }), 800);
+}
+
+// a log with one whole row is left as it is
+TEST(FlightData, SharedRowsStay) { EXPECT_EQ(with_shared_rows(spin()).rows(), spin().rows()); }
+
+}  // namespace
+}  // namespace gustlab::diagnosis

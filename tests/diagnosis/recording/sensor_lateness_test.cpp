@@ -1,0 +1,98 @@
+// Sensors behind their filters, and poses of an estimator: how late and how lasting, and a clean flight with them stays clean.
+#include "diagnosis/recording/sensor_lateness.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/trials.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double late_s = 0.003;
+
+class Sensors : public ::testing::Test {
+ protected:
+  DiagnoseOptions fly(const std::vector<std::string>& sensors = {"pose", "gyroscope"}, double noise = 0.3) const {
+    return test::fly_trial(folder_, {.fit = {"multisine", "lemniscate"}, .holdout = {"circle"}, .sensors = sensors, .step_s = 0.0005, .noise = noise});
+  }
+  static std::vector<FlightData> flights_of(const DiagnoseOptions& trial) {
+    std::vector<FlightData> flights;
+    const FlightLog first = read_flight_log(trial.fit.front());
+    const VehicleModel vehicle = read_vehicle(first.meta.vehicle, first.path);
+    for (const std::string& path : trial.fit) flights.push_back(prepare_flight(read_flight_log(path), vehicle, {}));
+    return flights;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Sensors, LateGyroIsMeasured) {
+  const DiagnoseOptions trial = fly();
+  EXPECT_EQ(rate_lateness_s(flights_of(trial)), 0.0);
+  test::delay(trial, 'w', late_s);
+  EXPECT_NEAR(rate_lateness_s(flights_of(trial)), late_s, 0.0003);
+}
+
+// a pose that is later than the gyro is the dynamics' to tell
+TEST_F(Sensors, AreNeverEarly) {
+  const DiagnoseOptions trial = fly();
+  EXPECT_EQ(pose_lateness_s(flights_of(trial)), 0.0);
+  test::delay(trial, 'w', -late_s);
+  EXPECT_EQ(rate_lateness_s(flights_of(trial)), 0.0);
+  EXPECT_NEAR(pose_lateness_s(flights_of(trial)).value(), late_s, 0.0003);
+}
+
+TEST_F(Sensors, LateGyroIsNoMissingPhysics) {
+  const DiagnoseOptions trial = fly();
+  test::delay(trial, 'w', late_s);
+  const Diagnosis d = diagnose(trial);
+  EXPECT_EQ(d.verdict, Verdict::consistent) << to_json(d)["alarms"].dump();
+  EXPECT_THAT(d.effects, IsEmpty());
+  EXPECT_THAT(d.notes, Contains(HasSubstr("the gyro is 3.")));
+}
+
+TEST_F(Sensors, LateAccelerometerIsMeasured) {
+  const DiagnoseOptions trial = fly({"pose", "gyroscope", "accelerometer"}, 0.05);
+  EXPECT_EQ(force_lateness_s(flights_of(trial), late_s), 0.0);
+  test::delay(trial, 'a', late_s);
+  EXPECT_NEAR(force_lateness_s(flights_of(trial), 0.0), late_s, 0.0006);
+}
+
+// where nothing moves, nothing tells
+TEST_F(Sensors, LateAccelerometerIsGuessedFromTheGyro) {
+  const DiagnoseOptions trial = test::fly_trial(folder_, {.fit = {"hover"}, .holdout = {"circle"}, .sensors = {"pose", "gyroscope", "accelerometer"}});
+  EXPECT_EQ(force_lateness_s(flights_of(trial), late_s), late_s);
+}
+
+// positions off by 4 mm for a quarter of a second, attitudes by 3 mrad, as an estimator leaves them
+TEST_F(Sensors, LastingErrorsAreNoMissingPhysics) {
+  const DiagnoseOptions trial = fly();
+  std::mt19937_64 random(3);
+  const auto wander = [&](double sd) {
+    return [&random, sd](const FlightLog& log, std::vector<double>& values) {
+      const double decay = std::exp(-(log.time_s[1] - log.time_s[0]) / 0.25);
+      std::normal_distribution<double> normal;
+      double error = sd * normal(random);
+      for (double& value : values) {
+        value += error;
+        error = decay * error + std::sqrt(1.0 - decay * decay) * sd * normal(random);
+      }
+    };
+  };
+  test::change(trial, test::begins('p'), wander(0.004));
+  test::change(trial, test::begins('q'), wander(0.0015));
+  const Diagnosis d = diagnose(trial);
+  EXPECT_EQ(d.verdict, Verdict::consistent) << to_json(d)["alarms"].dump() << to_json(d)["disturbance"].dump() << to_json(d)["notes"].dump();
+  EXPECT_THAT(d.effects, IsEmpty());
+  EXPECT_THAT(d.notes, Contains(HasSubstr("errors of the sensors last")));
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
