@@ -118,8 +118,11 @@ class Effect : public Parameterized {
   virtual void on_measurement(const MeasurementContext&, Measured&) const {}
 };
 
-// What a log must tell, or its sidecar know, before an effect can be told from it.
-enum class Need : unsigned { nothing = 0, attitude = 1, motion = 2, torque = 4, accelerometer = 8, ground = 16, ceiling = 32, wall = 64 };
+// What a log must tell, or its sidecar or the vehicle file know, before an effect can be told from it.
+enum class Need : unsigned {
+  nothing = 0, attitude = 1, motion = 2, torque = 4, accelerometer = 8, ground = 16, ceiling = 32, wall = 64,
+  rotor_radius = 128, rotor_speed = 256, torque_ratio = 512
+};
 constexpr Need operator|(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
 constexpr Need operator&(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) & static_cast<unsigned>(b)); }
 

@@ -19,10 +19,10 @@ struct Rotor {
   double torque_ratio_m = 0.0;                  // reaction torque = ratio × thrust
 };
 
-// Maps other actuator inputs to rotor speed (FORMATS.md §2).
+// Maps other actuator inputs to rotor speed (FORMATS.md §2): Ω = slope u + offset, or f = c0 + c1 u + c2 u² in N.
 struct ActuatorMap {
-  std::optional<std::pair<double, double>> pwm_line;         // Ω = slope pwm + offset
-  std::optional<std::array<double, 3>> pwm_thrust;           // f = c0 + c1 pwm + c2 pwm², N
+  std::optional<std::pair<double, double>> pwm_line, throttle_line;
+  std::optional<std::array<double, 3>> pwm_thrust, throttle_thrust;
 };
 
 // One `[[effect]]` table: a type and its parameters, where they were written.
@@ -61,9 +61,11 @@ struct VehicleModel {
   double gravity_mps2 = 9.81;                     // MuJoCo's default
   int rotor_count = 0;
   std::array<Rotor, max_rotors> rotors;
-  double max_speed_radps = 0.0;
-  double rotor_radius_m = 0.0;
+  double max_speed_radps = 0.0;                   // infinite: the vehicle file does not say
+  double rotor_radius_m = 0.0;                    // 0: unknown
   double nominal_voltage_V = 0.0;                 // 0: unknown
+  bool rotor_speed_known = true;                  // false: thrust is known from `hover`, and the scale of speeds is assumed
+  bool torque_ratio_known = true;                 // false: the rotors' torque ratio is estimated from their size
   ActuatorMap actuator;
   Environment environment;
   std::vector<EffectSpec> effects;                // physics that the nominal vehicle already has
