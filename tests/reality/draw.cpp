@@ -62,6 +62,7 @@ class Draft {
     for (const Concealed& c : concealed_) plant(base_, c.plan.effect, values_at(c.plan, trial_.vehicle, 0, 0));
     scene_.columns = trial_.columns;
     scene_.noise = noise_level(setting_.large, setting_.noise);
+    if (request.roughness) set_air(scene_.noise, setting_.large, *request.roughness, request.air);
     scene_.base.assign(kFitFlights, base_);
   }
 
@@ -167,6 +168,10 @@ class Draft {
     a["vehicle"] = trial_.vehicle.name;
     a["kind"] = setting_.kind;
     a["noise"] = setting_.noise;
+    if (request_.roughness) {
+      static const char* const kinds[] = {"steady", "gusty", "outdoor"};
+      a["air"] = {{"roughness", *request_.roughness}, {"kind", kinds[static_cast<int>(request_.air)]}};
+    }
     a["effects"] = Json::array();
     for (const Concealed& c : concealed_) a["effects"].push_back(describe(c));
     if (stranger_) {

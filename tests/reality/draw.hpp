@@ -16,6 +16,8 @@ struct Request {
   std::optional<double> factor;        // strength over the detection limit
   std::optional<bool> large;
   std::optional<int> noise;
+  std::optional<double> roughness;     // of the air, over the quiet room; without it the noise level's
+  AirKind air = AirKind::steady;
 };
 
 struct Trial {

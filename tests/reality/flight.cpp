@@ -7,6 +7,7 @@ namespace reality {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kBurst_s = 3.0;  // correlation time of the envelope of gusty air
 
 // battery: open-circuit voltage falls with time, load pulls it down further
 class Battery {
@@ -30,7 +31,12 @@ class Battery {
 class Air {
  public:
   Air(const Truth& truth, const Noise& noise, std::uint64_t seed, std::uint64_t trial, std::uint64_t stream)
-      : truth_(truth), rng_(seed, trial, stream + 1), gust_rng_(seed, trial, stream + 2) {
+      : truth_(truth),
+        bursts_(noise.bursts),
+        rng_(seed, trial, stream + 1),
+        gust_rng_(seed, trial, stream + 2),
+        burst_rng_(seed, trial, stream + 3),
+        burst_(bursts_, kBurst_s, burst_rng_) {
     for (int i = 0; i < 3; ++i) {
       push_.emplace_back(noise.air_mps2 * truth.nominal.mass_kg, noise.air_time_s, rng_);
       twist_.emplace_back(noise.torque_radps2[i] * truth.nominal.inertia_kgm2[i], noise.torque_time_s, rng_);
@@ -45,15 +51,18 @@ class Air {
     for (auto& p : push_) p.advance(step_s, rng_);
     for (auto& p : twist_) p.advance(step_s, rng_);
     for (auto& p : gust_) p.advance(step_s, gust_rng_);
+    burst_.advance(step_s, burst_rng_);
     if (time_s > next_drop_s_) {
       drop_until_s_ = time_s + gust_rng_.uniform(0.08, 0.3);
       next_drop_s_ = drop_until_s_ + gust_rng_.uniform(0.6, 3.0);
     }
   }
   void fill(Drive& d, double time_s) const {
+    // the mean of the envelope's square is one
+    const double envelope = std::exp(burst_.value() - bursts_ * bursts_);
     for (int i = 0; i < 3; ++i) {
-      d.force_W_N[i] = push_[i].value() + gust_[i].value();
-      d.torque_B_Nm[i] = twist_[i].value();
+      d.force_W_N[i] = envelope * push_[i].value() + gust_[i].value();
+      d.torque_B_Nm[i] = envelope * twist_[i].value();
     }
     d.force_W_N.x() += truth_.line_N * std::sin(truth_.line_radps * time_s + phase_x_);
     d.force_W_N.y() += truth_.line_N * std::sin(truth_.line_radps * time_s + phase_y_);
@@ -62,7 +71,9 @@ class Air {
 
  private:
   const Truth& truth_;
-  Rng rng_, gust_rng_;
+  double bursts_;
+  Rng rng_, gust_rng_, burst_rng_;
+  Wander burst_;
   std::vector<Wander> push_, twist_, gust_;
   double phase_x_, phase_y_, next_drop_s_, drop_until_s_;
 };
@@ -133,6 +144,17 @@ Noise noise_level(bool large, int level) {
   n.torque_radps2 = (large ? Vec3(0.12, 0.12, 0.04) : Vec3(0.8, 0.8, 0.25)) * (level == 1 ? 1 : 2);
   n.torque_time_s = 0.07;
   return n;
+}
+
+void set_air(Noise& noise, bool large, double roughness, AirKind kind) {
+  const Noise room = noise_level(large, 1);
+  noise.air_mps2 = roughness * room.air_mps2;
+  noise.torque_radps2 = roughness * room.torque_radps2;
+  if (kind == AirKind::gusty) noise.bursts = 0.6;
+  if (kind == AirKind::outdoor) {
+    noise.air_time_s = 0.6;
+    noise.torque_time_s = 0.15;
+  }
 }
 
 Reading sense(const Truth& truth, const Motion& m, const Acceleration& a) {

@@ -19,8 +19,16 @@ struct Noise {
   double air_mps2, air_time_s;                // turbulence as acceleration of the nominal mass
   Vec3 torque_radps2;                         // the same for torques
   double torque_time_s;
+  double bursts = 0;                          // standard deviation of the logarithm of the turbulence's envelope
 };
 Noise noise_level(bool large, int level);
+
+/// What moves the air. All kinds have the same standard deviation at the same roughness.
+enum class AirKind { steady, gusty, outdoor };
+
+/// Air whose turbulence is `roughness` times that of the quiet room of noise level 1: steady keeps its times; gusty comes in
+/// bursts of some seconds; outdoor has longer times, as a wind has.
+void set_air(Noise& noise, bool large, double roughness, AirKind kind);
 
 /// which optional columns the log has
 struct Columns {

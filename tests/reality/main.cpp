@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <stdexcept>
 
 #include "catalogue.hpp"
@@ -15,6 +16,7 @@ namespace {
 constexpr const char* kUsage =
     "usage: reality draw --seed S --count N [--first I] [--kind clean|scatter|single|pair|outside|mixed]\n"
     "                    [--effect NAME] [--strength-factor X] [--vehicle cf|ir] [--noise 1|2]\n"
+    "                    [--roughness X [--air steady|gusty|outdoor]]\n"
     "                    --out DIR --answers FILE\n"
     "       reality --write-vehicle DIR\n";
 
@@ -23,6 +25,9 @@ struct Options {
   std::uint64_t first = 1, count = 0;
   std::filesystem::path out, answers, vehicles;
 };
+
+const std::map<std::string, reality::AirKind> air_kinds{
+    {"steady", reality::AirKind::steady}, {"gusty", reality::AirKind::gusty}, {"outdoor", reality::AirKind::outdoor}};
 
 Options read(int argc, char** argv) {
   Options o;
@@ -39,6 +44,8 @@ Options read(int argc, char** argv) {
     else if (key == "--strength-factor") o.request.factor = std::stod(value);
     else if (key == "--vehicle" && (value == "cf" || value == "ir")) o.request.large = value == "ir";
     else if (key == "--noise" && (value == "1" || value == "2")) o.request.noise = std::stoi(value);
+    else if (key == "--roughness" && std::stod(value) > 0) o.request.roughness = std::stod(value);
+    else if (key == "--air" && air_kinds.count(value)) o.request.air = air_kinds.at(value);
     else if (key == "--out") o.out = value;
     else if (key == "--answers") o.answers = value;
     else if (key == "--write-vehicle") o.vehicles = value;

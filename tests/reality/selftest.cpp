@@ -127,6 +127,30 @@ struct Hover {
   }
 };
 
+// without drag, nothing but the air pushes across the thrust
+void check_air() {
+  for (const AirKind kind : {AirKind::steady, AirKind::gusty, AirKind::outdoor}) {
+    Hover h(false);
+    set_air(h.noise, false, 4, kind);
+    h.noise.accel_mps2 = h.noise.accel_bias_mps2 = 0;
+    double square = 0, fourth = 0, step = 0, count = 0;
+    for (std::uint64_t trial = 0; trial < 6; ++trial) {
+      const Flight f = fly(h.truth, h.path, h.noise, 5, trial, 0);
+      EXPECT(!f.lost);
+      for (std::size_t k = 1; k < f.sample.size(); ++k) {
+        const double x = f.sample[k].reading.specific_B_mps2.x(), before = f.sample[k - 1].reading.specific_B_mps2.x();
+        square += x * x;
+        fourth += std::pow(x, 4);
+        step += std::pow(x - before, 2);
+        ++count;
+      }
+    }
+    EXPECT_NEAR(std::sqrt(square / count), 4 * 0.07, kind == AirKind::steady ? 0.02 : 0.06);
+    EXPECT((fourth * count / (square * square) > 4) == (kind == AirKind::gusty));
+    EXPECT((step / square < 0.08) == (kind == AirKind::outdoor));
+  }
+}
+
 void check_readings() {
   Hover h(false);
   h.truth.pose_delay_s = 0.02;
@@ -221,6 +245,7 @@ int main() {
   check_rotor_chain();
   check_slung_load();
   check_numbers();
+  check_air();
   check_readings();
   check_information();
   check_trials();
