@@ -27,6 +27,20 @@ STRENGTHS = (1.5, 2.5, 4.0, 6.0, 10.0)       # of single effects, in detection l
 PAIR_STRENGTHS = (2.0, 4.0, 8.0)
 
 
+ROUGHNESS = (1.0, 1.8, 4.0, 10.0)            # of the air, over the quiet room
+AIR_KINDS = ("steady", "gusty", "outdoor")
+AIR_STRENGTHS = (1.5, 2.5, 4.0)              # of single effects and pairs, in limits in this air
+AIR_TRIALS = {"clean": 20, "scatter": 10, "single": 40, "pair": 30, "outside": 20}
+
+
+def air_parts(counts):
+    """Trials of each kind over all roughnesses and kinds of air, mixed evenly, so that any first part of them is a sample."""
+    order = sorted(((n + 0.5) / count, kind, n) for kind, count in counts.items() for n in range(count))
+    air = lambda n: ["--roughness", f"{ROUGHNESS[n % 4]:g}", "--air", AIR_KINDS[(n // 4 + n) % 3]]
+    strength = lambda kind, n: ["--strength-factor", f"{AIR_STRENGTHS[n // 2 % 3]:g}"] if kind in ("single", "pair") else []
+    return [(1, ["--kind", kind, *air(n), *strength(kind, n)]) for _, kind, n in order]
+
+
 class Draw:
     """One set: several draws of the reality into one folder, told apart by the numbers of their trials."""
 
@@ -50,6 +64,7 @@ def plan(seed, scale, quick, effects):
     return [Draw("clean", seed + 1, [(times(60), ["--kind", "clean"])]), Draw("scatter", seed + 2, [(times(20), ["--kind", "scatter"])]),
             *singles, Draw("pair", seed + 300, forced(["--kind", "pair"], 20, pair_strengths)),
             Draw("outside", seed + 400, [(times(40), ["--kind", "outside"])]),
+            Draw("air", seed + 600, air_parts({kind: times(count) for kind, count in AIR_TRIALS.items()})),
             Draw("mixed", seed + 500, [(times(100), ["--kind", "mixed"])])]
 
 

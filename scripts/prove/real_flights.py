@@ -4,7 +4,7 @@
     real_flights.py FLIGHTS --gustlab BIN --out DIR [--jobs 2] [--only SET]
 
 FLIGHTS is the folder that docs/DATA.md describes (recordings as published) or its flight logs after scripts/import_log.py.
-Prints one JSON object: {"cases": [...], "nanodrone": {...}, "semi_real": {...}}.
+Prints one JSON object: {"cases": [...], "nanodrone": {...}, "semi_real": [...]}.
 """
 
 import argparse
@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 import semi_real
+from families import lay_out
 from flight_files import HOME
 from run_trials import run_measured
 
@@ -179,13 +180,37 @@ def crazypad(bench, folder):
     return rows
 
 
+# family/set -> what is known of it: names, and sizes where they are published (parameter, value)
+KNOWN = {
+    "imrc/bare": {"rotor_drag": None, "flapping_torque": None, "rotor_inertia": None, "battery_sag": None, "motor_lag": ("time_constant", 0.0375)},
+    "imrc/brushed": {"rotor_drag": None, "battery_sag": None, "motor_lag": None},
+    "neurobem/lemniscate": {"rotor_drag": ("at_hover", 0.1875), "flapping_torque": None, "translational_lift": None},
+    "neuralfly/tunnel": {"steady_wind": None, "quadratic_drag": None},
+    "neuralswarm/large": {"ground_effect": None, "motor_lag": ("time_constant", 0.057), "rotor_drag": None},
+}
+
+
+def families(bench, folder):
+    rows = []
+    for place, known in KNOWN.items():
+        if not (folder / place).is_dir():
+            continue
+        diagnosis, figures = bench.diagnose(place.replace("/", "_"), sorted((folder / place).glob("fit_*.csv")), sorted((folder / place).glob("holdout_*.csv")))
+        for wanted, size in known.items():
+            def good(d, wanted=wanted, size=size):
+                return among(d, wanted) and (size is None or (v := value(d, wanted, size[0])) is None or abs(v / size[1] - 1) <= 0.3)
+            rows.append(row(f"{place} ({figures['cpu_seconds']:.0f} s of CPU)", wanted + (f", {size[0]} {size[1]:g} within 30 %" if size else ""), diagnosis, good))
+    return rows
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("flights", type=Path)
     parser.add_argument("--gustlab", default="build/release/gustlab")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--only", choices=["nanodrone", "nanobench", "arpl", "crazypad", "semi_real"])
+    parser.add_argument("--only", choices=["nanodrone", "nanobench", "arpl", "crazypad", "families", "semi_real"])
+    parser.add_argument("--semi-real", type=int, default=260, help="number of semi-real cases")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     with open(options.out / "import.messages.txt", "wb") as log:
@@ -201,9 +226,13 @@ def main():
         result["cases"] += arpl(bench, folders["arpl"])
     if wants("crazypad") and "crazypad" in folders:
         result["cases"] += crazypad(bench, folders["crazypad"])
+    if wants("families") or wants("semi_real"):
+        lay_out(options.flights, options.out / "families")
+    if wants("families"):
+        result["cases"] += families(bench, options.out / "families")
     if wants("semi_real"):
-        result["semi_real"] = {variant: semi_real.run(folders, options.out / "semi_real", options.gustlab, options.jobs, variant)
-                               for variant in semi_real.VARIANTS}
+        cases = semi_real.table(options.out / "families", semi_real.SETS)[:options.semi_real]
+        result["semi_real"] = semi_real.run(options.out / "families", options.out / "semi_real", options.gustlab, options.jobs, cases)
     print(json.dumps(result, indent=1))
 
 

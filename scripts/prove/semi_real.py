@@ -1,72 +1,402 @@
 #!/usr/bin/env python3
-"""Real flights against a vehicle file that was falsified on purpose: is exactly the falsification named?
+"""Real flights with one thing concealed and the truth known exactly: is it named, and nothing else?
 
-    semi_real.py FLIGHTS --gustlab BIN --out DIR [--variant published|augmented] [--set NAME] [--case TEXT] [--jobs 1]
+    semi_real.py FLIGHTS --out DIR --gustlab BIN [--sets NAME,NAME] [--asked file|reference] [--times 2] [--limit N] [--jobs 2]
+    semi_real.py FLIGHTS --out DIR --list                 the cases, and nothing else
 
-FLIGHTS holds a folder of flight logs per set (scripts/import_log.py). The baseline is a diagnosis against the right file:
-the published one, or (augmented) the published one with all that its diagnosis found put in. Each case changes one thing of
-that file, or delays the pose in the logs. A case is right when, against the baseline,
-  - the falsification is named (itself, or in the class that is named); where the baseline names that effect already, its total
-    has moved by the falsification: to within a quarter of it or the 95 % intervals of both;
-  - no other name is new. Names that the baseline has and the case lost are listed; "strictly right" has none.
-A finished diagnosis is kept, so several processes may share the cases (--case) and an ended run goes on where it stopped.
-Prints a Markdown table of what is there.
+FLIGHTS is what families.py wrote. Motion and air stay as they were recorded. What is concealed:
+  file       the vehicle file is wrong (mass, centre of mass, inertia, thrust and torque coefficients)
+  removed    the file has all that the untouched flights show, but one effect
+  recording  a stream is wrong (pose late, gyroscope's scale, a turned attitude, a lever, one rotor's reading)
+  input      the inputs are those that give the same motion with an effect in place (conceal_inputs.py)
+  nothing    other parts of the flights, or more noise
+Each is asked in two ways: against the vehicle file (what is named beyond the untouched flights), and with untouched flights
+as --reference (exactly the effect, its size within 30 %). Its size is 1, 2 or 4 times its limit: the reporting tolerance or
+five standard errors on these flights, whatever is more. A finished diagnosis is kept. Writes DIR/truth.jsonl (one case a
+line) and DIR/results.jsonl, prints Markdown.
 """
 
 import argparse
 import concurrent.futures
 import json
-import math
 import sys
-from copy import deepcopy
+import threading
+import tomllib
+from collections import Counter, defaultdict
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from falsify import VehicleFolder, copy_log, falsifications
-from flight_files import HOME
-from run_trials import diagnose
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
 
-VARIANTS = ("published", "augmented")
+import conceal_inputs as physics
+from falsify import VehicleFolder
+from flight_files import HOME, Log, read_log, read_vehicle, rotor_speed, sidecar_of, vehicle_path
+from run_trials import run_measured
 
-
-def sets_of(folders):
-    """{name: (fit, holdout, vehicle)} of the sets with pose that are there."""
-    sets = {}
-    if "nanodrone" in folders:
-        log = lambda name: folders["nanodrone"] / f"train_{name}.csv.gz"
-        sets["nanodrone"] = ([log("random1_run1"), log("random2_run2"), log("multisine_run1"), log("square_run3")], [log("random1_run2")],
-                             HOME / "models" / "crazyflie_brushless" / "vehicle.toml")
-    if "nanobench" in folders:
-        log = lambda name: next(folders["nanobench"].glob(f"{name}*.csv.gz"))
-        sets["nanobench"] = ([log("B2"), log("B3")], [log("B6")], HOME / "models" / "crazyflie_real" / "vehicle.toml")
-    return sets
+TIMES = (2.0, 4.0, 1.0)
+REMOVABLE = ("rotor_drag", "quadratic_drag", "motor_lag", "axial_inflow", "translational_lift", "flapping_torque", "ground_effect", "rotor_inertia")
 
 
-def build(folder, vehicle, fit, holdout, pose_delay_s=0.0):
-    """One trial folder: recordings as fit_N and holdout_N, and the vehicle beside them."""
-    vehicle.write(folder / "vehicle")
-    for role, flights in (("fit", fit), ("holdout", holdout)):
-        for number, flight in enumerate(flights, 1):
-            ending = ".csv.gz" if str(flight).endswith(".gz") else ".csv"
-            copy_log(flight, folder / f"{role}_{number}{ending}", "vehicle/vehicle.toml", pose_delay_s)
+@dataclass(frozen=True)
+class FlightSet:
+    """Parts (recording, from_s, to_s) of one family's flights; `latency_s`: input to thrust."""
+    place: str
+    reference: tuple
+    new: tuple
+    holdout: tuple
+    latency_s: float = 0.0
+    inputs: str = ""                      # "rotor": measured speeds are the inputs; "u": the commands alone
 
 
-def read(folder):
-    path = folder / "diagnosis" / "diagnosis.json"
+SETS = {
+    "nanodrone": FlightSet("nanodrone/train", (("train_random1_run1", 0, 14), ("train_multisine_run1", 0, 14)),
+                           (("train_random2_run2", 0, 14), ("train_multisine_run1", 15, 29)), (("train_random1_run2", 0, 14),)),
+    "neurobem": FlightSet("neurobem/lemniscate", (("lemniscate_a", 0, 10), ("lemniscate_b", 0, 9)),
+                          (("lemniscate_a", 12, 22), ("lemniscate_b", 9, 18)), (("lemniscate_a", 23, 33),)),
+    "neuralswarm": FlightSet("neuralswarm/large", (("large_ground_01", 2, 20), ("large_ground_02", 2, 20)),
+                             (("large_ground_01", 22, 40), ("large_ground_02", 22, 40)), (("large_ground_01", 42, 60),), 0.055),
+    "nanobench": FlightSet("nanobench/fast", (("B2_circle_fast_rep2", 0, 18), ("B3_figure8_fast_rep2", 0, 18)),
+                           (("B2_circle_fast_rep2", 20, 38), ("B3_figure8_fast_rep2", 20, 38)), (("B6_linear_ramp_rep2", 0, 20),), 0.07),
+    "imrc_bare": FlightSet("imrc/bare", (("bare_01", 0, 9), ("bare_22", 0, 9)), (("bare_12", 0, 9), ("bare_17", 0, 9)), (("bare_26", 0, 9),), 0.0, "rotor"),
+    "imrc_brushed": FlightSet("imrc/brushed", (("brushed_10", 0, 12),), (("brushed_02", 0, 9),), (("brushed_03", 0, 9),), 0.045, "u"),
+    "neuralfly": FlightSet("neuralfly/tunnel", (("NF_nowind", 0, 24), ("L1_35wind", 0, 24), ("NF-C_70wind", 0, 24)),
+                           (("NF_nowind", 25, 50), ("L1_35wind", 25, 50), ("NF-C_70wind", 25, 50)), (("indi_70wind", 0, 25),), 0.045),
+    "arpl": FlightSet("arpl/vertical", (("log10", 0, 10),), (("log10", 10, 20),), (("log10", 20, 30),), 0.075),
+    "crazypad_E8": FlightSet("crazypad/normal_E8", (("normal_flight-E8_log00", 0, 999),), (("normal_flight-E8_log01", 0, 999),), ()),
+    "crazypad_E9": FlightSet("crazypad/normal_E9", (("normal_flight-E9_log00", 0, 999),), (("normal_flight-E9_log03", 0, 999),), ()),
+}
+
+
+@dataclass
+class Case:
+    """One case and its exact truth. `parameters`: by how much the flights differ from what the file (or the reference) says."""
+    name: str
+    set: str
+    way: str                              # file | removed | recording | input | nothing
+    asked: str                            # file | reference
+    effect: str | None = None
+    parameters: dict = field(default_factory=dict)
+    rotor: int | None = None
+    times: float = 0.0                    # of the limit
+    limit: float = 0.0                    # of the leading parameter
+    seed: int = 0
+
+    @property
+    def truth(self):
+        """What must be named: a file that is wrong for both kinds of flights is no change."""
+        return None if self.effect is None or (self.way == "file" and self.asked == "reference") else self.effect
+
+
+# ---- parts of recordings ----------------------------------------------------------------------------------------------
+
+def part(log, from_s, to_s):
+    time_s = log.column["time_s"] - log.column["time_s"][0]
+    keep = (time_s >= from_s) & (time_s <= to_s)
+    return Log(log.name, log.meta, {name: values[keep] for name, values in log.column.items()})
+
+
+def with_inputs(log, choice):
+    """The log with measured speeds as inputs, or without them."""
+    column, meta = dict(log.column), dict(log.meta)
+    rotors = [name for name in column if name.startswith("rotor")]
+    if choice == "rotor":
+        for name in rotors:
+            column["u" + name[5:]] = column[name]
+        meta["actuator"], meta["hold"] = "rotor_speed", "linear"
+    for name in rotors if choice else ():
+        del column[name]
+    return Log(log.name, meta, column)
+
+
+def write_log(path, log, vehicle):
+    """CSV and sidecar; cells as precise as they were."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    names = [name for name in log.column if name != "time_s"]
+    block = np.column_stack([log.column[name] for name in names])
+    block = block[:, used := ~np.all(np.isnan(block), axis=0)]
+    lines = [",".join(["time_s", *(name for name, keep in zip(names, used) if keep)])]
+    for time_s, row in zip(log.column["time_s"], block):
+        lines.append(f"{time_s:.6f}," + ",".join("" if x != x else f"{x:.9g}" for x in row))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    text = [f"{key} = {json.dumps(value)}" for key, value in {**log.meta, "vehicle": vehicle}.items() if not isinstance(value, (dict, list))]
+    for table in ("environment", "condition"):
+        if table in log.meta:
+            text += [f"[{table}]", *(f"{key} = {json.dumps(value)}" for key, value in log.meta[table].items())]
+    sidecar_of(path).write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+class Recordings:
+    """The parts of one set and its vehicle, each read once."""
+
+    def __init__(self, flights, flight_set):
+        self.set, self.folder, self.read = flight_set, flights / flight_set.place, {}
+        first = next(self.folder.glob("*.meta.toml"))
+        name = tomllib.loads(first.read_text(encoding="utf-8"))["vehicle"]
+        self.vehicle_file = vehicle_path(name, first.parent)
+        self.vehicle = read_vehicle(self.vehicle_file)
+
+    def log(self, entry):
+        name, from_s, to_s = entry
+        if entry not in self.read:
+            path = next(p for p in sorted(self.folder.glob("*.csv*")) if p.name.split("_", 1)[1].removesuffix(".gz").removesuffix(".csv") == name)
+            log = with_inputs(part(read_log(path), from_s, to_s), self.set.inputs)
+            self.read[entry] = log
+        return self.read[entry]
+
+    def inputs(self, log):
+        """(names, rows, time_s (n,), inputs (n, k))."""
+        names = [f"u{i + 1}" for i in range(len(self.vehicle.thrust)) if f"u{i + 1}" in log.column]
+        rows = np.all(np.isfinite(log.stack(*names)), axis=1)
+        return names, rows, log.column["time_s"][rows], log.stack(*names)[rows]
+
+    def motion(self, log):
+        """(motion when the thrust acts, thrusts that the file gives to the inputs)."""
+        _, _, time_s, inputs = self.inputs(log)
+        motion = physics.motion_at(log, self.vehicle, time_s + self.set.latency_s)
+        motion.time_s = time_s
+        return motion, physics.thrust_of(inputs, log.meta["actuator"], self.vehicle)
+
+
+# ---- what is concealed in a recording -----------------------------------------------------------------------------------
+
+def change_inputs(log, recordings, effect, values):
+    """The log with the inputs that give the same motion with the effect in place."""
+    names, rows, time_s, inputs = recordings.inputs(log)
+    if effect in ("actuation_delay", "motor_lag"):
+        curve = CubicSpline(time_s, inputs)
+        changed = curve(np.minimum(time_s + values["delay"], time_s[-1])) if effect == "actuation_delay" \
+            else inputs + values["time_constant"] * physics.even((time_s, inputs), 20).derivative()(time_s)
+    else:
+        motion, thrust = recordings.motion(log)
+        changed = physics.inputs_of(physics.thrusts_with(recordings.vehicle, motion, thrust, effect, values), log.meta["actuator"], recordings.vehicle)
+    column = dict(log.column)
+    for k, name in enumerate(names):
+        column[name] = column[name].copy()
+        column[name][rows] = changed[:, k]
+    return Log(log.name, log.meta, column)
+
+
+def change_recording(log, effect, values, rotor):
+    """The log as sensors with this fault would have recorded the same flight."""
+    column, time_s = dict(log.column), log.column["time_s"]
+    q = log.stack("qx", "qy", "qz", "qw")
+    if effect == "pose_delay":
+        for names in (("px", "py", "pz"), ("vx", "vy", "vz"), ("qx", "qy", "qz", "qw")):
+            if (samples := physics.stream(log, *names)) is None:
+                continue
+            values_at = samples[1]
+            if len(names) == 4:
+                values_at = values_at * np.cumprod(np.r_[1.0, np.where(np.sum(values_at[1:] * values_at[:-1], axis=1) < 0, -1.0, 1.0)])[:, None]
+            late = CubicSpline(samples[0], values_at)(np.maximum(samples[0] - values["delay"], samples[0][0]))
+            late = late / np.linalg.norm(late, axis=1, keepdims=True) if len(names) == 4 else late
+            for k, name in enumerate(names):
+                column[name] = np.full(len(time_s), np.nan)
+                column[name][np.isfinite(log.column[name])] = late[:, k]
+    elif effect == "gyro_scale":
+        for name in ("wx", "wy", "wz"):
+            column[name] = column[name] * (1 + values["delta"])
+    elif effect in ("attitude_offset", "yaw_offset"):
+        rows = np.isfinite(q).all(axis=1)
+        turned = (Rotation.from_quat(q[rows]) * Rotation.from_rotvec([values.get(axis, 0.0) for axis in "xyz"])).as_quat()
+        turned *= np.where(np.sum(turned * q[rows], axis=1) < 0, -1.0, 1.0)[:, None]
+        for k, name in enumerate(("qx", "qy", "qz", "qw")):
+            column[name] = column[name].copy()
+            column[name][rows] = turned[:, k]
+    elif effect == "imu_lever":
+        rows = np.isfinite(column["ax"])
+        rates = physics.even(physics.stream(log, "wx", "wy", "wz"), 15)
+        w, turn, arm = rates(time_s[rows]), rates.derivative()(time_s[rows]), np.array([values.get(axis, 0.0) for axis in "xyz"])
+        more = np.cross(turn, arm) + np.cross(w, np.cross(w, arm))
+        for k, name in enumerate(("ax", "ay", "az")):
+            column[name] = column[name].copy()
+            column[name][rows] += more[:, k]
+    elif effect == "rotor_loss":
+        # the reading of one rotor is wrong by this much thrust: in a log of speeds, by its root
+        column[f"u{rotor}"] = column[f"u{rotor}"] / np.sqrt(1 - values["loss"])
+    return Log(log.name, log.meta, column)
+
+
+def more_noise(log, seed):
+    """Half of the recording's own noise again, on motion and inertial data (robust third differences)."""
+    rng, column = np.random.default_rng(seed), dict(log.column)
+    for name in ("px", "py", "pz", "vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az"):
+        if name in column:
+            rows = np.isfinite(column[name])
+            sigma = np.median(np.abs(np.diff(column[name][rows], 3))) / (0.6745 * np.sqrt(20))
+            column[name] = column[name].copy()
+            column[name][rows] += 0.5 * sigma * rng.standard_normal(rows.sum())
+    return Log(log.name, log.meta, column)
+
+
+def falsify_file(file, effect, values, rotor):
+    """Makes the vehicle file wrong, so that the real vehicle differs from it by `values`."""
+    number = lambda name: values.get(name, 0.0)
+    if effect == "mass":
+        file.scale_inertial("mass", 1 / (1 + number("delta")))
+    elif effect == "center_of_mass":
+        file.move_center([-number(axis) for axis in "xyz"])
+    elif effect == "inertia":
+        file.scale_inertial("diaginertia", 1 / (1 + number("delta_x")))
+    elif effect == "thrust_scale":
+        file.table["thrust"]["coefficient"] /= 1 + number("delta")
+        if "pwm_thrust" in file.table.get("actuator", {}):
+            file.table["actuator"]["pwm_thrust"] = [c / (1 + number("delta")) for c in file.table["actuator"]["pwm_thrust"]]
+    elif effect == "rotor_loss":
+        file.table["rotor"][rotor - 1]["coefficient"] = file.table["thrust"]["coefficient"] / (1 - number("loss"))
+    elif effect == "yaw_torque_ratio":
+        file.table["thrust"]["torque_ratio"] /= 1 + number("delta")
+
+
+# ---- the cases --------------------------------------------------------------------------------------------------------
+
+def units(effect, vehicle, rotor, sign, has_voltage):
+    """{parameter: value} of an effect of size one in its leading parameter (the first)."""
+    return {"thrust_scale": {"delta": sign}, "mass": {"delta": sign}, "rotor_loss": {"loss": 1.0, "rotor": rotor}, "thrust_curve": {"curvature": sign},
+            "battery_sag": {"exponent": 1.0} if has_voltage else {"rate": 1.0}, "axial_inflow": {"at_hover": 1.0},
+            "translational_lift": {"coefficient": 1.0}, "ground_effect": {"strength": 1.0}, "yaw_torque_ratio": {"delta": sign},
+            "center_of_mass": {"x" if rotor % 2 else "y": sign}, "inertia": dict.fromkeys(("delta_x", "delta_y", "delta_z"), sign),
+            "motor_lag": {"time_constant": 1.0, "time_constant_down": 1.0}, "actuation_delay": {"delay": 1.0}, "pose_delay": {"delay": 1.0},
+            "gyro_scale": {"delta": sign}, "attitude_offset": {"x" if rotor % 2 else "y": sign}, "yaw_offset": {"z": sign}, "imu_lever": {"x" if rotor % 2 else "y": sign}}[effect]
+
+
+# sensors' faults without a reporting tolerance, and bounds beyond which a size is no longer this effect
+SENSOR_LIMIT = {"attitude_offset": 0.01, "yaw_offset": 0.02, "imu_lever": 0.005}
+MOST = {"mass": 0.25, "thrust_scale": 0.25, "rotor_loss": 0.35, "thrust_curve": 0.5, "inertia": 0.5, "yaw_torque_ratio": 0.6, "battery_sag": 4.0,
+        "motor_lag": 0.04, "actuation_delay": 0.04, "pose_delay": 0.04, "ground_effect": 20.0}
+MOST_PER_KG = {"axial_inflow": 2.0, "translational_lift": 0.1}
+
+
+def possible(recordings):
+    """{way: effects} that this set can conceal."""
+    log = recordings.log(recordings.set.new[0])
+    has = lambda *names: all(name in log.column and np.isfinite(log.column[name]).any() for name in names)
+    actuator, full = log.meta["actuator"], len(recordings.inputs(log)[0]) > 1
+    if not has("wx"):
+        return {"file": ["rotor_loss"], "recording": [], "input": ["rotor_loss"]}
+    inputs = ["thrust_scale", "thrust_curve"]
+    if full:
+        inputs += ["rotor_loss", "center_of_mass", "inertia", "yaw_torque_ratio", "actuation_delay"]
+    if has("px", "qw"):
+        inputs += ["axial_inflow", "translational_lift"] + (["ground_effect"] if "ground_z_m" in log.meta.get("environment", {}) else [])
+    if actuator != "rotor_speed" and has("vbat") and recordings.vehicle.voltage > 0:
+        inputs += ["battery_sag"]
+    if actuator == "rotor_speed" and not has("vbat"):
+        inputs += ["battery_sag"]
+    if actuator == "rotor_speed":
+        inputs += ["motor_lag"]
+    file = ["mass", "thrust_scale"] if actuator != "thrust" and actuator != "collective_thrust" else ["mass"]
+    if full:
+        file += ["center_of_mass", "inertia", "yaw_torque_ratio"] + (["rotor_loss"] if actuator == "rotor_speed" else [])
+    recording = ["gyro_scale", "pose_delay", "attitude_offset", "yaw_offset"] if has("qw") else []
+    if has("qw", "ax"):
+        recording += ["imu_lever"]
+    if full and actuator == "rotor_speed":
+        recording += ["rotor_loss"]
+    return {"file": file, "recording": recording, "input": inputs}
+
+
+def limit_of(recordings, effect, values):
+    """The larger of the tolerance and five standard errors on the new flights, in the leading parameter."""
+    vehicle = recordings.vehicle
+    tolerance = physics.TOLERANCE.get(effect, SENSOR_LIMIT.get(effect, 0.0)) * (vehicle.arm if effect == "center_of_mass" else 1.0)
+    if effect in SENSOR_LIMIT or effect in ("gyro_scale", "pose_delay", "actuation_delay", "motor_lag"):
+        return tolerance
+    if recordings.log(recordings.set.new[0]).stack("wx") is None:
+        return 0.05  # hovering flights without rates: what two normal flights of one vehicle differ by
+    natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
+    flights = [recordings.motion(recordings.log(entry)) for entry in recordings.set.new]
+    small = {name: value if name == "rotor" else natural * value for name, value in values.items()}
+    return max(tolerance, 5 * natural * physics.standard_error(vehicle, flights, effect, small))
+
+
+def cases_of(name, recordings):
+    """Every case of one set, the middle size first."""
+    cases, number = [], 0
+    voltage = np.isfinite(recordings.log(recordings.set.new[0]).column.get("vbat", np.array([np.nan]))).any()
+    for way, effects in possible(recordings).items():
+        for effect in effects:
+            number += 1
+            rotor, sign = 1 + number % len(recordings.vehicle.thrust), 1.0 if number % 2 else -1.0
+            unit = units(effect, recordings.vehicle, rotor, sign, voltage)
+            if way == "recording" and effect == "rotor_loss":
+                unit = {"loss": -1.0, "rotor": rotor}
+            limit = limit_of(recordings, effect, unit)
+            most = MOST.get(effect, MOST_PER_KG.get(effect, np.inf) * recordings.vehicle.mass)
+            for times in (times for times in TIMES if times * limit <= most):
+                size = times * limit
+                parameters = {key: value if key == "rotor" else size * value for key, value in unit.items()}
+                for asked in ("file", "reference"):
+                    cases.append(Case(f"{way}_{effect}_x{times:g}_{asked}", name, way, asked, effect, parameters,
+                                      rotor if effect == "rotor_loss" else None, times, limit))
+    cases += [Case(f"noise_{seed}_file", name, "nothing", "file", seed=seed) for seed in (1, 2)]
+    cases += [Case(f"{what}_reference", name, "nothing", "reference", seed=seed) for what, seed in (("untouched", 0), ("noise_1", 1), ("exchanged", 2))]
+    return cases
+
+
+def table(flights, sets):
+    """Cases of all sets, mixed evenly: any first part is a sample of every set, the size twice the limit first."""
+    lists = [cases_of(name, Recordings(flights, SETS[name])) for name in sets if (flights / SETS[name].place).is_dir()]
+    place = {id(case): (TIMES.index(case.times) if case.times else 0, (k + 0.5) / len(cases)) for cases in lists for k, case in enumerate(
+        sorted(cases, key=lambda c: (c.name.split("_x")[0][::-1], c.asked)))}
+    return sorted((case for cases in lists for case in cases), key=lambda case: (place[id(case)], case.set, case.name))
+
+
+# ---- building and asking ------------------------------------------------------------------------------------------------
+
+def concealed(case, log, recordings, index):
+    if case.way == "input":
+        return change_inputs(log, recordings, case.effect, case.parameters)
+    if case.way == "recording":
+        return change_recording(log, case.effect, case.parameters, case.rotor)
+    return more_noise(log, 100 * case.seed + index) if case.way == "nothing" and case.name.startswith("noise") else log
+
+
+def build(case, recordings, folder, found=None):
+    """Writes DIR/<role>_N.csv, the vehicle (with what a diagnosis found) beside them, and truth.json."""
+    file = VehicleFolder(recordings.vehicle_file)
+    if found is not None:
+        file.add_found(found)
+    if case.way == "removed":
+        file.remove(case.effect)
+    if case.way == "file":
+        falsify_file(file, case.effect, case.parameters, case.rotor)
+    file.write(folder / "vehicle")
+    roles = {"reference": recordings.set.reference, "fit": recordings.set.new, "holdout": recordings.set.holdout}
+    if case.name.startswith("exchanged"):
+        roles["reference"], roles["fit"] = roles["fit"], roles["reference"]
+    # without angular rates only the balance against another flight is left
+    if case.asked == "file" and recordings.log(recordings.set.new[0]).stack("wx") is None:
+        roles["fit"] = roles["reference"] + roles["fit"]
+    for role, entries in roles.items():
+        for index, entry in enumerate(entries):
+            if role == "reference" and case.asked == "file":
+                continue
+            log = recordings.log(entry)
+            if role != "reference" and not (entry in recordings.set.reference and role == "fit" and case.asked == "file"):
+                log = concealed(case, log, recordings, index)
+            write_log(folder / f"{role}_{index + 1}.csv", log, "vehicle/vehicle.toml")
+    (folder / "truth.json").write_text(json.dumps({**asdict(case), "truth": case.truth}) + "\n", encoding="utf-8")
+
+
+def ask(folder, gustlab, seconds):
+    """The diagnosis of a built case; a finished one, or one that failed, is kept."""
+    out, run = folder / "diagnosis", folder / "run.json"
+    if not run.exists():
+        files = lambda role: sorted(map(str, folder.glob(f"{role}_*.csv")))
+        option = lambda role: [text for path in files(role) for text in (f"--{role}", path)]
+        command = ["nice", "-n", "10", "timeout", str(seconds), gustlab, "diagnose", *files("fit"), *option("holdout"), *option("reference"),
+                   "--out", str(out), "--jobs", "1"]
+        figures = run_measured(command, folder / "messages.txt")
+        run.write_text(json.dumps(figures) + "\n", encoding="utf-8")
+        for path in folder.glob("*.csv"):
+            path.unlink()
+    path = out / "diagnosis.json"
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
-class Bench:
-    """Diagnoses each folder once."""
-
-    def __init__(self, gustlab, threads):
-        self.program, self.arguments = [gustlab, "diagnose"], ["--jobs", str(threads)]
-
-    def diagnosis(self, folder, vehicle, fit, holdout, pose_delay_s=0.0):
-        if read(folder) is None:
-            build(folder, vehicle, fit, holdout, pose_delay_s)
-            diagnose(folder, "diagnosis", self.program, self.arguments)
-        return read(folder)
-
+# ---- scoring ------------------------------------------------------------------------------------------------------------
 
 def rotor_of(effect):
     rotor = effect["parameters"].get("rotor")
@@ -77,141 +407,167 @@ def label(effect):
     return effect["effect"] + (f"#{rotor_of(effect)}" if rotor_of(effect) else "")
 
 
-def said(effect):
-    numbers = ", ".join(f"{name} {p['value']:.4g} ± {1.96 * (p.get('std') or 0.0):.2g}" for name, p in effect["parameters"].items() if name != "rotor")
-    return f"{label(effect)} {numbers}"
+def means(effect, truth, rotor):
+    """Whether a finding names the truth, itself or in its class."""
+    if effect["effect"] == truth:
+        return rotor in (None, rotor_of(effect))
+    return truth in effect.get("class", ()) or f"{truth}#{rotor}" in effect.get("class", ())
 
 
 def alike(a, b):
-    """Whether two findings are one name, or each in the other's class of names that the data cannot tell apart."""
     if a["effect"] == b["effect"]:
         return rotor_of(a) == rotor_of(b)
-    return a["effect"] in b["class"] or b["effect"] in a["class"]
+    return a["effect"] in b.get("class", ()) or b["effect"] in a.get("class", ())
 
 
-def means(effect, wrong):
-    """Whether a finding names the falsification, itself or in its class."""
-    if effect["effect"] == wrong.effect:
-        return wrong.rotor in (None, rotor_of(effect))
-    return wrong.effect in effect["class"] or f"{wrong.effect}#{wrong.rotor}" in effect["class"]
+def beyond(found, base):
+    """Findings that the base does not have, itself or as one of its class."""
+    return [effect for effect in found if not any(alike(effect, old) for old in base)]
 
 
-def pick(effects, wrong):
-    """The finding that names the falsification: itself, or else one with it in its class; and all other findings."""
-    hits = sorted((e for e in effects if means(e, wrong)), key=lambda e: e["effect"] != wrong.effect)
-    return hits[:1], [e for e in effects if not any(e is hit for hit in hits[:1])]
+def combined(effect, name, before, change):
+    """Total of a parameter after a change: shares multiply, sizes add."""
+    if name.startswith("delta"):
+        return (1 + before) * (1 + change) - 1
+    return 1 - (1 - before) * (1 - change) if effect == "rotor_loss" else before + change
 
 
-def unpaired(found, base):
-    """What is left of both when every name is paired with one of the other: the same name first, then of one class."""
-    found, base = list(found), list(base)
-    for same in (lambda a, b: label(a) == label(b), alike):
-        for effect in list(found):
-            partner = next((b for b in base if same(effect, b)), None)
-            if partner is not None:
-                found.remove(effect)
-                base.remove(partner)
-    return found, base
+def size_error(finding, case, before):
+    """|found − wanted| over |change|, over all parameters; None when named as another of its class."""
+    if finding["effect"] != case.effect:
+        return None
+    wrong = change = 0.0
+    for name, by in case.parameters.items():
+        if name == "rotor":
+            continue
+        wanted = combined(case.effect, name, before.get(name, 0.0), by)
+        value = finding["parameters"].get(name, {"value": before.get(name, 0.0)})["value"]
+        wrong, change = wrong + (value - wanted) ** 2, change + (wanted - before.get(name, 0.0)) ** 2
+    return float(np.sqrt(wrong / change))
 
 
-def total(diagnosis, vehicle, wrong, name):
-    """(value, std) of a parameter against a file: as named, else as trimmed, else what the file says."""
-    for effect in diagnosis["effects"] + diagnosis.get("calibration", []):
-        if effect["effect"] == wrong.effect and wrong.rotor in (None, rotor_of(effect)):
-            return effect["parameters"][name]["value"], effect["parameters"][name].get("std") or 0.0
-    return float((vehicle.effect(wrong.effect) or {}).get(name, 0.0)), 0.0
+def totals(diagnosis, effect, rotor, file):
+    """{parameter: value} of an effect against the file: as named, as trimmed, or as the file has it."""
+    for found in diagnosis["effects"] + diagnosis.get("suspected", []) + diagnosis.get("calibration", []):
+        if found["effect"] == effect and rotor in (None, rotor_of(found)):
+            return {name: number["value"] for name, number in found["parameters"].items()}
+    own = file.effect(effect) or {}
+    return {name: value for name, value in own.items() if isinstance(value, float)}
 
 
-def judge(case, wrong, base, found, right_file, wrong_file):
-    """One row: what is new, what is lost, and the falsified parameters against what they should read."""
-    row = {"case": case, "verdict": found["verdict"], "falsified": label_of(wrong), "base": [label(e) for e in base["effects"]], "named": [label(e) for e in found["effects"]]}
-    hits, others = pick(found["effects"], wrong)
-    known, base_others = pick(base["effects"], wrong)
-    new, lost = unpaired(others, base_others)
-    row["new"], row["lost"] = [label(e) for e in new], [label(b) for b in (lost if hits else lost + known)]
-    row["as"] = [said(e) for e in hits]
-    row["values"], moved = [], True
-    for name, then in wrong.totals.items():
-        before, before_std = total(base, right_file, wrong, name)
-        after, after_std = total(found, wrong_file, wrong, name)
-        wanted = then(before)
-        # against the wrong file the right vehicle would read `wanted`; a diagnosis that sees nothing new reads `unchanged`
-        unchanged = float((wrong_file.effect(wrong.effect) or {}).get(name, 0.0)) if wanted == before else before
-        close = max(0.25 * abs(wanted - unchanged), 1.96 * math.hypot(before_std, after_std))
-        moved = moved and abs(after - wanted) <= close
-        row["values"].append({"name": name, "wanted": wanted, "value": after, "std": after_std, "before": before})
-    row["right"] = bool(hits) and not row["new"] and (moved or not known)
-    row["strictly"] = row["right"] and not row["lost"]
-    rejected = wrong.effect + (f" (rotor {wrong.rotor})" if wrong.rotor else "")
-    row["why"] = sorted({r["why"] for r in found["rejected"] if r["effect"] == rejected})
-    row["alarms"] = [alarm["says"] for alarm in found["alarms"]]
-    row["findings"] = sorted({f["kind"] for f in found["log_findings"]} - {f["kind"] for f in base["log_findings"]})
+def judge(case, found, base=None, before=None):
+    """One row. Against the file: what is named beyond `base`; against reference flights: all that is named.
+    outcome: exact | size (right name, wrong size) | wrong (a name that is not true) | withheld (right, suspected) | nothing."""
+    row = {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times,
+           "named": [label(e) for e in found["effects"]], "suspected": [label(e) for e in found.get("suspected", [])], "verdict": found["verdict"]}
+    known, before = base["effects"] if base else [], before or {}
+    right = lambda effect: case.truth is not None and means(effect, case.truth, case.rotor)
+    hits = [effect for effect in found["effects"] if right(effect)]
+    new = beyond([effect for effect in found["effects"] if not right(effect)], known)
+    row["wrong"] = [label(effect) for effect in new]
+    if base:
+        row["lost"] = [label(old) for old in beyond([e for e in known if not right(e)], found["effects"])]
+    errors = [error for hit in hits if (error := size_error(hit, case, before)) is not None]
+    row["size_error"] = min(errors) if errors else None
+    # what the base names already must have moved by the change; its totals are `before`
+    counts = bool(hits) and (not any(right(old) for old in known) or (errors and min(errors) <= 0.3))
+    row["confidence"] = [hit.get("confidence") for hit in hits]
+    row["rejected"] = [(r["effect"], r.get("delta_score"), r["why"]) for r in found["rejected"] if case.truth and r["effect"].startswith(case.truth)]
+    if new:
+        row["outcome"] = "wrong"
+    elif case.truth is None:
+        row["outcome"] = "exact"
+    elif counts:
+        row["outcome"] = "exact" if case.asked == "file" or not errors or min(errors) <= 0.3 else "size"
+    else:
+        row["outcome"] = "withheld" if any(right(e) for e in found.get("suspected", [])) else "nothing"
     return row
 
 
-def label_of(wrong):
-    return wrong.effect + (f"#{wrong.rotor}" if wrong.rotor else "")
+OUTCOMES = ("exact", "size", "wrong", "withheld", "nothing", "failed")
 
 
-def run_set(name, flights, variant, out, bench, jobs, only=""):
-    """Rows of one set, or None when the flights cannot be diagnosed."""
-    fit, holdout, vehicle_path = flights
-    right_file = VehicleFolder(vehicle_path)
-    base = bench.diagnosis(out / "published" / f"{name}_as_is", right_file, fit, holdout)
-    if base is not None and variant == "augmented":
-        right_file.add_found(base)
-        base = bench.diagnosis(out / variant / f"{name}_as_is", right_file, fit, holdout)
-    if base is None:
-        return None
-
-    def one(case, wrong):
-        wrong_file = deepcopy(right_file)
-        wrong.change(wrong_file)
-        found = bench.diagnosis(out / variant / f"{name}_{case}", wrong_file, fit, holdout, wrong.pose_delay_s)
-        if found is None:
-            return {"case": f"{name} {case}", "verdict": "no diagnosis", "right": False, "strictly": False}
-        return judge(f"{name} {case}", wrong, base, found, right_file, wrong_file)
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        cases = [(case, wrong) for case, wrong in falsifications(right_file).items() if only in case]
-        return list(pool.map(lambda entry: one(*entry), cases))
-
-
-def value_text(row):
-    """The falsified parameters, or those of the classmate under whose name they stand."""
-    wanted = ", ".join(f"{v['name']} {v['wanted']:.4g}" for v in row["values"])
-    if row["as"] and not any(name.startswith(row["falsified"]) for name in row["as"]):
-        return f"as {', '.join(row['as'])} (wanted {wanted})"
-    return "; ".join(f"{v['name']} {v['value']:.4g} ± {1.96 * v['std']:.2g} (wanted {v['wanted']:.4g})" for v in row["values"])
+def counts(rows, key, only=lambda row: True):
+    lines = [f"| {key} | N | " + " | ".join(OUTCOMES) + " |", "|" + " --- |" * (len(OUTCOMES) + 2)]
+    groups = sorted({str(row[key] or "nothing concealed") for row in rows if only(row)})
+    for group in [*groups, "all"]:
+        tally = Counter(row["outcome"] for row in rows if only(row) and group in (str(row[key] or "nothing concealed"), "all"))
+        lines.append(f"| {group} | {sum(tally.values())} | " + " | ".join(str(tally[o]) for o in OUTCOMES) + " |")
+    return lines
 
 
 def markdown(rows):
-    """The table, and what was rejected where it is not right."""
-    lines = ["| case | verdict | named before | named | new | lost | falsified parameter, 95 % | right | strictly |", "|" + " --- |" * 9]
-    cell = lambda names: ", ".join(names) or "–"
+    """Counts by family, effect and way at each size, and every case that is not exact."""
+    lines = []
+    for asked in ("file", "reference"):
+        for times in sorted({row["times"] for row in rows if row["truth"]}):
+            chosen = lambda row, times=times, asked=asked: row["asked"] == asked and row["truth"] and row["times"] == times
+            if any(map(chosen, rows)):
+                lines += [f"### Asked against the {asked}, {times:g} × the limit", "", *counts(rows, "set", chosen), "", *counts(rows, "truth", chosen), ""]
+        chosen = lambda row, asked=asked: row["asked"] == asked and not row["truth"]
+        if any(map(chosen, rows)):
+            lines += [f"### Asked against the {asked}, nothing to name", "", *counts(rows, "set", chosen), ""]
     for row in rows:
-        if "named" not in row:
-            lines.append(f"| {row['case']} | {row['verdict']} |  |  |  |  |  | **no** | **no** |")
-            continue
-        yes = lambda key: "yes" if row[key] else "**no**"
-        lines.append(f"| {row['case']} | {row['verdict']} | {cell(row['base'])} | {cell(row['named'])} | {cell(row['new'])} | {cell(row['lost'])} | "
-                     f"{value_text(row)} | {yes('right')} | {yes('strictly')} |")
-    count = lambda key: sum(bool(row[key]) for row in rows)
-    lines += ["", f"right: {count('right')} of {len(rows)}; strictly: {count('strictly')} of {len(rows)}", ""]
-    for row in rows:
-        if not row["right"] and "named" in row:
-            why = "; ".join(row["why"]) or "never fitted alone"
-            lines.append(f"- {row['case']}: {row['falsified']} {'named as ' + cell(row['as']) if row['as'] else 'not named'}; rejected: {why}; "
-                         f"new log findings: {cell(row['findings'])}; alarms: {cell(row['alarms'])}")
+        if row["outcome"] not in ("exact",):
+            lines.append(f"- {row['set']} {row['case']}: {row['outcome']}; named {', '.join(row.get('named', [])) or '–'}; wrong "
+                         f"{', '.join(row.get('wrong', [])) or '–'}; suspected {', '.join(row.get('suspected', [])) or '–'}")
     return "\n".join(lines) + "\n"
 
 
-def run(folders, out, gustlab, jobs, variant="published", only_set="", only=""):
-    """Rows of every set that is there."""
-    bench = Bench(gustlab, 1 if jobs > 1 else 2)
-    rows = []
-    for name, flights in sets_of(folders).items():
-        if only_set in name:
-            rows += run_set(name, flights, variant, out, bench, jobs, only) or [{"case": name, "verdict": "no diagnosis", "right": False, "strictly": False}]
+# ---- all of it ------------------------------------------------------------------------------------------------------------
+
+class Bench:
+    """Builds and asks the cases of all sets; keeps what is finished."""
+
+    def __init__(self, flights, out, gustlab, seconds):
+        self.flights, self.out, self.gustlab, self.seconds, self.recordings = flights, out, gustlab, seconds, {}
+        self.locks = defaultdict(threading.Lock)
+
+    def of(self, name):
+        return self.recordings.setdefault(name, Recordings(self.flights, SETS[name]))
+
+    def diagnosis(self, case, found=None):
+        folder = self.out / case.set / case.name
+        with self.locks[folder]:
+            if not (folder / "run.json").exists():
+                build(case, self.of(case.set), folder, found)
+            return ask(folder, self.gustlab, self.seconds)
+
+    def base(self, name):
+        return self.diagnosis(Case("untouched_file", name, "nothing", "file"))
+
+    def removals(self, name):
+        """One case for each effect that the untouched flights show and a vehicle file can hold."""
+        base = self.base(name)
+        return [Case(f"removed_{effect['effect']}", name, "removed", "file", effect["effect"],
+                     {key: number["value"] for key, number in effect["parameters"].items()}, None, 1.0)
+                for effect in (base["effects"] if base else []) if effect["effect"] in REMOVABLE]
+
+    def row(self, case):
+        base = self.base(case.set) if case.asked == "file" else None
+        shown = base if case.way == "removed" else None
+        if shown is not None:
+            base = self.diagnosis(Case("complete_file", case.set, "nothing", "file"), shown)
+        found = self.diagnosis(case, shown)
+        if found is None or (case.asked == "file" and base is None):
+            return {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times, "outcome": "failed"}
+        before = totals(base, case.effect, case.rotor, VehicleFolder(self.of(case.set).vehicle_file)) if base and case.effect and shown is None else {}
+        return judge(case, found, base, before)
+
+
+def run(flights, out, gustlab, jobs, chosen, seconds=600, removals=True):
+    """Rows of the chosen cases, in their order; also DIR/truth.jsonl and DIR/results.jsonl."""
+    bench, rows = Bench(flights, out, gustlab, seconds), []
+    out.mkdir(parents=True, exist_ok=True)
+    if removals:
+        with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+            chosen = chosen + sum(pool.map(bench.removals, sorted({case.set for case in chosen if case.asked == "file"})), [])
+    (out / "truth.jsonl").write_text("".join(json.dumps({**asdict(case), "truth": case.truth}) + "\n" for case in chosen), encoding="utf-8")
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for row in pool.map(bench.row, chosen):
+            rows.append(row)
+            print(f"[{len(rows)}/{len(chosen)}] {row['set']} {row['case']}: {row['outcome']}", file=sys.stderr, flush=True)
+    (out / "results.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
     return rows
 
 
@@ -220,15 +576,24 @@ def main():
     parser.add_argument("flights", type=Path)
     parser.add_argument("--gustlab", default=str(HOME / "build/release/gustlab"))
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--variant", choices=VARIANTS, default="published")
-    parser.add_argument("--set", default="", help="only sets whose name contains this")
-    parser.add_argument("--case", default="", help="only cases whose name contains this")
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--format", choices=["md", "json"], default="md")
+    parser.add_argument("--sets", default=",".join(SETS))
+    parser.add_argument("--asked", choices=["file", "reference"])
+    parser.add_argument("--way", choices=["file", "recording", "input", "nothing"])
+    parser.add_argument("--times", type=float, help="only this size, and what conceals nothing")
+    parser.add_argument("--limit", type=int, help="only this many cases; they are mixed evenly")
+    parser.add_argument("--seconds", type=int, default=600, help="a diagnosis that takes longer has failed")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--list", action="store_true")
     options = parser.parse_args()
-    folders = {path.name: path for path in options.flights.iterdir() if path.is_dir()}
-    rows = run(folders, options.out, options.gustlab, options.jobs, options.variant, options.set, options.case)
-    sys.stdout.write(markdown(rows) if options.format == "md" else json.dumps(rows, indent=1) + "\n")
+    cases = [case for case in table(options.flights, options.sets.split(",")) if options.asked in (None, case.asked)
+             and options.way in (None, case.way) and options.times in (None, case.times or options.times)][:options.limit]
+    if options.list:
+        for case in cases:
+            print(json.dumps({**asdict(case), "truth": case.truth}))
+        print(len(cases), "cases", Counter(case.set for case in cases), file=sys.stderr)
+        return
+    sys.stdout.write(markdown(run(options.flights, options.out, options.gustlab, options.jobs, cases, options.seconds,
+                                  options.way is None)))
 
 
 if __name__ == "__main__":

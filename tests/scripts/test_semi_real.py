@@ -1,80 +1,156 @@
-"""When a falsified vehicle file counts as seen through."""
+"""Semi-real cases: the inputs that conceal an effect, the faults of recordings and files, and what counts as right."""
 
 import sys
-import tomllib
 from copy import deepcopy
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 HOME = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(HOME / "scripts" / "prove"))
 
-from falsify import VehicleFolder, falsifications  # noqa: E402
-from semi_real import judge  # noqa: E402
+import conceal_inputs as physics  # noqa: E402
+from falsify import VehicleFolder  # noqa: E402
+from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
+from flight_files import Log, read_vehicle  # noqa: E402
+from semi_real import Case, change_recording, combined, falsify_file, judge  # noqa: E402
 
-RIGHT = VehicleFolder(HOME / "models" / "crazyflie_real" / "vehicle.toml")
+FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
+VEHICLE = read_vehicle(FILE)
+EFFECTS = {"thrust_scale": {"delta": 0.05}, "rotor_loss": {"loss": 0.1, "rotor": 2}, "thrust_curve": {"curvature": -0.2}, "battery_sag": {"exponent": 1.5},
+           "axial_inflow": {"at_hover": 0.012}, "translational_lift": {"coefficient": 3e-4}, "ground_effect": {"strength": 6.0},
+           "yaw_torque_ratio": {"delta": 0.2}, "center_of_mass": {"x": 0.001, "y": -0.002}, "inertia": {"delta_x": 0.2, "delta_y": 0.2, "delta_z": 0.2}}
 
+
+def flight(samples=200):
+    """A motion and thrusts that have nothing to do with each other: the balance must hold all the same."""
+    rng = np.random.default_rng(1)
+    wander = lambda size, columns: size * rng.standard_normal((samples, columns))
+    motion = physics.Motion(0.01 * np.arange(samples), wander(1, 3), wander(2, 3), wander(20, 3), [0, 0, 9.81] + wander(1, 3),
+                            0.1 + np.abs(wander(0.2, 4)), 3.6 + 0.1 * rng.random(samples))
+    return motion, VEHICLE.weight / 4 * (1 + 0.2 * rng.standard_normal((samples, 4)).clip(-2, 2))
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_concealed_inputs_give_the_wrench_of_the_recording(effect):
+    motion, thrust = flight()
+    changed = physics.thrusts_with(VEHICLE, motion, thrust, effect, EFFECTS[effect])
+    needed = physics.wrench(VEHICLE, motion, thrust) + physics.needed_besides(VEHICLE, motion, effect, EFFECTS[effect])
+    assert physics.wrench(VEHICLE, motion, changed, effect, EFFECTS[effect]) == pytest.approx(needed, rel=1e-4, abs=1e-7)
+    assert np.abs(changed - thrust).max() > 1e-4
+
+
+def test_effects_have_the_catalogue_s_signs():
+    motion, thrust = flight()
+    change = lambda effect: physics.wrench(VEHICLE, motion, thrust, effect, EFFECTS[effect]) - physics.wrench(VEHICLE, motion, thrust)
+    assert np.all(change("rotor_loss")[:, 0] < 0) and np.all(change("ground_effect")[:, 0] > 0) and np.all(change("translational_lift")[:, 0] > 0)
+    # an inflow from above while climbing costs thrust; rotor 2 is back right: its loss rolls to the right (+x torque is roll to the right)
+    motion.rate_B[:], motion.velocity_B[:] = 0.0, [0.0, 0.0, 1.0]
+    assert np.all(change("axial_inflow")[:, 0] < 0)
+    assert np.all(change("rotor_loss")[:, 1] > 0) and np.all(change("rotor_loss")[:, 2] < 0)
+    # sag below the nominal voltage weakens
+    assert np.all(change("battery_sag")[:, 0] < 0)
+
+
+@pytest.mark.parametrize("actuator", ["rotor_speed", "thrust", "pwm"])
+def test_inputs_and_thrusts_are_inverse(actuator):
+    _, thrust = flight()
+    for vehicle in (VEHICLE, read_vehicle(HOME / "models" / "crazyflie_21" / "vehicle.toml")):
+        assert physics.thrust_of(physics.inputs_of(thrust, actuator, vehicle), actuator, vehicle) == pytest.approx(thrust)
+
+
+def test_the_standard_error_falls_with_the_signature():
+    motion, thrust = flight(3000)
+    one = physics.standard_error(VEHICLE, [(motion, thrust)], "thrust_curve", {"curvature": 0.01})
+    assert physics.standard_error(VEHICLE, [(motion, thrust)], "thrust_curve", {"curvature": 0.02}) == pytest.approx(one / 2, rel=1e-6)
+    assert physics.standard_error(VEHICLE, [(motion, thrust)] * 4, "thrust_curve", {"curvature": 0.01}) == pytest.approx(one / 2, rel=1e-6)
+
+
+def test_files_are_wrong_by_as_much_as_the_case_says(tmp_path):
+    for effect, values, rotor in (("mass", {"delta": 0.1}, None), ("thrust_scale", {"delta": 0.1}, None), ("rotor_loss", {"loss": 0.2}, 3),
+                                  ("center_of_mass", {"x": 0.002}, None), ("inertia", {"delta_x": 0.1, "delta_y": 0.1, "delta_z": 0.1}, None)):
+        file = VehicleFolder(FILE)
+        falsify_file(file, effect, values, rotor)
+        file.write(tmp_path / effect)
+        wrong = read_vehicle(tmp_path / effect / "vehicle.toml")
+        assert effect != "mass" or wrong.mass * 1.1 == pytest.approx(VEHICLE.mass)
+        assert effect != "thrust_scale" or wrong.thrust * 1.1 == pytest.approx(VEHICLE.thrust)
+        assert effect != "rotor_loss" or wrong.thrust[2] * 0.8 == pytest.approx(VEHICLE.thrust[2])
+        assert effect != "center_of_mass" or wrong.center[0] + 0.002 == pytest.approx(VEHICLE.center[0])
+        assert effect != "inertia" or wrong.inertia * 1.1 == pytest.approx(VEHICLE.inertia)
+
+
+def test_a_late_pose_and_a_turned_attitude():
+    time_s = 0.01 * np.arange(200)
+    column = {"time_s": time_s, "px": np.sin(time_s), "py": time_s, "pz": 0 * time_s, "qw": np.ones(200), **{q: np.zeros(200) for q in ("qx", "qy", "qz")}}
+    log = Log("a.csv", {}, column)
+    late = change_recording(log, "pose_delay", {"delay": 0.02}, None)
+    assert late.column["px"][50] == pytest.approx(np.sin(time_s[48]), abs=1e-6)
+    turned = change_recording(log, "attitude_offset", {"x": 0.02}, None)
+    assert turned.column["qx"] == pytest.approx(np.sin(0.01)) and log.column["qx"][0] == 0
+
+
+def test_streams_keep_their_own_times():
+    time_s, columns = merged({("a",): (np.array([0.0, 0.01]), np.array([[1.0], [2.0]])), ("b",): (np.array([0.01, 0.0151]), np.array([[3.0], [4.0]]))})
+    assert time_s.tolist() == pytest.approx([0, 0.01, 0.0151])
+    assert columns["a"][:2].tolist() == [1, 2] and np.isnan(columns["a"][2]) and np.isnan(columns["b"][0]) and columns["b"][2] == 4
+
+
+def test_packed_quaternions_and_published_thrust():
+    # (x, y, z, w) = (0.5, -0.25, 0.1, largest)
+    pack = lambda value: (512 if value < 0 else 0) | int(511 * abs(value) / np.sqrt(0.5) + 0.5)
+    packed = np.array([3 << 30 | pack(0.5) << 20 | pack(-0.25) << 10 | pack(0.1)], dtype=float)
+    assert smallest_three(packed)[0, 1:] == pytest.approx([0.5, -0.25, 0.1], abs=1e-3)
+    assert np.linalg.norm(smallest_three(packed)) == pytest.approx(1)
+    assert large_frame_thrust_N(0.6 * 65536, 3.7) == pytest.approx(9.80665e-3 * (44.104 - 73.506 - 31.877 + 19.119 + 56.916), rel=1e-4)
+
+
+# ---- what counts ------------------------------------------------------------------------------------------------------
 
 def finding(effect, alike=(), **parameters):
-    return {"effect": effect, "class": [effect, *alike], "parameters": {name: {"value": value, "std": 0.001} for name, value in parameters.items()}}
+    return {"effect": effect, "confidence": 0.9, "class": [effect, *alike], "parameters": {name: {"value": value} for name, value in parameters.items()}}
 
 
-def diagnosis(*effects):
-    return {"verdict": "explained", "effects": list(effects), "calibration": [], "rejected": [], "alarms": [], "log_findings": []}
+def diagnosis(*effects, suspected=()):
+    return {"verdict": "explained", "effects": list(effects), "suspected": list(suspected), "rejected": []}
 
 
-def row(case, base, found):
-    wrong = falsifications(RIGHT)[case]
-    wrong_file = deepcopy(RIGHT)
-    wrong.change(wrong_file)
-    return judge(case, wrong, base, found, RIGHT, wrong_file)
+def outcome(found, asked="file", base=(), before=None, effect="thrust_scale", rotor=None, **parameters):
+    case = Case("c", "s", "input", asked, effect, parameters or {"delta": 0.04}, rotor, 2.0)
+    return judge(case, found, diagnosis(*base) if asked == "file" else None, before)["outcome"]
 
 
-def test_a_new_name_with_its_size_is_right():
-    result = row("mass_-10%", diagnosis(), diagnosis(finding("mass", delta=0.111)))
-    assert result["right"] and result["strictly"]
-    assert result["values"][0]["wanted"] == pytest.approx(1 / 0.9 - 1)
+DRAG = finding("rotor_drag", ["quadratic_drag"], at_hover=0.02)
 
 
-def test_a_class_that_holds_the_name_is_right_and_another_name_is_not():
-    assert row("mass_-10%", diagnosis(), diagnosis(finding("thrust_scale", ["mass"], delta=-0.1)))["right"]
-    assert not row("mass_-10%", diagnosis(), diagnosis(finding("thrust_scale", delta=-0.1)))["right"]
+def test_a_new_name_alone_is_exact_and_any_other_new_name_is_wrong():
+    found = finding("thrust_scale", delta=0.041)
+    assert outcome(diagnosis(found)) == "exact"
+    assert outcome(diagnosis(DRAG, found), base=[DRAG]) == "exact"
+    assert outcome(diagnosis(DRAG, found)) == "wrong"
+    assert outcome(diagnosis(finding("mass", delta=-0.04))) == "wrong"
+    assert outcome(diagnosis(finding("mass", ["thrust_scale"], delta=-0.04))) == "exact"
+    assert outcome(diagnosis(suspected=[found])) == "withheld" and outcome(diagnosis()) == "nothing"
+    assert outcome(diagnosis(finding("quadratic_drag", ["rotor_drag"], area_xy=0.01), found), base=[DRAG]) == "exact"
 
 
-def test_any_other_new_name_is_wrong_and_a_lost_one_is_listed():
-    drag = finding("rotor_drag", at_hover=0.02)
-    both = diagnosis(drag, finding("mass", delta=0.111))
-    assert row("mass_-10%", diagnosis(drag), both)["strictly"]
-    assert row("mass_-10%", diagnosis(), both)["new"] == ["rotor_drag"] and not row("mass_-10%", diagnosis(), both)["right"]
-    without = row("mass_-10%", diagnosis(drag), diagnosis(finding("mass", delta=0.111)))
-    assert without["right"] and without["lost"] == ["rotor_drag"] and not without["strictly"]
+def test_what_was_named_before_must_have_moved():
+    before = finding("thrust_scale", delta=0.10)
+    assert outcome(diagnosis(before), base=[before], before={"delta": 0.10}) == "nothing"
+    assert outcome(diagnosis(finding("thrust_scale", delta=1.1 * 1.04 - 1)), base=[before], before={"delta": 0.10}) == "exact"
 
 
-def test_a_class_excuses_one_name_and_not_a_second():
-    base = diagnosis(finding("rotor_drag", ["quadratic_drag"], at_hover=0.02))
-    assert row("mass_-10%", base, diagnosis(finding("quadratic_drag", ["rotor_drag"], area_xy=0.01), finding("mass", delta=0.111)))["strictly"]
-    both = diagnosis(*base["effects"], finding("quadratic_drag", area_xy=0.01), finding("mass", delta=0.111))
-    assert row("mass_-10%", base, both)["new"] == ["quadratic_drag"]
+def test_reference_flights_ask_for_the_size():
+    assert outcome(diagnosis(finding("thrust_scale", delta=0.05)), asked="reference") == "exact"
+    assert outcome(diagnosis(finding("thrust_scale", delta=0.06)), asked="reference") == "size"
+    assert outcome(diagnosis(finding("rotor_loss", rotor=2, loss=0.04)), "reference", effect="rotor_loss", rotor=2, loss=0.04, **{}) == "exact"
+    assert outcome(diagnosis(finding("rotor_loss", rotor=3, loss=0.04)), "reference", effect="rotor_loss", rotor=2, loss=0.04) == "wrong"
 
 
-def test_what_was_named_before_must_move_by_the_falsification():
-    base = diagnosis(finding("inertia", delta_x=0.5, delta_y=0.5, delta_z=0.2))
-    assert row("inertia_-25%", base, diagnosis(finding("inertia", delta_x=1.0, delta_y=1.0, delta_z=0.6)))["right"]
-    assert not row("inertia_-25%", base, base)["right"]
-
-
-def test_only_the_right_rotor_is_right():
-    assert row("rotor_2_+8%", diagnosis(), diagnosis(finding("rotor_loss", rotor=2, loss=0.074)))["right"]
-    assert not row("rotor_2_+8%", diagnosis(), diagnosis(finding("rotor_loss", rotor=3, loss=0.074)))["right"]
-
-
-def test_a_removed_effect_must_come_back(tmp_path):
-    wrong = falsifications(RIGHT)["motor_lag_removed"]
-    file = deepcopy(RIGHT)
-    wrong.change(file)
-    file.write(tmp_path)
-    written = tomllib.loads((tmp_path / "vehicle.toml").read_text(encoding="utf-8"))
-    assert [effect["type"] for effect in written["effect"]] == ["rotor_drag"]
-    assert row("motor_lag_removed", diagnosis(), diagnosis(finding("motor_lag", time_constant=0.12)))["right"]
-    assert not row("motor_lag_removed", diagnosis(), diagnosis())["right"]
+def test_nothing_concealed_wants_nothing_and_a_wrong_file_is_no_change():
+    nothing = Case("untouched", "s", "nothing", "reference")
+    assert judge(nothing, diagnosis())["outcome"] == "exact" and judge(nothing, diagnosis(DRAG))["outcome"] == "wrong"
+    both = Case("file_mass", "s", "file", "reference", "mass", {"delta": 0.1})
+    assert both.truth is None and deepcopy(both).effect == "mass"
+    assert combined("rotor_loss", "loss", 0.1, 0.2) == pytest.approx(0.28)

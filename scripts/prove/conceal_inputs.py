@@ -1,0 +1,225 @@
+"""Own physics of a multirotor's wrench, and inputs that give a recorded motion although an effect is in place.
+
+What the rotors must do follows from the recording alone: the wrench that the vehicle file gives to the recorded inputs. With
+an effect in place other inputs give this wrench; they are found by putting what is missing back through the mixer. Rotors
+push along z only: forces to the side cannot be put in, so mass, drag and a tilted rotor are no effects here.
+
+Formulas are those of the catalogue of effects; nothing is shared with src/. Rotors' thrusts are the unknowns, (samples, N) [N].
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, sosfiltfilt
+from scipy.spatial.transform import Rotation
+
+# reporting tolerances (DIAGNOSIS.md, 3.6); of the centre of mass: the torque of 1.2 % of one rotor
+TOLERANCE = {"mass": 0.012, "thrust_scale": 0.012, "rotor_loss": 0.01, "inertia": 0.05, "yaw_torque_ratio": 0.05, "motor_lag": 0.004,
+             "actuation_delay": 0.003, "pose_delay": 0.003, "gyro_scale": 0.01, "center_of_mass": 0.003}
+
+
+@dataclass
+class Motion:
+    """What the body does at the times of the inputs; None where the log does not tell."""
+    time_s: np.ndarray
+    velocity_B: np.ndarray | None       # m/s, (n, 3)
+    rate_B: np.ndarray | None           # rad/s
+    angular_B: np.ndarray | None        # rad/s², of the rate below 15 Hz
+    specific_B: np.ndarray | None       # m/s², specific force
+    height_m: np.ndarray | None         # above the ground, of every hub, (n, N)
+    voltage_V: np.ndarray | None
+
+
+def low_pass(time_s, values, cut_Hz):
+    """Zero-phase Butterworth filter of evenly sampled values."""
+    rate = 1.0 / np.median(np.diff(time_s))
+    return values if cut_Hz >= 0.45 * rate else sosfiltfilt(butter(2, cut_Hz / (rate / 2), output="sos"), values, axis=0)
+
+
+def stream(log, *names):
+    """(time_s (m,), values (m, k)) of the rows that have all of these columns, or None."""
+    values = log.stack(*names)
+    if values is None:
+        return None
+    rows = np.all(np.isfinite(values), axis=1)
+    return (log.column["time_s"][rows], values[rows]) if rows.sum() > 10 else None
+
+
+def even(samples, cut_Hz, rate_Hz=None):
+    """A spline of a stream after a low pass on an even grid."""
+    time_s, values = samples
+    step = np.median(np.diff(time_s)) if rate_Hz is None else 1.0 / rate_Hz
+    grid = np.arange(time_s[0], time_s[-1] + 0.5 * step, step)
+    return CubicSpline(grid, low_pass(grid, CubicSpline(time_s, values)(np.minimum(grid, time_s[-1])), cut_Hz))
+
+
+def motion_at(log, vehicle, time_s):
+    """The recorded motion at `time_s` (clipped to the recording)."""
+    inside = lambda samples: np.clip(time_s, samples[0][0], samples[0][-1])
+    q, p, v, w = (stream(log, *names) for names in (("qx", "qy", "qz", "qw"), ("px", "py", "pz"), ("vx", "vy", "vz"), ("wx", "wy", "wz")))
+    turn = None
+    if q is not None:
+        flips = np.cumprod(np.r_[1.0, np.where(np.sum(q[1][1:] * q[1][:-1], axis=1) < 0, -1.0, 1.0)])
+        turn = Rotation.from_quat(even((q[0], q[1] * flips[:, None]), 20)(inside(q)))
+    rates = None if w is None else even(w, 15)
+    rate, angular = (None, None) if w is None else (rates(inside(w)), rates.derivative()(inside(w)))
+    velocity = even(v, 10) if v is not None else even(p, 6).derivative() if p is not None else None
+    a = stream(log, "ax", "ay", "az")
+    specific = None
+    if velocity is not None and turn is not None:
+        at = inside(v if v is not None else p)
+        specific = turn.inv().apply(velocity.derivative()(at) + [0, 0, 9.81])
+    elif a is not None:
+        specific = even(a, 10)(inside(a))
+    voltage = stream(log, "vbat")
+    heights = None
+    ground = log.meta.get("environment", {}).get("ground_z_m")
+    if p is not None and turn is not None and ground is not None:
+        hubs = np.stack([turn.apply(hub)[:, 2] for hub in vehicle.hub], axis=1)
+        heights = even(p, 10)(inside(p))[:, 2:] - ground + hubs
+    return Motion(time_s, turn.inv().apply(velocity(inside(v if v is not None else p))) if velocity is not None and turn is not None else None,
+                  rate, angular, specific, heights, None if voltage is None else np.interp(time_s, voltage[0], voltage[1][:, 0]))
+
+
+# ---- wrench of the rotors ---------------------------------------------------------------------------------------------
+
+def mixer(vehicle, shift=(0.0, 0.0, 0.0)):
+    """(4, N): thrusts → [force along z, torque about x, y, z] for a centre of mass moved by `shift`."""
+    hub = vehicle.hub - np.asarray(shift)
+    return np.stack([np.ones(len(hub)), hub[:, 1], -hub[:, 0], -vehicle.direction * vehicle.torque_ratio])
+
+
+def hub_velocity(vehicle, motion):
+    return motion.velocity_B[:, None, :] + np.cross(motion.rate_B[:, None, :], vehicle.hub[None]) if motion.rate_B is not None \
+        else np.repeat(motion.velocity_B[:, None, :], len(vehicle.hub), axis=1)
+
+
+def wrench(vehicle, motion, thrust, effect=None, values=None):
+    """(n, 4) of thrusts that the file gives, with one effect in place."""
+    lift, drag_torque, shift, values = thrust, thrust, (0.0, 0.0, 0.0), values or {}
+    number = lambda name: values.get(name, 0.0)
+    if effect == "thrust_scale":
+        lift = drag_torque = thrust * (1 + number("delta"))
+    elif effect == "rotor_loss":
+        keep = np.ones(thrust.shape[1])
+        keep[int(values["rotor"]) - 1] = 1 - number("loss")
+        lift = drag_torque = thrust * keep
+    elif effect == "thrust_curve":
+        lift = drag_torque = thrust * (1 + number("curvature") * (thrust / (vehicle.weight / len(vehicle.hub)) - 1))
+    elif effect == "battery_sag":
+        left = (motion.voltage_V / vehicle.voltage) ** number("exponent") if "exponent" in values \
+            else 1 - number("rate") * (motion.time_s - motion.time_s[0])
+        lift = drag_torque = thrust * left[:, None]
+    elif effect == "axial_inflow":
+        speed = np.sqrt(np.maximum(thrust, 0) / vehicle.thrust)
+        lift = thrust - number("at_hover") / (len(vehicle.hub) * vehicle.hover_speed) * speed * hub_velocity(vehicle, motion)[:, :, 2]
+    elif effect == "translational_lift":
+        lift = thrust + number("coefficient") * np.sum(hub_velocity(vehicle, motion)[:, :, :2] ** 2, axis=2)
+    elif effect == "ground_effect":
+        lift = thrust * (1 + number("strength") * (vehicle.radius / (4 * np.maximum(motion.height_m, vehicle.radius))) ** 2)
+    elif effect == "yaw_torque_ratio":
+        drag_torque = thrust * (1 + number("delta"))
+    elif effect == "center_of_mass":
+        shift = tuple(number(axis) for axis in "xyz")
+    matrix = mixer(vehicle, shift)
+    return np.concatenate([lift @ matrix[:3].T, drag_torque @ matrix[3:].T], axis=1)
+
+
+def needed_besides(vehicle, motion, effect, values):
+    """(n, 4): what the same motion of the body's origin takes besides, because mass properties are others."""
+    more = np.zeros((len(motion.time_s), 4))
+    if effect == "inertia":
+        extra = vehicle.inertia * np.array([values.get(f"delta_{axis}", 0.0) for axis in "xyz"])
+        more[:, 1:] = extra * motion.angular_B + np.cross(motion.rate_B, extra * motion.rate_B)
+    elif effect == "center_of_mass":
+        arm = np.array([values.get(axis, 0.0) for axis in "xyz"])
+        moved = np.cross(motion.angular_B, arm) + np.cross(motion.rate_B, np.cross(motion.rate_B, arm))
+        more[:, 0] = vehicle.mass * moved[:, 2]
+    elif effect == "mass":
+        more[:, 0] = vehicle.mass * values["delta"] * motion.specific_B[:, 2]
+    return more
+
+
+def thrusts_with(vehicle, motion, thrust, effect, values, passes=12):
+    """Thrusts (as the file would give them) that produce the recorded motion with the effect in place."""
+    wanted = wrench(vehicle, motion, thrust) + needed_besides(vehicle, motion, effect, values)
+    back, changed = np.linalg.pinv(mixer(vehicle)), thrust
+    for _ in range(passes):
+        changed = np.maximum(changed + (wanted - wrench(vehicle, motion, changed, effect, values)) @ back.T, 0.0)
+    return changed
+
+
+def signature(vehicle, motion, thrust, effect, values):
+    """(n, 4): wrench that is missing when the effect is there and the file does not know it, per `values`."""
+    return wrench(vehicle, motion, thrust, effect, values) - wrench(vehicle, motion, thrust) - needed_besides(vehicle, motion, effect, values)
+
+
+# ---- inputs ↔ thrusts -------------------------------------------------------------------------------------------------
+
+def thrust_of(inputs, actuator, vehicle):
+    """(n, N) [N] of recorded inputs; a collective thrust is shared alike."""
+    if actuator == "rotor_speed":
+        return vehicle.thrust * inputs**2
+    if actuator == "thrust":
+        return inputs.copy()
+    if actuator == "collective_thrust":
+        return np.repeat(inputs / len(vehicle.thrust), len(vehicle.thrust), axis=1)
+    if vehicle.pwm_thrust:
+        c = vehicle.pwm_thrust
+        return c[0] + c[1] * inputs + c[2] * inputs**2
+    return vehicle.thrust * (vehicle.pwm["slope"] * inputs + vehicle.pwm["offset"]) ** 2
+
+
+def inputs_of(thrust, actuator, vehicle):
+    """The inverse of thrust_of."""
+    if actuator == "rotor_speed":
+        return np.sqrt(thrust / vehicle.thrust)
+    if actuator == "thrust":
+        return thrust
+    if actuator == "collective_thrust":
+        return thrust.sum(axis=1, keepdims=True)
+    if vehicle.pwm_thrust:
+        c = vehicle.pwm_thrust
+        return (-c[1] + np.sqrt(np.maximum(c[1] ** 2 - 4 * c[2] * (c[0] - thrust), 0))) / (2 * c[2])
+    return (np.sqrt(thrust / vehicle.thrust) - vehicle.pwm["offset"]) / vehicle.pwm["slope"]
+
+
+# ---- how much of an effect is visible ---------------------------------------------------------------------------------
+
+def remainder(vehicle, motion, thrust):
+    """(n, 4): wrench of the recorded motion less that of the inputs, below 5 Hz, less what the inputs' own scale, velocity and
+    rate explain; NaN columns where the log does not tell."""
+    rest = np.full((len(motion.time_s), 4), np.nan)
+    if motion.specific_B is not None:
+        rest[:, 0] = vehicle.mass * motion.specific_B[:, 2]
+    if motion.angular_B is not None:
+        rest[:, 1:] = vehicle.inertia * motion.angular_B + np.cross(motion.rate_B, vehicle.inertia * motion.rate_B)
+    given = wrench(vehicle, motion, thrust)
+    rest -= given
+    state = [x for x in (motion.velocity_B, motion.rate_B) if x is not None] + ([motion.velocity_B**2] if motion.velocity_B is not None else [])
+    for k in np.flatnonzero(np.isfinite(rest).all(axis=0)):
+        known = np.column_stack([np.ones(len(rest)), given[:, k], *state])
+        rest[:, k] = low_pass(motion.time_s, rest[:, k] - known @ np.linalg.lstsq(known, rest[:, k], rcond=None)[0], 5)
+    return rest
+
+
+CORRELATION_S = 0.5          # of what remains of the wrench: its samples count once in this time
+TRIM = ("thrust_scale", "mass", "rotor_loss", "center_of_mass", "yaw_torque_ratio", "inertia")
+
+
+def standard_error(vehicle, flights, effect, unit):
+    """Standard error of an effect's size, in units of `unit`, against what remains of the wrench as noise. An effect that is no
+    trim is seen only by what a scale of the thrust and constant torques do not explain. flights: [(motion, thrust)]."""
+    information = 0.0
+    for motion, thrust in flights:
+        rest = remainder(vehicle, motion, thrust)
+        shape = low_pass(motion.time_s, signature(vehicle, motion, thrust, effect, unit), 5)
+        if effect not in TRIM:
+            total = thrust.sum(axis=1)
+            shape[:, 0] -= total * (total @ shape[:, 0]) / (total @ total)
+            shape[:, 1:] -= shape[:, 1:].mean(axis=0)
+        good = np.isfinite(rest).all(axis=0)
+        once = CORRELATION_S / np.median(np.diff(motion.time_s))
+        information += np.sum(shape[:, good] ** 2 / np.var(rest[:, good], axis=0)) / once
+    return 1.0 / np.sqrt(information) if information > 0 else np.inf
