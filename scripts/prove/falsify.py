@@ -14,7 +14,7 @@ def toml_value(value):
         return "{ " + ", ".join(f"{key} = {toml_value(item)}" for key, item in value.items()) + " }"
     if isinstance(value, list):
         return "[" + ", ".join(map(toml_value, value)) + "]"
-    return json.dumps(value) if isinstance(value, (str, bool)) else repr(value)
+    return json.dumps(value) if isinstance(value, (str, bool, int)) else repr(float(value))
 
 
 def vehicle_text(table):
@@ -63,11 +63,11 @@ class VehicleFolder:
 
     def scale_inertial(self, attribute, factor):
         numbers = [factor * float(x) for x in self.inertial.get(attribute).split()]
-        self.inertial.set(attribute, " ".join(repr(x) for x in numbers))
+        self.inertial.set(attribute, " ".join(repr(float(x)) for x in numbers))
 
     def move_center(self, by):
         position = [float(x) for x in self.inertial.get("pos", "0 0 0").split()]
-        self.inertial.set("pos", " ".join(repr(x + d) for x, d in zip(position, by)))
+        self.inertial.set("pos", " ".join(repr(float(x + d)) for x, d in zip(position, by)))
 
     def write(self, folder):
         folder = Path(folder)

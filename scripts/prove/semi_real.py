@@ -386,7 +386,7 @@ def ask(folder, gustlab, seconds):
     if not run.exists():
         files = lambda role: sorted(map(str, folder.glob(f"{role}_*.csv")))
         option = lambda role: [text for path in files(role) for text in (f"--{role}", path)]
-        command = ["nice", "-n", "10", "timeout", str(seconds), gustlab, "diagnose", *files("fit"), *option("holdout"), *option("reference"),
+        command = ["nice", "-n", "5", "timeout", str(seconds), gustlab, "diagnose", *files("fit"), *option("holdout"), *option("reference"),
                    "--out", str(out), "--jobs", "1"]
         figures = run_measured(command, folder / "messages.txt")
         run.write_text(json.dumps(figures) + "\n", encoding="utf-8")
