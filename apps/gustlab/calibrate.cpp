@@ -11,10 +11,10 @@
 #include "config/resources.hpp"
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
-#include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 
 namespace gustlab {
@@ -75,7 +75,7 @@ void calibrate_command(const CalibrateArguments& options) {
   const std::string beside = options.calibration.empty() ? calibration_path(path) : options.calibration;
   const Calibration calibration = read_calibration(beside);
   const Published published = read_published(find_resource("experiments/published_tables.toml"));
-  check_folder_can_be_made(options.out);
+  check_files_can_be_written(options.out, {"calibration.json", "calibration.md", "values.txt"});
 
   const std::atomic<bool>& stop = interrupted();
   Progress progress;

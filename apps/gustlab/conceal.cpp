@@ -5,6 +5,7 @@
 #include "options.hpp"
 #include "simulation/concealed_trials.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 #include "util/sha256.hpp"
 
@@ -19,8 +20,10 @@ struct ConcealArguments {
 };
 
 void conceal(const ConcealArguments& options) {
+  interrupted();
   const TrialsFile file = read_trials_file(options.trials, options.overrides);
   check_file_can_be_written(options.answers);
+  check_folder_can_be_made(options.out);
   const std::string answers = fly_concealed_trials(file, options.out, options.jobs);
   write_file(options.answers, answers);
   std::printf("%s\n", sha256(answers).c_str());

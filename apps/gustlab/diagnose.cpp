@@ -13,6 +13,7 @@
 #include "options.hpp"
 #include "report/diagnosis_page.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 
 namespace gustlab {
@@ -91,7 +92,9 @@ void check_flights(const DiagnoseArguments& options) {
 }
 
 void run(const DiagnoseArguments& options) {
+  interrupted();
   check_out(options.out);
+  check_folder_can_be_made(options.out);
   check_flights(options);
   diagnosis::DiagnoseOptions wanted;
   wanted.fit = options.flights;
@@ -104,20 +107,11 @@ void run(const DiagnoseArguments& options) {
     if (finding.sets_flight_aside) spdlog::warn("{}: set aside: {}", finding.file, finding.says);
   const nlohmann::ordered_json document = diagnosis::to_json(result);
 
-  // written beside and renamed, so that the folder is the old diagnosis or the new one
-  const std::filesystem::path out = std::filesystem::path(options.out).lexically_normal();
-  std::string bare = out.string();
-  if (bare.size() > 1 && bare.back() == '/') bare.pop_back();
-  const std::filesystem::path fresh = bare + ".new";
-  std::filesystem::remove_all(fresh);
-  make_folder(fresh.string());
-  write_file((fresh / "diagnosis.json").string(), document.dump(1) + "\n");
-  write_file((fresh / "augmented.toml").string(), result.augmented_toml);
-  write_file((fresh / "report.html").string(), diagnosis_page(document, figures_of(result)));
-  std::error_code error;
-  std::filesystem::remove_all(bare, error);
-  std::filesystem::rename(fresh, bare, error);
-  if (error) throw IoError(fmt::format("{}: cannot be replaced ({})", bare, error.message()));
+  replace_folder(options.out, [&](const std::filesystem::path& fresh) {
+    write_file((fresh / "diagnosis.json").string(), document.dump(1) + "\n");
+    write_file((fresh / "augmented.toml").string(), result.augmented_toml);
+    write_file((fresh / "report.html").string(), diagnosis_page(document, figures_of(result)));
+  });
 
   fmt::print("{}: {}", result.vehicle, to_string(result.verdict));
   for (const auto& effect : result.effects) {

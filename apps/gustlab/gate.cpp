@@ -25,6 +25,8 @@ void gate_command(const GateArguments& options) {
   if (options.update) return write_file(options.baseline, to_csv(results.rows));
   const GateReport report = gate(results.rows, read_results_csv(options.baseline), options.tolerance);
   const std::string summary = to_markdown(report);
+  for (const std::string& path : {options.junit, options.summary})
+    if (!path.empty()) check_file_can_be_written(path);
   if (!options.junit.empty()) write_file(options.junit, to_junit(report));
   if (!options.summary.empty()) write_file(options.summary, summary);
   std::fwrite(summary.data(), 1, summary.size(), stdout);

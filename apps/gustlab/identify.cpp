@@ -106,6 +106,7 @@ void run(IdentifyArguments options, const CLI::App& command) {
   check_options_are_read(command, options);
   check_flights_differ(options);
   const auto fit = samples_of(options.logs, options), holdout = samples_of(options.holdout, options);
+  if (!options.out.empty()) check_file_can_be_written(options.out);
   const Identification found = identify(fit, holdout, options.identify);
   const bool found_none = found.model().terms().empty();
   if (!options.out.empty() && !found_none) {

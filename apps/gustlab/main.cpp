@@ -1,14 +1,22 @@
 #include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
 
 #include "commands.hpp"
+#include "config/text.hpp"
 #include "config/toml.hpp"
 #include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
+#include "util/files.hpp"
+#include "util/interrupt.hpp"
 
 namespace {
 
@@ -20,13 +28,27 @@ std::string version_text() {
                      build.flags);
 }
 
+// a message may quote a file
+class PrintableText final : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
+    const std::string text = config::printable({message.payload.data(), message.payload.size()});
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<PrintableText>(); }
+};
+
+void say(std::string_view message) { fmt::print(stderr, "{}\n", config::printable(message)); }
+
 // messages go to stderr, data to stdout; colours only on a terminal that wants them
 void start_messages() {
   const char* no_color = std::getenv("NO_COLOR");
   const bool plain = no_color != nullptr && *no_color != '\0';
   auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_st>(plain ? spdlog::color_mode::never : spdlog::color_mode::automatic);
   auto logger = std::make_shared<spdlog::logger>("gustlab", sink);
-  logger->set_pattern("%^%l%$: %v");
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<PrintableText>('*').set_pattern("%^%l%$: %*");
+  logger->set_formatter(std::move(formatter));
   spdlog::set_default_logger(logger);
 }
 
@@ -62,14 +84,12 @@ void check_command(const CLI::App& app, int argc, char** argv) {
   throw ConfigError(fmt::format("gustlab: unknown command \"{}\" {}", *word, near.empty() ? "(see gustlab --help)" : near));
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app{"Flies multirotors in simulation and finds the physics that a simulation leaves out", "gustlab"};
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* all, const CLI::Error& error) {
     const auto commands = all->get_subcommands();
-    return fmt::format("gustlab: {} (see gustlab {}--help)\n", error.what(), commands.empty() ? "" : commands.front()->get_name() + " ");
+    return fmt::format("gustlab: {} (see gustlab {}--help)\n", config::printable(error.what()), commands.empty() ? "" : commands.front()->get_name() + " ");
   });
   app.fallthrough();
   app.set_version_flag("--version", version_text());
@@ -77,6 +97,7 @@ int main(int argc, char** argv) {
   app.add_flag_callback("-v,--verbose", [] { spdlog::set_level(spdlog::level::debug); }, "says more");
   try {
     start_messages();
+    protect_inputs();
     add_commands(app);
     check_command(app, argc, argv);
     app.parse(argc, argv);
@@ -84,12 +105,29 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const ExitCode& exit) {
     return exit.code;
+  } catch (const Interrupted&) {
+    say("interrupted");
+    return 130;
   } catch (const UserError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    say(error.what());
     return error.exit_code();
+  } catch (const std::filesystem::filesystem_error& error) {
+    say(fmt::format("{}: {}", error.path1().string(), error.code().message()));
+    return 4;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "gustlab: {}\n", error.what());
+    say(fmt::format("gustlab: {}", error.what()));
     return 4;
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int code = run(argc, argv);
+  errno = 0;
+  std::cout.flush();
+  if (std::cout && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  say(fmt::format("stdout: cannot write ({})", std::strerror(errno ? errno : EIO)));
+  return 4;
 }

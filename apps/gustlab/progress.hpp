@@ -9,6 +9,7 @@ namespace gustlab {
 class Progress {
  public:
   Progress();
+  ~Progress() { end(); }
   // Runs that are done, of all.
   void show(std::size_t done, std::size_t all);
   void end();

@@ -10,11 +10,11 @@
 #include "commands.hpp"
 #include "config/resources.hpp"
 #include "gustlab/errors.hpp"
-#include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "sweep/sweep.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 
 namespace gustlab {

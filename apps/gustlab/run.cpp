@@ -54,6 +54,7 @@ void run_command(const RunArguments& options) {
   wanted.controller = find_choice(experiment.controllers, options.controller, "--controller");
   wanted.replicate = options.replicate.value_or(static_cast<std::uint32_t>(experiment.first_replicate));
 
+  check_files_can_be_written(options.out, {"flight.csv", "flight.meta.toml", "outcome.json"});
   const auto [record, log] = run_logged(experiment, wanted);
   nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},
                                  {"experiment", experiment.name},

@@ -8,9 +8,9 @@
 
 #include "commands.hpp"
 #include "gustlab/errors.hpp"
-#include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 
 namespace gustlab {

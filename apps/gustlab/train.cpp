@@ -9,6 +9,7 @@
 #include "learning/train_daiml.hpp"
 #include "options.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 #include "util/sha256.hpp"
 
@@ -56,6 +57,7 @@ std::vector<std::pair<std::string, std::string>> account(const TrainArguments& o
 }
 
 void train(TrainArguments options) {
+  interrupted();
   if (options.experiment.seed) options.training.seed = *options.experiment.seed;
   const std::vector<Experiment> variants = options.experiment.read_variants();
   check_file_can_be_written(options.out);

@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 
 namespace gustlab {
@@ -26,7 +26,7 @@ void tune_command(const Options& options) {
   const std::string path = find_experiment(options.experiment.experiment);
   const std::string name = options.experiment.read().name;
   const Tuning tuning = read_tuning(options.tuning.empty() ? tuning_path(path) : options.tuning);
-  check_folder_can_be_made(options.out);
+  check_files_can_be_written(options.out, {"gains.toml"});
   const std::atomic<bool>& stop = interrupted();
   Progress progress;
   const std::vector<TuneResult> results = tune(path, options.experiment.overrides(), tuning, options.jobs, stop,

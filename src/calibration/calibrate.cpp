@@ -199,6 +199,9 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
     } catch (const nlopt::forced_stop&) {
     } catch (const nlopt::roundoff_limited&) {
       // the loss has steps as fine as three digits: as good as it gets
+    } catch (const std::runtime_error&) {
+      // what NLopt makes of an Interrupted
+      if (!stop) throw;
     }
     if (stop) break;
 

@@ -3,14 +3,13 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "config/hash.hpp"
 #include "config/resources.hpp"
 #include "config/text.hpp"
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
+#include "util/files.hpp"
 
 namespace gustlab::config {
 
@@ -76,10 +75,8 @@ class Reader final : public ParameterVisitor {
         table_.fail(name, fmt::format("\"{}\" is not there", value.path), "a path is relative to this file, or to the folder of gustlab", "");
       }
     }
-    std::ifstream stream(value.path, std::ios::binary);
-    value.bytes.assign(std::istreambuf_iterator<char>(stream), {});
-    if (!stream.good() && !stream.eof())
-      table_.fail(name, fmt::format("\"{}\" cannot be read", value.path), "", "");
+    if (const std::string why = read_into(value.path, value.bytes); !why.empty())
+      table_.fail(name, fmt::format("\"{}\" cannot be read", value.path), why, "");
   }
 
  private:

@@ -8,5 +8,7 @@ namespace gustlab::config {
 
 // A TOML basic string, quotes included.
 std::string quoted(std::string_view text);
+// Text of others for a terminal: control characters as \xNN, so that none of them is obeyed.
+std::string printable(std::string_view text);
 
 }  // namespace gustlab::config

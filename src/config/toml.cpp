@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
@@ -41,7 +41,7 @@ std::string name(toml::node_type type) {
 }
 
 std::string literal_text(const toml::node& node) {
-  if (const auto* value = node.as_string()) return quoted(value->get());
+  if (const auto* value = node.as_string()) return config::quoted(value->get());
   if (const auto* value = node.as_integer()) return fmt::format("{}", value->get());
   if (const auto* value = node.as_boolean()) return value->get() ? "true" : "false";
   if (const auto* value = node.as_floating_point()) {
@@ -56,7 +56,7 @@ std::string literal_text(const toml::node& node) {
   }
   if (const auto* table = node.as_table()) {
     for (const auto& [key, item] : *table)
-      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", quoted(key.str()), literal_text(item));
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", config::quoted(key.str()), literal_text(item));
     return text.empty() ? "{}" : "{ " + text + " }";
   }
   std::ostringstream out;
@@ -73,7 +73,37 @@ double finite(const Table& table, const toml::node& node, std::string_view key) 
   return value;
 }
 
+// Tables within tables are destroyed one within the other: what is deeper than any file needs would end the program. toml++
+// itself bounds arrays and inline tables, not dotted keys.
+constexpr int most_dots = 32;
+void check_depth(std::string_view text, const std::string& path) {
+  std::size_t line = 1, begin = 0;
+  int dots = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '#') {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (c == '"' || c == '\'') {
+      // to the end of the string, which toml++ judges; a newline ends one that is never closed
+      const bool several = text.substr(i, 3) == std::string(3, c);
+      for (i += several ? 3 : 1; i < text.size() && (several ? text.substr(i, 3) != std::string(3, c) : text[i] != c && text[i] != '\n'); ++i) {
+        if (c == '"' && text[i] == '\\') ++i;
+        if (i < text.size() && text[i] == '\n') ++line, begin = i + 1;
+      }
+      if (several) i += 2;
+      else if (i < text.size() && text[i] == '\n') --i;
+    } else if (c == '.') {
+      if (++dots > most_dots)
+        throw ConfigError(fmt::format("{}:{}:{}: a key of more than {} parts (nothing is nested as deep) write a shorter one", path, line, i - begin + 1, most_dots));
+    } else if (c != ' ' && c != '\t' && c != '_' && c != '-' && !std::isalnum(static_cast<unsigned char>(c))) {
+      dots = 0;
+      if (c == '\n') ++line, begin = i + 1;
+    }
+  }
+}
+
 toml::table parse_text(std::string_view text, const std::string& path) {
+  check_depth(text, path);
   try {
     return toml::parse(text, path);
   } catch (const toml::parse_error& error) {
@@ -131,9 +161,7 @@ struct Table::Node {
 };
 
 Table Table::read_file(const std::string& path, const std::vector<std::string>& overrides) {
-  if (const std::string why = why_unreadable(path); !why.empty()) throw ConfigError(fmt::format("{}: cannot read ({})", path, why));
-  std::ifstream file(path, std::ios::binary);
-  return parse(std::string(std::istreambuf_iterator<char>(file), {}), path, overrides);
+  return parse(gustlab::read_file<ConfigError>(path), path, overrides);
 }
 
 Table Table::parse(std::string_view text, const std::string& path, const std::vector<std::string>& overrides) {
@@ -149,11 +177,12 @@ Table Table::parse(std::string_view text, const std::string& path, const std::ve
       throw ConfigError(
           fmt::format("{}: not an override (there is no key before an equals sign) write --set key=value", where));
     toml::table parsed;
+    check_depth(override_text, where);
     try {
       parsed = toml::parse(override_text, where);
     } catch (const toml::parse_error&) {
       // a bare word is a string
-      parsed = parse_text(override_text.substr(0, equals + 1) + quoted(override_text.substr(equals + 1)), where);
+      parsed = parse_text(override_text.substr(0, equals + 1) + config::quoted(override_text.substr(equals + 1)), where);
     }
     merge(*result.node_->table, std::move(parsed), path);
   }
@@ -162,7 +191,7 @@ Table Table::parse(std::string_view text, const std::string& path, const std::ve
 
 Table Table::of_effect(const EffectSpec& spec) {
   std::string text;
-  for (const auto& [key, value] : spec.values) text += fmt::format("{} = {}\n", quoted(key), value);
+  for (const auto& [key, value] : spec.values) text += fmt::format("{} = {}\n", config::quoted(key), value);
   Table result = parse(text, spec.where);
   auto& places = result.node_->places;
   places[""] = spec.where;

@@ -7,6 +7,7 @@
 
 #include "control/daiml_input.hpp"
 #include "gustlab/errors.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 
@@ -134,6 +135,7 @@ Training train_daiml(std::span<const Condition> conditions, const TrainingOption
   std::iota(order.begin(), order.end(), Index{0});
   Training training;
   for (std::int64_t epoch = 0; epoch < options.epochs; ++epoch) {
+    throw_if_interrupted();
     double prediction = 0.0, confusion = 0.0;
     // Fisher–Yates
     for (std::size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[static_cast<std::size_t>(draws.below(static_cast<Index>(i) + 1))]);

@@ -191,9 +191,9 @@ std::unique_ptr<Parameterized> make_experiment_keys() { return std::make_unique<
 
 std::string find_experiment(const std::string& name_or_path) {
   namespace fs = std::filesystem;
-  if (fs::exists(name_or_path) || name_or_path.find_first_of("/.") != std::string::npos) return name_or_path;
-  std::vector<std::string> known;
   std::error_code error;
+  if (fs::exists(name_or_path, error) || name_or_path.find_first_of("/.") != std::string::npos) return name_or_path;
+  std::vector<std::string> known;
   for (const fs::path& home : resource_homes()) {
     const fs::path file = home / "experiments" / (name_or_path + ".toml");
     if (fs::exists(file, error)) return file.string();

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -11,6 +14,7 @@
 #include "gustlab/errors.hpp"
 #include "simulation/recorder.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 
 namespace gustlab {
@@ -33,6 +37,7 @@ std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   const std::string path = store_path(folder);
   if (!fs::is_regular_file(path))
     throw DataError(fmt::format("{}: no results here (runs.sqlite is missing) make them with `gustlab sweep EXPERIMENT --out {}`", folder, folder));
+  note_input(path);
   return std::make_unique<RunStore>(path, Database::Mode::read);
 }
 
@@ -49,6 +54,7 @@ void check_complete(const std::vector<std::string>& folders, const std::vector<s
   std::vector<const std::string*> owner(shards.front()->done().size());
   for (std::size_t k = 0; k < shards.size(); ++k) {
     const std::vector<bool> done = shards[k]->done();
+    if (done.size() != owner.size()) throw DataError(fmt::format("{} and {} plan different runs", folders.front(), folders[k]));
     for (std::size_t run = 0; run < done.size(); ++run) {
       if (!done[run]) continue;
       if (owner[run])
@@ -62,6 +68,20 @@ void check_complete(const std::vector<std::string>& folders, const std::vector<s
   if (missing > 0)
     throw DataError(fmt::format("{} of {} runs are missing, {} the first of them (every shard must be there, and finished)", missing,
                                 owner.size(), shards.front()->name_of(first)));
+}
+
+// the whole is made beside, and the store takes its place last: where there is one, all is there
+void write_merged(const std::vector<std::unique_ptr<RunStore>>& shards, const Provenance& merged, const std::string& out) {
+  const ScratchFolder scratch(out);
+  const std::string beside = scratch.path().string();
+  RunStore store(store_path(beside), Database::Mode::create);
+  store.copy_plan(*shards.front(), merged);
+  for (const auto& shard : shards) store.take_runs(*shard);
+  store.close();
+  write_csv(store, beside);
+  for (const auto& path : {csv_path, store_path})
+    if (std::rename(path(beside).c_str(), path(out).c_str()) != 0)
+      throw IoError(fmt::format("{}: cannot write ({})", path(out), std::strerror(errno)));
 }
 
 // a run, and its log beside the store
@@ -93,16 +113,13 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   SweepReport report;
   std::vector<RunSpec> runs = plan(experiment);
   const Provenance here = provenance_of(experiment, options.shard);
+  // what is refused is not opened for writing, which would change it
+  if (fs::exists(path) && fs::file_size(path) > 0)
+    if (const RunStore there(path, Database::Mode::read); !there.provenance().empty()) check_same_sweep(path, there.provenance(), here);
   RunStore store(path, Database::Mode::create);
   if (store.provenance().empty()) {
     store.begin(here, experiment, runs);
   } else {
-    try {
-      check_same_sweep(path, store.provenance(), here);
-    } catch (const UserError&) {
-      store.close();  // as it was, without a log beside it
-      throw;
-    }
     // runs of another program are not mixed with ours
     for (const std::string& name : differences(store.provenance(), here))
       report.redone_because += fmt::format("{}{} was {}, is {}", report.redone_because.empty() ? "" : "; ", name,
@@ -110,20 +127,28 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
     if (!report.redone_because.empty()) store.start_over(here);
   }
 
+  const std::size_t planned = runs.size();
   std::erase_if(runs, [&](const RunSpec& spec) { return !options.shard.has(spec.index); });
   report.planned = runs.size();
-  std::erase_if(runs, [done = store.done()](const RunSpec& spec) { return done[spec.index]; });
+  const std::vector<bool> done = store.done();
+  if (done.size() != planned) throw DataError(fmt::format("{}: {} runs are planned here, {} there (the store was changed by another program)", path, done.size(), planned));
+  std::erase_if(runs, [&done](const RunSpec& spec) { return done[spec.index]; });
   report.done = report.planned - runs.size();
   progress(report.done, report.planned);
   std::mutex one_at_a_time;
-  parallel_for(static_cast<std::int64_t>(runs.size()), options.jobs, [&](std::int64_t i) {
+  const auto fly = [&](std::int64_t i) {
     if (stop) return;
     const RunSpec& spec = runs[static_cast<std::size_t>(i)];
     const RunRecord record = options.logs ? run_with_log(experiment, spec, options.out) : run(experiment, spec);
     const std::lock_guard lock(one_at_a_time);
     store.add(record);
     progress(++report.done, report.planned);
-  });
+  };
+  try {
+    parallel_for(static_cast<std::int64_t>(runs.size()), options.jobs, fly);
+  } catch (const Interrupted&) {
+    // the report says how far it came
+  }
 
   store.close();
   if (report.done == report.planned) write_csv(store, options.out);
@@ -152,12 +177,14 @@ void merge(const std::vector<std::string>& folders, const std::string& out) {
   for (const auto& shard : shards)
     if (const std::string& cpu = shard->provenance().at("cpu"); merged["cpu"].find(cpu) == std::string::npos) merged["cpu"] += " | " + cpu;
 
+  const bool is_new = !fs::exists(out);
   make_folder(out);
-  RunStore store(store_path(out), Database::Mode::create);
-  store.copy_plan(*shards.front(), merged);
-  for (const auto& shard : shards) store.take_runs(*shard);
-  store.close();
-  write_csv(store, out);
+  try {
+    write_merged(shards, merged, out);
+  } catch (...) {
+    if (is_new) fs::remove(out);
+    throw;
+  }
 }
 
 Results read_results(const std::string& folder) {

@@ -1,55 +1,222 @@
 #include "util/files.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <memory>
+#include <mutex>
+#include <set>
 
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view standard_output = "-";
+constexpr int most_links = 40;  // as Linux has it
+
+[[noreturn]] void fail(const std::string& path, int reason) {
+  throw IoError(fmt::format("{}: cannot write ({})", path, std::strerror(reason ? reason : EIO)));
+}
+
+// a file is known by where it stands, whatever name it was read by
+using FileId = std::pair<dev_t, ino_t>;
+struct Inputs {
+  std::mutex mutex;
+  std::set<FileId> read;
+  bool are_protected = false;
+};
+Inputs& inputs() {
+  static Inputs all;
+  return all;
+}
+
+bool is_input(const fs::path& path) {
+  struct stat there {};
+  const std::lock_guard lock(inputs().mutex);
+  return inputs().are_protected && stat(path.c_str(), &there) == 0 && inputs().read.contains({there.st_dev, there.st_ino});
+}
+
+// calls `make(path)` with new names in the folder until none stands there; it returns false with errno
+template <class Make>
+fs::path make_unique(const fs::path& folder, Make make) {
+  static std::atomic<unsigned> count{0};
+  for (;;) {
+    const fs::path path = folder / fmt::format(".gustlab.{}.{}", getpid(), count++);
+    if (make(path.c_str())) return path;
+    if (errno != EEXIST) return {};
+  }
+}
+
+// an empty file beside the target, which goes away unless it takes the target's place
+class FileBeside {
+ public:
+  FileBeside(const fs::path& target, const std::string& shown) : shown_(shown) {
+    path_ = make_unique(target.has_parent_path() ? target.parent_path() : ".", [](const char* path) {
+      const int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      return file >= 0 && close(file) == 0;
+    });
+    if (path_.empty()) fail(shown_, errno);
+  }
+  ~FileBeside() {
+    if (!path_.empty()) unlink(path_.c_str());
+  }
+  FileBeside(const FileBeside&) = delete;
+  FileBeside& operator=(const FileBeside&) = delete;
+  const fs::path& path() const { return path_; }
+
+  void replace(const fs::path& target) {
+    struct stat there {};
+    if (stat(target.c_str(), &there) == 0 && chmod(path_.c_str(), there.st_mode & 07777) != 0) fail(shown_, errno);
+    if (std::rename(path_.c_str(), target.c_str()) != 0) fail(shown_, errno);
+    path_.clear();
+  }
+
+ private:
+  fs::path path_;
+  std::string shown_;
+};
+
+// where writing ends: symbolic links are followed, also to a file that is not there yet
+struct Target {
+  fs::path path;
+  bool written_through = false;
+};
+Target find_target(const std::string& path) {
+  Target target{path, false};
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(target.path, error)); ++links) {
+    if (links == most_links) fail(path, ELOOP);
+    target.path = target.path.parent_path() / fs::read_symlink(target.path);
+  }
+  const fs::file_status status = fs::status(target.path, error);
+  if (fs::is_directory(status)) fail(path, EISDIR);
+  if (is_input(target.path)) throw ConfigError(fmt::format("{}: is an input of this command (it would be lost) name another file", path));
+  if (fs::exists(status) && access(target.path.c_str(), W_OK) != 0) fail(path, errno);
+  target.written_through = fs::exists(status) && !fs::is_regular_file(status);
+  return target;
+}
+
+void write_stream(const std::string& path, std::ostream& stream, const std::function<void(std::ostream&)>& write) {
+  errno = 0;
+  write(stream);
+  if (!stream.flush()) fail(path, errno);
+}
+
+}  // namespace
 
 void write_file(const std::string& path, std::string_view bytes) {
   write_file(path, [&](std::ostream& file) { file.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
 }
 
 void write_file(const std::string& path, const std::function<void(std::ostream&)>& write) {
-  const std::string beside = path + ".part";
-  const auto fail = [&] {
-    const int reason = errno;
-    std::remove(beside.c_str());
-    throw IoError(fmt::format("{}: cannot write ({})", path, std::strerror(reason ? reason : EIO)));
+  if (path == standard_output) return write_stream(path, std::cout, write);
+  const Target target = find_target(path);
+  const auto fill = [&](const fs::path& where) {
+    errno = 0;
+    std::ofstream file(where, std::ios::binary);
+    if (!file) fail(path, errno);
+    write_stream(path, file, write);
+    file.close();
+    if (!file) fail(path, errno);
   };
-  errno = 0;
-  std::ofstream file(beside, std::ios::binary | std::ios::trunc);
-  write(file);
-  file.close();
-  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) fail();
+  if (target.written_through) return fill(target.path);
+  FileBeside beside(target.path, path);
+  fill(beside.path());
+  beside.replace(target.path);
 }
 
 void make_folder(const std::string& path) {
   std::error_code error;
-  std::filesystem::create_directories(path, error);
+  fs::create_directories(path, error);
   if (error) throw IoError(fmt::format("{}: cannot make this folder ({})", path, error.message()));
 }
 
-void check_file_can_be_written(const std::string& path) {
-  const std::string beside = path + ".part";
-  errno = std::filesystem::is_directory(path) ? EISDIR : 0;
-  if (errno == 0 && std::ofstream(beside, std::ios::app)) errno = 0;
+ScratchFolder::ScratchFolder(const fs::path& parent) {
+  path_ = make_unique(parent, [](const char* path) { return mkdir(path, 0777) == 0; });
+  if (path_.empty()) throw IoError(fmt::format("{}: cannot make a folder here ({})", parent.string(), std::strerror(errno)));
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+void replace_folder(const std::string& path, const std::function<void(const fs::path& fresh)>& fill) {
+  // a link stays one, and a slash at the end means nothing
+  fs::path target = fs::weakly_canonical(fs::absolute(path));
+  if (!target.has_filename()) target = target.parent_path();
+  make_folder(target.parent_path().string());
+  const ScratchFolder scratch(target.parent_path());
+  const fs::path fresh = scratch.path() / "fresh", old = scratch.path() / "old";
+  make_folder(fresh.string());
+  fill(fresh);
+  if (renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return;
+  // nothing there to exchange with, or a file system that exchanges nothing
+  const bool moved = errno == EINVAL && std::rename(target.c_str(), old.c_str()) == 0;
+  if (std::rename(fresh.c_str(), target.c_str()) == 0) return;
   const int reason = errno;
-  std::remove(beside.c_str());
-  if (reason != 0) throw IoError(fmt::format("{}: cannot write ({})", path, std::strerror(reason)));
+  if (moved) std::rename(old.c_str(), target.c_str());
+  throw IoError(fmt::format("{}: cannot be replaced ({})", path, std::strerror(reason)));
+}
+
+void check_file_can_be_written(const std::string& path) {
+  if (path == standard_output) return;
+  const Target target = find_target(path);
+  if (!target.written_through) FileBeside can_be_made(target.path, path);
 }
 
 void check_folder_can_be_made(const std::string& path) {
-  const bool is_there = std::filesystem::exists(path);
-  make_folder(path);
-  if (!is_there) std::filesystem::remove(path);
+  std::error_code error;
+  fs::path there = fs::absolute(path);
+  while (!fs::exists(fs::status(there, error)) && there.has_relative_path()) there = there.parent_path();
+  const int reason = !fs::is_directory(there, error) ? ENOTDIR : access(there.c_str(), W_OK | X_OK) != 0 ? errno : 0;
+  if (reason != 0) throw IoError(fmt::format("{}: cannot make this folder ({})", path, std::strerror(reason)));
+}
+
+void check_files_can_be_written(const std::string& folder, std::initializer_list<const char*> names) {
+  check_folder_can_be_made(folder);
+  if (!fs::is_directory(folder)) return;
+  for (const char* name : names) check_file_can_be_written((fs::path(folder) / name).string());
+}
+
+std::string read_into(const std::string& path, std::string& bytes, std::size_t most_bytes) {
+  errno = 0;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"), std::fclose);
+  if (!file) return std::strerror(errno ? errno : EIO);
+  std::size_t got = 0;
+  do {
+    bytes.resize(got + 65536);
+    got += std::fread(bytes.data() + got, 1, bytes.size() - got, file.get());
+    if (got > most_bytes) return fmt::format("it is larger than {} MiB", most_bytes >> 20);
+  } while (got == bytes.size());
+  bytes.resize(got);
+  if (std::ferror(file.get())) return std::strerror(errno ? errno : EIO);
+  note_input(path);
+  return {};
+}
+
+void protect_inputs() {
+  const std::lock_guard lock(inputs().mutex);
+  inputs().are_protected = true;
+}
+
+void note_input(const std::string& path) {
+  struct stat there {};
+  if (stat(path.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return;
+  const std::lock_guard lock(inputs().mutex);
+  inputs().read.insert({there.st_dev, there.st_ino});
 }
 
 std::string why_unreadable(const std::string& path) {

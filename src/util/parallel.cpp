@@ -2,7 +2,16 @@
 
 #include <tbb/info.h>
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include "util/interrupt.hpp"
 
 #ifdef __SANITIZE_THREAD__
 #include <atomic>
@@ -30,6 +39,7 @@ void parallel_for(std::int64_t count, int jobs, const std::function<void(std::in
   const auto work = [&] {
     for (std::int64_t i = next++; i < count; i = next++) {
       try {
+        throw_if_interrupted();
         body(i);
       } catch (...) {
         next = count;
@@ -50,19 +60,57 @@ void parallel_for(std::int64_t count, int jobs, const std::function<void(std::in
 
 void parallel_for(std::int64_t count, int jobs, const std::function<void(std::int64_t)>& body) {
   assert(jobs >= 1);
+  const auto careful = [&](std::int64_t i) {
+    throw_if_interrupted();
+    body(i);
+  };
   // one job needs no arena, and its order is that of the numbers
   if (jobs == 1) {
-    for (std::int64_t i = 0; i < count; ++i) body(i);
+    for (std::int64_t i = 0; i < count; ++i) careful(i);
     return;
   }
   // as many as were asked for, also on fewer cores; without this TBB warns and takes fewer
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
   tbb::task_arena arena(jobs);
-  arena.execute([&] { tbb::parallel_for(std::int64_t{0}, count, body, tbb::simple_partitioner()); });
+  arena.execute([&] { tbb::parallel_for(std::int64_t{0}, count, careful, tbb::simple_partitioner()); });
 }
 
 #endif
 
-int default_jobs() { return tbb::info::default_concurrency(); }
+double cpu_quota(const std::string& cgroup_list, const std::string& mounted_at) {
+  namespace fs = std::filesystem;
+  double least = std::numeric_limits<double>::infinity();
+  const auto take = [&](std::istream& file) {
+    // "max 100000" where there is no limit
+    double quota_us = 0.0, period_us = 0.0;
+    if (file >> quota_us >> period_us && quota_us > 0.0 && period_us > 0.0) least = std::min(least, quota_us / period_us);
+  };
+  std::ifstream list(cgroup_list);
+  for (std::string line; std::getline(list, line);) {
+    // 0::/path of version 2, 4:cpu,cpuacct:/path of version 1; a parent's limit holds for all below it
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    if (!controllers.empty() && controllers.find("cpu") != 0) continue;
+    const fs::path root = fs::path(mounted_at) / (controllers.empty() ? "" : "cpu");
+    for (fs::path group = line.substr(second + 1);; group = group.parent_path()) {
+      const fs::path folder = root / group.relative_path();
+      std::ifstream both(folder / "cpu.max");
+      take(both);
+      std::ifstream quota(folder / "cpu.cfs_quota_us"), period(folder / "cpu.cfs_period_us");
+      std::stringstream pair;
+      pair << quota.rdbuf() << ' ' << period.rdbuf();
+      take(pair);
+      if (!group.has_relative_path()) break;
+    }
+  }
+  return least;
+}
+
+int default_jobs() {
+  // TBB counts the CPUs of the process's affinity
+  const double quota = cpu_quota("/proc/self/cgroup", "/sys/fs/cgroup");
+  return std::max(1, static_cast<int>(std::min<double>(tbb::info::default_concurrency(), std::ceil(quota))));
+}
 
 }  // namespace gustlab

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
+#include "util/files.hpp"
 #include "vehicle/mjcf.hpp"
 
 namespace gustlab {
@@ -144,10 +143,7 @@ VehicleModel read_vehicle(const std::string& name_or_path, const std::string& fr
     throw ConfigError(fmt::format("{}: the vehicle cannot hover (it takes {:.4g} rad/s, max_speed_radps is {:.4g}) "
                                   "check the units of coefficient and mass",
                                   vehicle.source_path, vehicle.hover_speed_radps(), vehicle.max_speed_radps));
-  std::ifstream source(vehicle.source_path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << source.rdbuf();
-  vehicle.source_bytes = bytes.str() + '\0' + body.bytes;
+  vehicle.source_bytes = read_file<ConfigError>(vehicle.source_path) + '\0' + body.bytes;
   return vehicle;
 }
 

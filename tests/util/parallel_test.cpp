@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#include "support/temporary_folder.hpp"
 
 namespace gustlab {
 namespace {
@@ -46,6 +49,26 @@ TEST_P(ParallelFor, ThrowsWhatABodyThrows) {
 }
 
 TEST(DefaultJobs, IsAtLeastOne) { EXPECT_GE(default_jobs(), 1); }
+
+TEST(DefaultJobs, KeepsToTheLeastQuotaOfItsControlGroups) {
+  const TemporaryFolder folder;
+  const std::string mounted = folder.path().string();
+  const double none = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(cpu_quota(folder.file("missing"), mounted), none);
+  const std::string second = folder.write("list2", "0::/job/step\n");
+  folder.write("job/step/cpu.max", "max 100000\n");
+  EXPECT_EQ(cpu_quota(second, mounted), none);
+  folder.write("job/cpu.max", "250000 100000\n");
+  EXPECT_EQ(cpu_quota(second, mounted), 2.5);
+  folder.write("cpu.max", "400000 100000\n");
+  EXPECT_EQ(cpu_quota(second, mounted), 2.5);
+  const std::string first = folder.write("list1", "5:memory:/job\n4:cpu,cpuacct:/job\n");
+  folder.write("cpu/job/cpu.cfs_quota_us", "-1\n");
+  folder.write("cpu/job/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(cpu_quota(first, mounted), none);
+  folder.write("cpu/job/cpu.cfs_quota_us", "50000\n");
+  EXPECT_EQ(cpu_quota(first, mounted), 0.5);
+}
 
 }  // namespace
 }  // namespace gustlab

@@ -1,4 +1,4 @@
-#include "interrupt.hpp"
+#include "util/interrupt.hpp"
 
 #include <csignal>
 
@@ -17,9 +17,12 @@ void handle(int signal) {
 }  // namespace
 
 const std::atomic<bool>& interrupted() {
-  std::signal(SIGINT, handle);
-  std::signal(SIGTERM, handle);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) std::signal(signal, handle);
   return flag;
+}
+
+void throw_if_interrupted() {
+  if (flag) throw Interrupted{};
 }
 
 }  // namespace gustlab

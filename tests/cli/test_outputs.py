@@ -1,0 +1,218 @@
+"""Where outputs go: devices and links stay what they are, nothing of others is lost, errors leave nothing half."""
+
+import os
+import shutil
+import signal
+import stat
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+
+EXPERIMENT = """
+format = "gustlab-experiment/1"
+name = "small"
+vehicle = "crazyflie"
+trajectories = ["hover"]
+controllers = ["pid"]
+duration_s = 1.0
+"""
+
+TRIALS = """
+format = "gustlab-trials/1"
+name = "t"
+vehicle = "crazyflie"
+controllers = ["pid"]
+trajectories = ["circle"]
+fit = ["circle", "circle"]
+holdout = ["circle"]
+seed = 1
+duration_s = 4.0
+[[trial]]
+name = "nothing"
+"""
+
+TRAINING = """
+format = "gustlab-experiment/1"
+name = "train"
+vehicle = "crazyflie"
+trajectories = ["circle"]
+controllers = ["pid"]
+duration_s = 5.0
+[[variant]]
+name = "calm"
+set = ["seed=1"]
+[[variant]]
+name = "other"
+set = ["seed=2"]
+"""
+
+
+class Commands(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
+        cls.addClassCleanup(shutil.rmtree, cls.shared)
+        (cls.shared / "e.toml").write_text(EXPERIMENT)
+        (cls.shared / "t.toml").write_text(TRIALS)
+        (cls.shared / "train.toml").write_text(TRAINING)
+        for command in (["sweep", "e.toml", "--out", "swept"], ["run", "e.toml", "--trajectory", "hover", "--controller", "pid", "--out", "flown"],
+                        ["gate", "swept", "--baseline", "base.csv", "--update"],
+                        ["conceal", "t.toml", "--out", "trials", "--answers", "answers.jsonl"]):
+            subprocess.run([PROGRAM, *command], cwd=cls.shared, check=True, capture_output=True)
+
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        shutil.copytree(self.shared, self.folder, dirs_exist_ok=True)
+
+    def call(self, *arguments, code=0, **options):
+        done = subprocess.run([PROGRAM, *arguments], cwd=self.folder, text=True, timeout=120,
+                              **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options})
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done.stdout, done.stderr
+
+    def files(self):
+        return {str(path.relative_to(self.folder)): path.read_bytes() for path in sorted(self.folder.rglob("*")) if path.is_file()}
+
+    GATE = ("gate", "swept", "--baseline", "base.csv")
+
+
+class Places(Commands):
+    def test_a_pipe_is_written_through(self):
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+        read = []
+        # a reader that does not wait for a writer for ever
+        end = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+        out, _ = self.call(*self.GATE, "--summary", "pipe")
+        read.append(os.read(end, 65536).decode())
+        os.close(end)
+        self.assertTrue(stat.S_ISFIFO(pipe.stat().st_mode))
+        self.assertEqual(read, [out])
+
+    def test_a_link_stays_one_and_its_file_is_replaced(self):
+        (self.folder / "there").mkdir()
+        (self.folder / "there" / "real.md").write_text("old")
+        (self.folder / "there" / "real.md").chmod(0o640)
+        for name, target in (("link.md", "there/real.md"), ("hanging.md", "there/new.md")):
+            (self.folder / name).symlink_to(target)
+            out, _ = self.call(*self.GATE, "--summary", name)
+            self.assertTrue((self.folder / name).is_symlink())
+            self.assertEqual((self.folder / target).read_text(), out)
+        self.assertEqual(stat.S_IMODE((self.folder / "there" / "real.md").stat().st_mode), 0o640)
+
+    def test_minus_is_stdout(self):
+        out, _ = self.call(*self.GATE, "--junit", "-")
+        self.assertTrue(out.startswith("<?xml"), out)
+        self.assertFalse((self.folder / "-").exists())
+
+    def test_links_in_a_circle_are_an_error_with_their_name(self):
+        (self.folder / "a").symlink_to("b")
+        (self.folder / "b").symlink_to("a")
+        self.assertIn("a: cannot write", self.call(*self.GATE, "--summary", "a", code=4)[1])
+        self.assertIn("a: cannot read", self.call("gate", "swept", "--baseline", "a", code=3)[1])
+
+    def test_files_with_names_of_old_temporary_files_are_left_alone(self):
+        for name in ("out.md.part", "m.toml.part"):
+            (self.folder / name).write_text("mine")
+        (self.folder / "dg.new").mkdir()
+        (self.folder / "dg.new" / "mine").write_text("mine")
+        self.call(*self.GATE, "--summary", "out.md")
+        self.call("conceal", "t.toml", "--out", "again", "--answers", "m.toml")
+        self.call("diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg")
+        for name in ("out.md.part", "m.toml.part", "dg.new/mine"):
+            self.assertEqual((self.folder / name).read_text(), "mine")
+
+
+class Inputs(Commands):
+    def test_an_input_is_never_written_over(self):
+        log = "flown/flight.csv"
+        (self.folder / "hard").hardlink_to(self.folder / log)
+        (self.folder / "soft").symlink_to(log)
+        for arguments in (["identify", log, "--out", log], ["identify", log, "--out", "hard"], ["identify", log, "--out", "soft"],
+                          ["identify", log, "--out", "flown/flight.meta.toml"], ["conceal", "t.toml", "--out", "x", "--answers", "t.toml"],
+                          [*self.GATE, "--junit", "base.csv"], [*self.GATE, "--summary", "swept/runs.sqlite"],
+                          ["gate", "swept", "--baseline", "swept/runs.sqlite", "--update"],
+                          ["train", "train.toml", "--epochs", "1", "--out", "train.toml"]):
+            before = self.files()
+            with self.subTest(arguments=arguments):
+                _, err = self.call(*arguments, code=2)
+                self.assertIn("is an input of this command", err)
+                self.assertEqual(self.files(), before)
+
+
+class Failures(Commands):
+    def test_stdout_that_is_full_is_exit_4(self):
+        for arguments in (["table", "swept"], self.GATE, ["list"], ["defaults", "pid"], ["--help"], ["--version"], ["metrics", "flown/flight.csv"],
+                          ["sweep", "e.toml", "--dry-run"], ["replay", "trials/nothing/fit_1.csv"], ["gate", "swept", "--baseline", "base.csv", "--summary", "-"]):
+            with self.subTest(arguments=arguments), open("/dev/full", "w") as full:
+                _, err = self.call(*arguments, code=4, stdout=full)
+                self.assertRegex(err, "stdout: cannot write|No space left on device")
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "there is no full device")
+    def test_a_merge_that_fails_leaves_nothing(self):
+        # a file-size limit stands for a disk that fills up at any of its writes
+        self.call("sweep", "e.toml", "--set", "replicates=40", "--out", "one", "--shard", "1/2")
+        self.call("sweep", "e.toml", "--set", "replicates=40", "--out", "two", "--shard", "2/2")
+        before = self.files()
+        self.call("merge", "one", "two", "--out", "there")
+        size = (self.folder / "there" / "runs.sqlite").stat().st_size
+        shutil.rmtree(self.folder / "there")
+        for limit in range(4096, size, 4096):
+            with self.subTest(limit=limit):
+                self.call("merge", "one", "two", "--out", "whole", code=4, preexec_fn=lambda: limit_file_size(limit))
+                self.assertEqual(self.files(), before)
+                self.assertFalse((self.folder / "whole").exists())
+        self.call("merge", "one", "two", "--out", "whole")
+
+    def test_a_diagnosis_that_cannot_be_written_leaves_nothing(self):
+        arguments = ["diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--jobs", "1", "--out", "dg"]
+        before = self.files()
+        self.call(*arguments, code=4, preexec_fn=lambda: limit_file_size(4096))
+        self.assertEqual(self.files(), before)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), sorted(path.name for path in self.shared.iterdir()))
+
+
+def limit_file_size(size):
+    import resource
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+class Signals(Commands):
+    LONG = {
+        "train": ["train", "train.toml", "--epochs", "1000000", "--out", "w"],
+        "conceal": ["conceal", "t.toml", "--set", "duration_s=5000", "--out", "x", "--answers", "y", "--jobs", "1"],
+        "diagnose": ["diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg", "--jobs", "1"],
+        "bench": ["bench", "--rounds", "1000"],
+    }
+
+    def test_each_signal_ends_each_command_with_130_and_no_output(self):
+        before = self.files()
+        for name, arguments in self.LONG.items():
+            for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
+                with self.subTest(command=name, signal=number):
+                    process = subprocess.Popen([PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                    until = time.monotonic() + 10.0  # the handler is there at once; without one the signal is the default
+                    while process.poll() is None and not catches(process.pid, number) and time.monotonic() < until:
+                        time.sleep(0.005)
+                    process.send_signal(number)
+                    _, err = process.communicate(timeout=120)
+                    self.assertEqual(process.returncode, 130, err)
+                    self.assertEqual(self.files(), before)
+
+
+def catches(pid, number):
+    """whether a process has a handler for a signal"""
+    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
+        if line.startswith("SigCgt:"):
+            return bool(int(line.split()[1], 16) >> (number - 1) & 1)
+    return False
+
+
+if __name__ == "__main__":
+    unittest.main()
