@@ -45,7 +45,7 @@ CalibrationStage read_stage(Table& table) {
   CalibrationStage stage;
   stage.name = table.need_text("name");
   stage.evaluations = table.integer("evaluations").value_or(stage.evaluations);
-  if (stage.evaluations < 1) table.fail("evaluations", "\"evaluations\" is not positive", "", "");
+  if (stage.evaluations < 1 || stage.evaluations > 1000000) table.fail("evaluations", "\"evaluations\" is out of range", "from 1 to 1000000", "");
   for (Table& target : table.tables("targets")) {
     const std::vector<Statistic> statistics = read_statistics(target);
     for (const std::string& trajectory : need_texts(target, "trajectories"))

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <unordered_set>
 
 #include "gustlab/errors.hpp"
 
@@ -17,6 +18,7 @@ namespace gustlab {
 
 namespace {
 
+constexpr std::size_t most_bytes = std::size_t{4} << 30;
 constexpr double no_sample = std::numeric_limits<double>::quiet_NaN();
 
 // zlib reads plain files as they are
@@ -32,6 +34,7 @@ std::string read_bytes(const std::string& path) {
     text.resize(size + block);
     const int got = gzread(file.get(), text.data() + size, block);
     text.resize(size + static_cast<std::size_t>(std::max(got, 0)));
+    if (text.size() > most_bytes) throw DataError(fmt::format("{}: cannot read (it is larger than {} MiB, decompressed)", path, most_bytes >> 20));
     int code = Z_OK;
     const char* why = gzerror(file.get(), &code);
     if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
@@ -70,11 +73,12 @@ CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view
 }
 
 void CsvNumbers::read_header(std::string_view line) {
+  std::unordered_set<std::string> seen;
   for (std::size_t begin = 0; begin <= line.size(); begin = cell_end(line, begin) + 1) {
     std::string name(trimmed(line.substr(begin, cell_end(line, begin) - begin)));
     if (name.empty())
       throw DataError(fmt::format("{}:1:{}: a column has no name", path_, begin + 1));
-    if (std::find(names_.begin(), names_.end(), name) != names_.end())
+    if (!seen.insert(name).second)
       throw DataError(fmt::format("{}:1:{}: column \"{}\" is here twice", path_, begin + 1, name));
     names_.push_back(std::move(name));
   }

@@ -41,12 +41,13 @@ bool has_samples(const CsvNumbers& csv, const std::vector<std::size_t>& group) {
 }
 
 void check_required(const CsvNumbers& csv, const std::string& path) {
-  const auto missing = [&](const std::string& what, const std::string& why) {
-    throw DataError(fmt::format("{}:1:1: {} ({})", path, what, why));
+  const auto missing = [&](const std::string& what, const std::string& why, std::string_view column = {}) {
+    const std::string near = column.empty() ? "" : suggest_column(column, csv.names());
+    throw DataError(fmt::format("{}:1:1: {} ({}){}{}", path, what, why, near.empty() ? "" : " ", near));
   };
-  if (find(csv, "time_s") < 0) missing("column \"time_s\" is missing", "every sample has a time");
+  if (find(csv, "time_s") < 0) missing("column \"time_s\" is missing", "every sample has a time", "time_s");
   if (find(csv, "u1") < 0 && find(csv, "rotor1") < 0)
-    missing("there is no actuator input", "u1 and so on, or rotor1 and so on, are needed");
+    missing("there is no actuator input", "u1 and so on, or rotor1 and so on, are needed", "rotor1");
   for (const char* prefix : {"u", "rotor"})
     for (int i = 2; i <= max_rotors; ++i)
       if (const int c = find(csv, fmt::format("{}{}", prefix, i)); c >= 0 && find(csv, fmt::format("{}{}", prefix, i - 1)) < 0)
@@ -56,6 +57,19 @@ void check_required(const CsvNumbers& csv, const std::string& path) {
   if (!has_samples(csv, find_all(csv, {"px", "py", "pz"})) && !has_samples(csv, find_all(csv, {"ax", "ay", "az"})) &&
       !has_samples(csv, find_all(csv, {"wx", "wy", "wz"})))
     missing("nothing tells the motion", "px, py, pz or ax, ay, az or wx, wy, wz are needed");
+}
+
+// what no sensor says overflows in a statistic: one such cell is an error of the log
+void check_sizes(const CsvNumbers& csv) {
+  for (std::size_t c = 0; c < csv.names().size(); ++c) {
+    const std::vector<double>& values = csv.column(c);
+    const auto most = most_of_column(csv.names()[c]);
+    if (!most) continue;
+    const auto wrong = std::find_if(values.begin(), values.end(), [&](double value) { return std::abs(value) > *most; });
+    if (wrong == values.end()) continue;
+    throw DataError(fmt::format("{}: {:.4g} in column {} is no measurement (at most {:g}) leave the cell empty when there is no sample",
+                                csv.where(static_cast<std::size_t>(wrong - values.begin()), c), *wrong, csv.names()[c], *most));
+  }
 }
 
 // time must rise; a row that repeats the one before is dropped
@@ -119,8 +133,10 @@ FlightLog read_flight_log(const std::string& csv_path) {
   if (const std::string why = why_unreadable(sidecar); !why.empty())
     throw DataError(fmt::format("{}: cannot read ({}) a log needs its sidecar; scripts/import_log.py writes both", sidecar, why));
   log.meta = read_sidecar(sidecar);
+  note_input(csv_path);
   CsvNumbers csv(csv_path, [](std::string_view name) { return !is_known_column(name); });
   check_required(csv, csv_path);
+  check_sizes(csv);
   check_time(csv, log.repairs);
   check_attitude(csv, log.repairs);
 

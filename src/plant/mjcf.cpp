@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <regex>
-#include <sstream>
+#include <algorithm>
+#include <cctype>
 
 #include "gustlab/errors.hpp"
+#include "plant/mjcf_files.hpp"
 #include "plant/mujoco.hpp"
 
 namespace gustlab {
@@ -19,13 +16,24 @@ namespace {
 using Rows3 = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 using Column3 = Eigen::Map<const Vector3>;
 
+// the number behind a word, as in "line 5", "line number 5", "column = 3"; empty without one
+std::string number_behind(const std::string& said, std::string_view word) {
+  for (std::size_t at = said.find(word); at != std::string::npos; at = said.find(word, at + 1)) {
+    const std::size_t digit = said.find_first_not_of("number =", at + word.size());
+    if (digit != std::string::npos && digit > at + word.size() && std::isdigit(static_cast<unsigned char>(said[digit])))
+      return said.substr(digit, said.find_first_not_of("0123456789", digit) - digit);
+  }
+  return {};
+}
+
 // MuJoCo says "…, line 5, column 3" or "line 5" somewhere in its message
 [[noreturn]] void fail_as_mujoco_says(const std::string& path, std::string said) {
-  std::string where = path;
-  for (const char* position : {"line(?: number)?[ =]+(\\d+)", "column[ =]+(\\d+)"}) {
-    std::smatch found;
-    if (!std::regex_search(said, found, std::regex(position, std::regex::icase))) break;
-    where += ":" + found[1].str();
+  std::string where = path, lower = said;
+  std::transform(said.begin(), said.end(), lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* word : {"line", "column"}) {
+    const std::string number = number_behind(lower, word);
+    if (number.empty()) break;
+    where += ":" + number;
   }
   for (char& c : said)
     if (c == '\n') c = ' ';
@@ -36,43 +44,40 @@ using Column3 = Eigen::Map<const Vector3>;
   throw ConfigError(fmt::format("{}: {}", path, problem));
 }
 
-// assets are read from the vehicle's folder and nowhere else
-void check_assets(mjSpec& spec, const std::string& path) {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::weakly_canonical(path).parent_path();
-  const auto check = [&](const mjString* directory, const mjString* file) {
-    const fs::path asset = fs::weakly_canonical(folder / mjs_getString(directory) / mjs_getString(file));
-    if (const auto relative = asset.lexically_relative(folder); relative.empty() || *relative.begin() == "..")
-      fail(path, fmt::format("asset \"{}\" is outside the vehicle's folder (a vehicle is one folder) move it there",
-                             mjs_getString(file)));
-  };
-  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_MESH); e; e = mjs_nextElement(&spec, e))
-    check(spec.compiler.meshdir, mjs_asMesh(e)->file);
-  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_HFIELD); e; e = mjs_nextElement(&spec, e))
-    check(spec.compiler.meshdir, mjs_asHField(e)->file);
-  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_TEXTURE); e; e = mjs_nextElement(&spec, e))
-    check(spec.compiler.texturedir, mjs_asTexture(e)->file);
-}
+// MuJoCo finds every file in memory, below a folder that is on no disk: what was not given to it cannot be read
+class MemoryFiles {
+ public:
+  explicit MemoryFiles(const MjcfFiles& files) {
+    mj_defaultVFS(&vfs_);
+    for (const auto& [name, bytes] : files.bytes) mj_addBufferVFS(&vfs_, path_of(name).c_str(), bytes.data(), static_cast<int>(bytes.size()));
+  }
+  ~MemoryFiles() { mj_deleteVFS(&vfs_); }
+  MemoryFiles(const MemoryFiles&) = delete;
+  MemoryFiles& operator=(const MemoryFiles&) = delete;
+  static std::string path_of(const std::string& name) { return "/gustlab in memory/" + name; }
+  const mjVFS* get() const { return &vfs_; }
 
-std::string read_bytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (file) text << file.rdbuf();
-  if (!file || text.fail()) fail(path, fmt::format("cannot read ({})", std::strerror(errno ? errno : EIO)));
-  return text.str();
-}
+ private:
+  mjVFS vfs_;
+};
 
-ModelPointer load(const std::string& path, const std::string& bytes) {
+ModelPointer load(const std::string& path, const MjcfFiles& files) {
   install_mujoco_handlers();
-  if (bytes.find("<include") != std::string::npos)
-    fail(path, "<include> is not read (a vehicle's MJCF is one file) paste the other file into it");
+  const MemoryFiles memory(files);
   char error[1024] = "";
-  const SpecPointer spec(mj_parseXML(path.c_str(), nullptr, error, sizeof error));
+  const SpecPointer spec(mj_parseXML(MemoryFiles::path_of(files.main).c_str(), memory.get(), error, sizeof error));
   if (!spec) fail_as_mujoco_says(path, error);
-  check_assets(*spec, path);
-  ModelPointer model(mj_compile(spec.get(), nullptr));
+  ModelPointer model(mj_compile(spec.get(), memory.get()));
   if (!model) fail_as_mujoco_says(path, mjs_getError(spec.get()));
   return model;
+}
+
+// the vehicle's part of a run's key: one file alone is its bytes, of several each has its name
+std::string bytes_of(const MjcfFiles& files) {
+  std::string all = files.bytes.at(files.main);
+  for (const auto& [name, bytes] : files.bytes)
+    if (name != files.main) all += fmt::format("{}{}{}{}{}", '\0', name, '\0', bytes.size(), '\0') + bytes;
+  return all;
 }
 
 const char* primitive_name(int type) {
@@ -90,8 +95,9 @@ const char* primitive_name(int type) {
 
 MjcfBody read_mjcf(const std::string& path) {
   MjcfBody body;
-  body.bytes = read_bytes(path);
-  const ModelPointer model = load(path, body.bytes);
+  const MjcfFiles files = read_mjcf_files(path);
+  body.bytes = bytes_of(files);
+  const ModelPointer model = load(path, files);
   const mjModel& m = *model;
   if (m.njnt != 1 || m.jnt_type[0] != mjJNT_FREE)
     fail(path, fmt::format("a vehicle has exactly one free joint and no other joint (here: {}) weld moving parts", m.njnt));

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "gustlab/errors.hpp"
 #include "metrics/statistics.hpp"
 #include "report/score_figures.hpp"
 
@@ -166,12 +167,25 @@ Json not_right(const Trials& trials) {
   return list;
 }
 
+// what cannot be scored alone has not the form of a diagnosis, or of an answer
+void check_figures(const ScoredTrial& trial, const TrialSet& set) {
+  try {
+    score_closure({trial});
+    score_parameters({trial});
+  } catch (const Json::exception& error) {
+    throw DataError(fmt::format("{}: the diagnosis of {} in {} and its answer do not fit together ({})", set.answers, trial.trial, set.folder, error.what()));
+  }
+}
+
 }  // namespace
 
 nlohmann::ordered_json score_trials(const std::vector<TrialSet>& sets, const std::string& diagnosis_folder) {
   Trials trials;
   for (const TrialSet& set : sets)
-    for (ScoredTrial& trial : read_trials(set, diagnosis_folder)) trials.push_back(std::move(trial));
+    for (ScoredTrial& trial : read_trials(set, diagnosis_folder)) {
+      check_figures(trial, set);
+      trials.push_back(std::move(trial));
+    }
   const auto missing = std::count_if(trials.begin(), trials.end(), [](const ScoredTrial& t) { return !t.diagnosed; });
   Json score;
   score["format"] = "gustlab-score/1";

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 #include <limits>
 
 #include "gustlab/errors.hpp"
@@ -15,6 +15,15 @@ namespace gustlab {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// destroying, copying and printing JSON goes as deep as the text does
+constexpr int deepest = 100;
+Json parse(const std::string& text) {
+  return Json::parse(text, [](int depth, Json::parse_event_t, const Json&) {
+    if (depth > deepest) throw Json::other_error::create(500, fmt::format("nested deeper than {}", deepest), nullptr);
+    return true;
+  });
+}
 
 // rotor_loss#3 is the loss of rotor 3
 std::pair<std::string, int> split_label(const std::string& label) {
@@ -63,10 +72,10 @@ Named read_named(const Json& entry) {
 }
 
 void read_diagnosis(const std::filesystem::path& path, ScoredTrial& trial) {
-  std::ifstream file(path);
-  if (!file) return;
+  std::string text;
+  if (!read_into(path.string(), text).empty()) return;
   try {
-    const Json diagnosis = Json::parse(file);
+    const Json diagnosis = parse(text);
     trial.verdict = diagnosis.at("verdict").get<std::string>();
     for (const Json& entry : diagnosis.at("effects")) trial.named.push_back(read_named(entry));
     for (const Json& entry : part(diagnosis, "mismatch"))
@@ -147,17 +156,16 @@ bool matches(const Named& name, const Concealed& truth) {
 }
 
 std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& diagnosis_folder) {
-  if (const std::string why = why_unreadable(set.answers); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", set.answers, why));
+  std::istringstream file(read_file<DataError>(set.answers));
   if (!std::filesystem::is_directory(set.folder))
     throw DataError(fmt::format("{}: no such folder (the trials of {} are in it)", set.folder, set.answers));
-  std::ifstream file(set.answers);
   std::vector<ScoredTrial> trials;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     ScoredTrial trial;
     try {
-      const Json answer = Json::parse(line);
+      const Json answer = parse(line);
       trial.set = std::filesystem::path(set.folder).lexically_normal().filename().string();
       trial.trial = answer.at("trial").get<std::string>();
       for (const Json& entry : answer.at("effects")) trial.truth.push_back(read_concealed(entry));

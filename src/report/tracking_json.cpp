@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "flight_log/columns.hpp"
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
@@ -13,8 +14,12 @@ TrackingFigures tracking_of(const FlightLog& log, double settle_s) {
   constexpr std::array<const char*, 6> names{"px", "py", "pz", "rpx", "rpy", "rpz"};
   for (std::size_t i = 0; i < names.size(); ++i) {
     columns[i] = log.find(names[i]);
-    if (columns[i] == nullptr)
-      throw DataError(fmt::format("{}:1:1: column \"{}\" is missing (a tracking error needs position and reference)", log.path, names[i]));
+    if (columns[i] != nullptr) continue;
+    std::vector<std::string> there;
+    for (const LogColumn& column : log.columns) there.push_back(column.name);
+    const std::string near = suggest_column(names[i], there);
+    throw DataError(fmt::format("{}:1:1: column \"{}\" is missing (a tracking error needs position and reference){}{}", log.path, names[i],
+                                near.empty() ? "" : " ", near));
   }
   TrackingError error(settle_s, log.rows());
   for (std::size_t row = 0; row < log.rows(); ++row) {

@@ -35,11 +35,16 @@ class Cells {
   }
   // an empty cell leaves the value as it is
   template <class Number>
-  void next(Number& value) {
+  std::string_view next(Number& value) {
     const std::string_view text = next();
-    if (text.empty()) return;
+    if (text.empty()) return text;
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || rest != text.data() + text.size()) fail(fmt::format("\"{}\" is not a number", text), "");
+    return text;
+  }
+  void next_figure(double& value) {
+    const bool empty = next(value).empty();
+    if (!is_figure(value) || (!empty && std::isnan(value))) fail(fmt::format("{} is no figure of a flight", value), "a number from 0 to 1e12, or an empty cell");
   }
   void finish() {
     if (!done_) fail("there are too many cells", std::string(header));
@@ -57,6 +62,8 @@ class Cells {
 
 }  // namespace
 
+bool is_figure(double value) { return std::isnan(value) || (value >= 0.0 && value <= 1e12); }
+
 std::string csv_header() { return fmt::format("{}\n", header); }
 
 std::string csv_line(const ResultRow& row) {
@@ -73,6 +80,7 @@ std::string to_csv(const std::vector<ResultRow>& rows) {
 
 std::vector<ResultRow> read_results_csv(const std::string& path) {
   if (const std::string why = why_unreadable(path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", path, why));
+  note_input(path);
   std::ifstream file(path);
   std::string line;
   if (!std::getline(file, line) || line != header)
@@ -88,7 +96,7 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
     if (const auto known = find_outcome(outcome)) row.outcome = *known;
     else cells.fail(fmt::format("\"{}\" is no outcome", outcome), "completed, crashed, …");
     for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m})
-      cells.next(*value);
+      cells.next_figure(*value);
     row.key = cells.next();
     cells.finish();
     rows.push_back(std::move(row));

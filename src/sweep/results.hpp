@@ -27,6 +27,10 @@ struct Results {
   double settle_s = 0.0;
 };
 
+// Whether a flight can have such an error or duration: NaN (no sample counted), or from 0 to 1e12 m or s. MuJoCo calls a
+// flight diverged long before that, and squares of larger numbers overflow.
+bool is_figure(double value);
+
 // The first line of runs.csv, one of its rows, and the whole.
 std::string csv_header();
 std::string csv_line(const ResultRow& row);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include "config/toml.hpp"
 #include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
@@ -74,6 +76,8 @@ RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(pat
   if (tables.integer(1) != 3) throw DataError(fmt::format("{}: not a result store of this program", path));
   Statement all = database_.prepare("SELECT name, value FROM provenance");
   while (all.step()) provenance_[all.text(0)] = all.text(1);
+  for (const char* name : {"experiment", "name", "vehicle", "settle_s", "version", "commit", "mujoco", "compiler", "flags", "shard", "cpu"})
+    if (!provenance_.contains(name)) throw DataError(fmt::format("{}: not a result store of this program (\"{}\" is not in its provenance)", path, name));
 }
 
 void RunStore::write_provenance(const Provenance& provenance) {
@@ -100,8 +104,13 @@ void RunStore::begin(const Provenance& provenance, const Experiment& experiment,
 
 std::vector<bool> RunStore::done() {
   std::vector<bool> done;
-  Statement all = database_.prepare("SELECT flown.run IS NOT NULL FROM plan LEFT JOIN flown USING (run) ORDER BY run");
-  while (all.step()) done.push_back(all.integer(0) != 0);
+  Statement all = database_.prepare("SELECT flown.run IS NOT NULL, run FROM plan LEFT JOIN flown USING (run) ORDER BY run");
+  while (all.step()) {
+    if (all.integer(1) != static_cast<std::int64_t>(done.size()))
+      throw DataError(fmt::format("{}: run {} is not in the plan of this store (it was changed by another program)", database_.path(), done.size()));
+    done.push_back(all.integer(0) != 0);
+  }
+  if (done.empty()) throw DataError(fmt::format("{}: no run is planned in this store (it was changed by another program)", database_.path()));
   return done;
 }
 
@@ -159,10 +168,17 @@ void RunStore::for_each(const std::function<void(ResultRow)>& use) {
     row.trajectory = all.text(0);
     row.controller = all.text(1);
     row.replicate = all.integer(2);
-    row.outcome = find_outcome(all.text(3)).value();
+    const auto wrong = [&](const std::string& problem) {
+      return DataError(fmt::format("{}: {} {} {}: {}", database_.path(), row.trajectory, row.controller, row.replicate, problem));
+    };
+    const auto outcome = find_outcome(all.text(3));
+    if (!outcome) throw wrong(fmt::format("\"{}\" is no outcome", all.text(3)));
+    row.outcome = *outcome;
     int column = 4;
-    for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m})
+    for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m}) {
       *value = all.number(column++);
+      if (!is_figure(*value)) throw wrong(fmt::format("{} is no figure of a flight", *value));
+    }
     row.key = all.text(column);
     use(std::move(row));
   }
@@ -170,7 +186,10 @@ void RunStore::for_each(const std::function<void(ResultRow)>& use) {
 
 Results RunStore::results() {
   Results results;
-  results.settle_s = std::stod(provenance_.at("settle_s"));
+  const std::string& settle_s = provenance_.at("settle_s");
+  const char* end = settle_s.data() + settle_s.size();
+  if (const auto [rest, error] = std::from_chars(settle_s.data(), end, results.settle_s); error != std::errc() || rest != end)
+    throw DataError(fmt::format("{}: \"settle_s\" of the provenance is no number ({})", database_.path(), settle_s));
   for_each([&](ResultRow row) { results.rows.push_back(std::move(row)); });
   return results;
 }

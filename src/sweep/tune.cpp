@@ -134,7 +134,9 @@ Tuning read_tuning(const std::string& path) {
   // only now: a misspelt key is not a missing one
   for (const auto& [key, value] : {std::pair{"flights", tuning.flights}, {"first_replicate", tuning.first_replicate},
                                    {"replicates", tuning.replicates}, {"search_seed", tuning.search_seed}})
-    if (value < 1) document.fail(key, fmt::format("\"{}\" is {}", key, document.has(key) ? "not positive" : "missing"), "", "");
+    if (constexpr std::int64_t most = 1000000000; value > most)
+      document.fail(key, fmt::format("\"{}\" is out of range", key), fmt::format("{} is more than {}", value, most), "");
+    else if (value < 1) document.fail(key, fmt::format("\"{}\" is {}", key, document.has(key) ? "not positive" : "missing"), "", "");
   return tuning;
 }
 

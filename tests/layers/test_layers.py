@@ -37,6 +37,7 @@ DIAGNOSIS_ROOMS = ("result", "recording", "model", "estimation", "alignment", "s
 WRAPPED = {
     "mujoco/": ("src/plant/",),
     "sqlite3.h": ("src/sweep/",),
+    "tinyxml2.h": ("src/plant/",),
     "CLI/": ("apps/",),
     "tbb/": ("src/util/",),
     "oneapi/": ("src/util/",),

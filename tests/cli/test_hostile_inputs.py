@@ -1,0 +1,259 @@
+"""Inputs that are broken on purpose: one message with its place, exit 2 or 3, soon, in little memory, and nothing written."""
+
+import os
+import re
+import resource
+import shutil
+import sqlite3
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+
+BODY = """<mujoco>{head}<worldbody>
+<body><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.02"/>{inside}
+<site name="a" pos="1 -1 0"/><site name="b" pos="-1 -1 0"/><site name="c" pos="-1 1 0"/><site name="d" pos="1 1 0"/>
+</body></worldbody></mujoco>
+"""
+
+VEHICLE = """format = "gustlab-vehicle/1"
+name = "quad"
+mjcf = "body.xml"
+[thrust]
+coefficient = 1e-3
+torque_ratio = 0.01
+max_speed_radps = 200
+radius_m = 0.1
+""" + "".join(f'[[rotor]]\nsite = "{site}"\ndirection = "{turn}"\n' for site, turn in zip("abcd", ("ccw", "cw", "ccw", "cw")))
+
+EXPERIMENT = """format = "gustlab-experiment/1"
+name = "small"
+vehicle = "v/vehicle.toml"
+trajectories = ["hover"]
+controllers = ["pid"]
+duration_s = 0.2
+"""
+
+# a tetrahedron
+MESH = "v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nv 0 0 {0}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+WITH_MESH = ('<asset><mesh name="m" file="m.obj"/></asset>', '<geom type="mesh" mesh="m" contype="0" conaffinity="0" mass="0"/>')
+MOST_BYTES = 2 << 30
+MOST_SECONDS = 20.0  # an input that is refused takes milliseconds; without its limit each of these takes minutes or gigabytes
+
+
+class Commands(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.write("v/vehicle.toml", VEHICLE)
+        self.write("v/body.xml", BODY.format(head="", inside=""))
+        self.write("e.toml", EXPERIMENT)
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text) if isinstance(text, bytes) else path.write_text(text)
+        return path
+
+    def call(self, *arguments, code=0):
+        start = time.monotonic()
+        done = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, capture_output=True, timeout=60,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES)))
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
+        self.assertLess(time.monotonic() - start, MOST_SECONDS)
+        return done.stdout.decode(), done.stderr.decode()
+
+    def refuse(self, code, says, *arguments):
+        before = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
+        out, err = self.call(*arguments, code=code)
+        self.assertEqual(out, "")
+        self.assertIn(says, err)
+        self.assertEqual(before, {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()})
+
+    def key(self):
+        return self.call("sweep", "e.toml", "--dry-run")[0].split()[-1].rsplit(",", 1)[1]
+
+
+class Vehicles(Commands):
+    PLAN = ("sweep", "e.toml", "--dry-run")
+
+    def body(self, head="", inside=""):
+        self.write("v/body.xml", BODY.format(head=head, inside=inside))
+
+    def test_every_file_that_the_mjcf_names_is_part_of_the_key(self):
+        self.body(*WITH_MESH)
+        keys = []
+        for size in (1, 2, 1):
+            self.write("v/m.obj", MESH.format(size))
+            keys.append(self.key())
+        self.assertNotEqual(keys[0], keys[1])
+        self.assertEqual(keys[0], keys[2])
+        self.body('<asset><model name="x" file="part.xml"/></asset>', '<attach model="x" body="p" prefix="x"/>')
+        for mass in ("1e-3", "2e-3"):
+            self.write("v/part.xml", f'<mujoco><worldbody><body name="p"><geom size="0.01" mass="{mass}"/></body></worldbody></mujoco>')
+            keys.append(self.key())
+        self.assertEqual(len(set(keys)), 4)
+
+    def test_a_mesh_counts_when_it_is_the_mass(self):
+        self.body('<compiler meshdir="parts" inertiafromgeom="true"/><asset><mesh name="m" file="m.obj"/></asset>',
+                  '<geom type="mesh" mesh="m" contype="0" conaffinity="0" density="6"/>')
+        self.write("v/parts/m.obj", MESH.format(1))
+        self.assertRegex(self.key(), "^[0-9a-f]{32}$")
+
+    def test_nothing_outside_the_folder_is_read(self):
+        self.write("part.xml", '<mujoco><worldbody><body name="p"/></worldbody></mujoco>')
+        self.write("m.obj", MESH.format(1))
+        (self.folder / "v" / "link.obj").symlink_to("../m.obj")
+        attach = '<attach model="x" body="p" prefix="x"/>'
+        for head, inside in (('<asset><model name="x" file="../part.xml"/></asset>', attach),
+                             (f'<asset><model name="x" file="{self.folder}/part.xml"/></asset>', attach),
+                             ('<asset><mesh name="m" file="link.obj"/></asset>', ""),
+                             ('<asset><mesh name="m" file="../m.obj"/></asset>', ""),
+                             ('<compiler meshdir=".."/><asset><mesh name="m" file="m.obj"/></asset>', ""),
+                             (f'<compiler assetdir="{self.folder}"/><asset><mesh name="m" file="m.obj"/></asset>', "")):
+            with self.subTest(head=head):
+                self.body(head, inside)
+                self.refuse(2, "outside the vehicle's folder", *self.PLAN)
+
+    def test_what_is_too_large_is_refused(self):
+        (self.folder / "v" / "self.xml").symlink_to("body.xml")
+        for head, inside, says in (
+                ('<asset><hfield name="h" nrow="20000" ncol="20000" size="1 1 1 1"/></asset>', "", '"nrow" of <hfield>'),
+                ('<asset><texture name="t" type="2d" builtin="flat" width="30000" height="30000"/></asset>', "", '"width" of <texture>'),
+                ("", '<replicate count="30000"><replicate count="30000"><site pos="0 0 0"/></replicate></replicate>', "elements"),
+                ("", "<geom size='0.1' mass='0'/>" * 120000, "elements"),
+                ('<size memory="100G"/>', "", '"memory" of <size>'),
+                ('<size nuserdata="2000000000"/>', "", '"nuserdata" of <size>'),
+                ('<custom><numeric name="n" size="2000000000"/></custom>', "", '"size" of <numeric>'),
+                ('<asset><model name="x" file="body.xml"/></asset>', '<attach model="x" body="p" prefix="x"/>', "without end"),
+                ('<asset><model name="x" file="self.xml"/></asset>', '<attach model="x" body="p" prefix="x"/>', "without end"),
+                ('<include file="body.xml"/>', "", "<include> is not read"),
+                ("", '<composite type="grid" count="1000 1000 1"/>', "<composite> is not read"),
+                ("", "<body>" * 5000 + "</body>" * 5000, "body.xml:")):
+            with self.subTest(says=says):
+                self.body(head, inside)
+                self.refuse(2, says, *self.PLAN)
+
+
+class Depth(Commands):
+    def test_toml_keys(self):
+        deep = ".".join("a" * 200000)
+        for text in (deep + " = 1\n", f"[{deep}]\n", "x = {" + deep + " = 1}\n", " . ".join("a" * 100000) + " = 1\n", '"""\n"""\n' + deep):
+            self.write("deep.toml", text)
+            self.refuse(2, "a key of more than", "sweep", "deep.toml", "--dry-run")
+        self.refuse(2, "a key of more than", "sweep", "e.toml", "--dry-run", "--set", "a." * 1000 + "a=1")
+
+    def test_dots_that_are_no_key_are_read(self):
+        self.write("e.toml", EXPERIMENT + 'vehicle_notes = "' + "a." * 1000 + "\"  # " + "b." * 1000 + "\n")
+        self.refuse(2, 'unknown key "vehicle_notes"', "sweep", "e.toml", "--dry-run")
+
+    def test_json(self):
+        diagnosis = self.write("trials/t/diagnosis/diagnosis.json", "[" * 100000)
+        answer = '{"trial": "t", "effects": [], "kind": "clean"}\n'
+        self.write("answers.jsonl", answer)
+        self.assertIn("1 ", self.call("score", "answers.jsonl", "trials")[0])
+        self.write("answers.jsonl", '{"trial": ' + '{"a":' * 100000 + "}" * 100000 + "}\n")
+        self.refuse(3, "answers.jsonl:1:1: not an answer", "score", "answers.jsonl", "trials")
+        self.write("answers.jsonl", '{"trial": "t", "kind": "single", "effects": [{"effect": "mass"}], "oracle": {"position_m": {"after": [0.1]}}}\n')
+        diagnosis.write_text('{"verdict": "explained", "effects": [], "fit": {"horizon_s": [0.1], "position_m": {"after": [1]}}}')
+        self.refuse(3, "answers.jsonl: the diagnosis of t", "score", "answers.jsonl", "trials")
+
+
+class Stores(Commands):
+    def test_a_store_that_was_changed_is_exit_3(self):
+        self.call("sweep", "e.toml", "--out", "s")
+        sound = (self.folder / "s" / "runs.sqlite").read_bytes()
+        for change in ("DELETE FROM provenance", "DELETE FROM provenance WHERE name = 'settle_s'",
+                       "UPDATE provenance SET value = 'soon' WHERE name = 'settle_s'", "UPDATE flown SET outcome = 'flew away'",
+                       "UPDATE flown SET rmse_xy_m = 9e999", "UPDATE flown SET rmse_xy_m = 1e308", "UPDATE flown SET rmse_z_m = -1",
+                       "DROP VIEW runs", "UPDATE plan SET run = 7", "DELETE FROM plan"):
+            self.write("s/runs.sqlite", sound)
+            database = sqlite3.connect(self.folder / "s" / "runs.sqlite")
+            with database:
+                database.execute(change)
+            database.close()
+            with self.subTest(change=change):
+                self.refuse(3, "s/runs.sqlite: " if "plan" not in change else "s", "table", "s")
+
+    def test_a_refused_resume_changes_no_byte(self):
+        self.call("sweep", "e.toml", "--out", "s")
+        self.refuse(2, "another experiment", "sweep", "e.toml", "--out", "s", "--resume", "--seed", "9")
+        self.refuse(2, "is of shard", "sweep", "e.toml", "--out", "s", "--resume", "--shard", "1/2")
+
+    def test_a_baseline_with_figures_of_no_flight_is_exit_3(self):
+        self.call("sweep", "e.toml", "--out", "s")
+        self.call("gate", "s", "--baseline", "b.csv", "--update")
+        sound = (self.folder / "b.csv").read_text().split(",")
+        for value in ("inf", "1e308", "-1", "nan(x)"):
+            cells = list(sound)
+            cells[-6] = value  # rmse_xy_m
+            self.write("b.csv", ",".join(cells))
+            self.refuse(3, "b.csv:2:", "gate", "s", "--baseline", "b.csv")
+
+
+class Logs(Commands):
+    def setUp(self):
+        super().setUp()
+        self.write("e.toml", EXPERIMENT.replace("0.2", "4.0").replace("v/vehicle.toml", "crazyflie"))
+        self.call("run", "e.toml", "--trajectory", "hover", "--controller", "pid", "--out", "flown")
+        self.log = (self.folder / "flown" / "flight.csv").read_text().splitlines()
+        self.columns = self.log[0].split(",")
+
+    def with_cell(self, column, value, row=100):
+        cells = self.log[row].split(",")
+        cells[self.columns.index(column)] = value
+        self.write("flown/flight.csv", "\n".join([*self.log[:row], ",".join(cells), *self.log[row + 1:]]) + "\n")
+        return f"flown/flight.csv:{row + 1}:{len(','.join(cells[:self.columns.index(column)])) + 2}: "
+
+    def test_a_cell_that_no_statistic_can_take_is_a_finding_with_its_place(self):
+        for column, value in (("rotor3", "1e6"), ("ax", "1e100"), ("wx", "1e300"), ("px", "1e308"), ("vbat", "-1e9"), ("u1", "1e7")):
+            if column not in self.columns:
+                continue
+            place = self.with_cell(column, value)
+            for command in (["metrics", "flown/flight.csv"], ["diagnose", "flown/flight.csv", "--out", "dg"], ["replay", "flown/flight.csv"],
+                            ["identify", "flown/flight.csv"]):
+                with self.subTest(column=column, command=command[0]):
+                    self.refuse(3, f"{place}{float(value):.4g} in column {column}".replace("e+0", "e+0"), *command)
+
+    def test_a_missing_column_names_itself_and_what_may_be_meant(self):
+        self.write("flown/flight.csv", "\n".join([self.log[0].replace(",px,", ",pq,"), *self.log[1:]]) + "\n")
+        self.refuse(3, 'column "px" is missing (a tracking error needs position and reference) did you mean "pq"?', "metrics", "flown/flight.csv")
+
+    def test_many_columns_take_time_by_their_number(self):
+        names = [f"c{i}" for i in range(100000)]
+        rows = [line + "," + ",".join("1" for _ in names) for line in self.log[1:6]]
+        self.write("flown/flight.csv", "\n".join([self.log[0] + "," + ",".join(names), *rows]) + "\n")
+        start = time.process_time(), resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        self.call("metrics", "flown/flight.csv")
+        self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - start[1], 3.0)
+
+    def test_control_characters_are_not_obeyed(self):
+        self.with_cell("px", "\x1b[2J1")
+        _, err = self.call("metrics", "flown/flight.csv", code=3)
+        self.assertNotIn("\x1b", err)
+        self.assertIn("\\x1b[2J1", err)
+        for arguments in (["list", "\x1b[31m"], ["\x1b[31m"], ["defaults", "\x9b31m\u009b"], ["--\x1b"]):
+            _, err = self.call(*arguments, code=2)
+            self.assertIsNone(re.search("[\x00-\x09\x0b-\x1f\x7f-\x9f]", err), repr(err))
+
+
+class Settings(Commands):
+    def test_places_of_what_is_not_there_or_is_a_folder(self):
+        self.refuse(2, "controller.daiml.weights=.: ", "sweep", "e.toml", "--dry-run", "--set", 'controllers=["daiml"]', "--set", "controller.daiml.weights=.")
+        (self.folder / "loop.toml").symlink_to("loop.toml")
+        self.refuse(2, "loop.toml: cannot read", "sweep", "loop.toml", "--dry-run")
+        (self.folder / "v" / "vehicle.toml").unlink()
+        (self.folder / "v" / "vehicle.toml").symlink_to("vehicle.toml")
+        self.refuse(2, "vehicle.toml: cannot read", "sweep", "e.toml", "--dry-run")
+
+    def test_a_budget_beyond_counting_is_refused(self):
+        self.write("t.toml", 'format = "gustlab-tuning/1"\nflights = 9223372036854775807\nfirst_replicate = 1000\nreplicates = 1\nsearch_seed = 1\n'
+                             '[[controller]]\nname = "pid"\n[[controller.parameters]]\nname = "position_gain"\nmin = 1.0\nmax = 2.0\nstart = 1.5\n')
+        self.refuse(2, 't.toml:2:11: "flights" is out of range', "tune", "e.toml", "--tuning", "t.toml", "--out", "o")
+
+
+if __name__ == "__main__":
+    unittest.main()
