@@ -3,7 +3,6 @@
 
 #include "plant/bare_step.hpp"
 #include "simulation/flight.hpp"
-#include "simulation/speed.hpp"
 
 namespace {
 
@@ -16,9 +15,14 @@ void bare_step(benchmark::State& state, BareStep::Model model) {
 BENCHMARK_CAPTURE(bare_step, minimal, BareStep::Model::minimal);
 BENCHMARK_CAPTURE(bare_step, stock, BareStep::Model::stock);
 
+const Experiment& table2_pid() {
+  static const Experiment experiment = read_experiment(find_experiment("table2_crazyflie"), {"controllers=[\"pid\"]"});
+  return experiment;
+}
+
 // items are steps
 void closed_loop(benchmark::State& state) {
-  const Experiment experiment = speed_experiment();
+  const Experiment& experiment = table2_pid();
   const RunSpec spec = plan(experiment).front();
   std::int64_t steps = 0;
   for (auto _ : state) {
@@ -35,7 +39,7 @@ BENCHMARK(closed_loop)->Unit(benchmark::kMillisecond);
 
 // whole runs, set-up included, on one and on two threads
 void whole_runs(benchmark::State& state) {
-  static const Experiment experiment = speed_experiment();
+  const Experiment& experiment = table2_pid();
   static const RunSpec spec = plan(experiment).front();
   for (auto _ : state) benchmark::DoNotOptimize(run(experiment, spec));
   state.SetItemsProcessed(state.iterations());
