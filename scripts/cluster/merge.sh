@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# joins OUT/shards/1..N into OUT/whole, each [[variant]] into a folder of its own; a shard that is missing is an error.
+# usage: scripts/cluster/merge.sh N OUT    GUSTLAB: another program than the built one
+set -euo pipefail
+here="$(dirname "$(realpath "${BASH_SOURCE[0]}")")"
+gustlab="${GUSTLAB:-$here/../../build/release/gustlab}"
+(($# == 2)) || { sed -n '2,3s/^# //p' "$0" >&2; exit 2; }
+parts="$1" out="$2"
+
+for store in "$out"/shards/1/runs.sqlite "$out"/shards/1/*/runs.sqlite; do
+  [[ -f $store ]] || continue
+  variant="$(dirname "${store#"$out"/shards/1/}")"
+  shards=()
+  for ((part = 1; part <= parts; ++part)); do shards+=("$out/shards/$part/$variant"); done
+  "$gustlab" merge "${shards[@]}" --out "$out/whole/$variant"
+done

@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# one task of the array job of slurm.sh, which copies this file: the folder of the scripts is an argument
+here="$1" parts="$2" experiment="$3" out="$4"
+"$here/shard.sh" "$SLURM_ARRAY_TASK_ID" "$parts" "$experiment" "$out" --jobs "${SLURM_CPUS_ON_NODE:-1}" &
+child=$!
+trap 'kill -s USR1 "$child" 2> /dev/null' TERM USR1
+code=0
+while wait "$child"; code=$?; kill -0 "$child" 2> /dev/null; do :; done
+# interrupted, and not finished: again, from where the store stands
+((code != 130)) || scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
+exit "$code"
