@@ -4,6 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <map>
+#include <mutex>
 
 #include "gustlab/errors.hpp"
 #include "plant/mujoco.hpp"
@@ -36,16 +38,29 @@ std::string body_xml(const VehicleModel& vehicle, double step_s, bool with_groun
       step_s, -vehicle.gravity_mps2, with_ground ? "" : "contact='disable' constraint='disable'", floor, simple, geoms);
 }
 
-struct World {
-  ModelPointer model;
-  DataPointer data;
-
-  World(const VehicleModel& vehicle, double step_s, bool with_ground) {
-    const std::string xml = body_xml(vehicle, step_s, with_ground);
+// A model of its own. Those of a sweep's runs differ in what is written after compilation alone, so that the compiled ones
+// are kept: to compile takes as long as a second of flight.
+ModelPointer compiled(const std::string& xml) {
+  constexpr std::size_t most_kept = 64;
+  static std::mutex mutex;
+  static std::map<std::string, ModelPointer> kept;
+  const std::lock_guard lock(mutex);
+  if (kept.size() >= most_kept) kept.clear();
+  ModelPointer& model = kept[xml];
+  if (!model) {
     char error[1024] = "";
     const SpecPointer spec(mj_parseXMLString(xml.c_str(), nullptr, error, sizeof error));
     if (spec) model.reset(mj_compile(spec.get(), nullptr));
     if (!model) throw IoError(fmt::format("MuJoCo cannot compile the vehicle: {}", error));
+  }
+  return ModelPointer(mj_copyModel(nullptr, model.get()));
+}
+
+struct World {
+  ModelPointer model;
+  DataPointer data;
+
+  World(const VehicleModel& vehicle, double step_s, bool with_ground) : model(compiled(body_xml(vehicle, step_s, with_ground))) {
 
     // a diagonal inertia keeps its axes and its bits
     const Matrix3& inertia = vehicle.inertia_B_kgm2;
