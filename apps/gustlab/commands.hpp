@@ -18,6 +18,7 @@ void add_defaults(CLI::App& app);
 void add_diagnose(CLI::App& app);
 void add_gate(CLI::App& app);
 void add_identify(CLI::App& app);
+void add_import(CLI::App& app);
 void add_list(CLI::App& app);
 void add_merge(CLI::App& app);
 void add_metrics(CLI::App& app);

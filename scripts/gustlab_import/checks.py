@@ -7,7 +7,7 @@ from .checks_motion import check_motion
 from .checks_rows import clean_time, gaps, keep_flight, keep_section
 from .column_map import ColumnMap
 from .flight import Flight
-from .problems import ImportFailure
+from .problems import ImportFailure, merged
 from .tables import Table
 
 
@@ -21,6 +21,15 @@ def inspect(flight: Flight, column_map: ColumnMap, table: Table, from_s, to_s, w
     if column_map.get("", "trim", "none") == "airborne" and not whole:
         keep_flight(flight)
     check_motion(flight)
+    flight.findings = merged(flight.findings)
+
+
+def check_flight(flight: Flight, actuator: str) -> None:
+    """The same for a flight that was cut from a recording whose reader knows units and frames."""
+    gaps(flight)
+    check_columns(flight, actuator, {})
+    check_motion(flight)
+    flight.findings = merged(flight.findings)
 
 
 def enough(flight: Flight) -> None:

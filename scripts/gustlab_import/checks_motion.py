@@ -5,19 +5,21 @@ import itertools
 import numpy as np
 
 from .checks_columns import say
-from .flight import MAX_NORM_ERROR, Flight
+from .flight import MAX_NORM_ERROR, Flight, step_of
 from .rotations import body_rate, conjugate, rotate
 from .signals import agreement, band, boxcar, filled
+from .streams import ATTITUDE, FORCE, POSITION, RATE, VELOCITY
 
 REACH_s = 0.2           # largest time offset that is looked for
 STRETCH_s = 4.0         # offsets are measured on stretches of this length, half overlapping
 JUMP_s = 0.02           # spread of the offsets from which they are called not constant
 LAG_JUMP_s = 0.06       # the same across a motor, whose lag alone spreads by 40 ms with the frequency of the commands
 TRUSTED = 0.6           # correlation from which a stretch's offset counts
+MULTIPLE = 0.98         # correlation from which one column may be called a multiple of another
 CLEARLY = 0.3           # by how much another reading must correlate better to be called right
 STANDARD_GRAVITY = 9.80665  # m/s^2, CGPM 1901
-ATTITUDE, RATE, FORCE = ("qw", "qx", "qy", "qz"), ("wx", "wy", "wz"), ("ax", "ay", "az")
-POSITION, VELOCITY = ("px", "py", "pz"), ("vx", "vy", "vz")
+SLOWEST_s = 0.055       # samples farther apart tell no offsets between streams
+FEWEST = 60             # samples that a comparison needs
 
 
 def check_motion(flight: Flight) -> None:
@@ -31,30 +33,81 @@ def check_motion(flight: Flight) -> None:
         actuation_offset(flight)
 
 
+def paired(flight: Flight, first, second) -> tuple:
+    """(time_s, a, b) of two groups on the clock of the slower, the faster averaged over its intervals; None if one is not there."""
+    if flight.block(*first) is None or flight.block(*second) is None:
+        return None
+    (t_a, a), (t_b, b) = flight.series(*first), flight.series(*second)
+    if min(len(t_a), len(t_b)) < FEWEST:
+        return None
+    a, b = filled(a), filled(b)
+    if len(t_a) == len(t_b) and np.array_equal(t_a, t_b):
+        return t_a, a, b
+    time_s = t_a if step_of(t_a) >= step_of(t_b) else t_b
+    time_s = time_s[(time_s >= max(t_a[0], t_b[0])) & (time_s <= min(t_a[-1], t_b[-1]))]
+    if len(time_s) < FEWEST:
+        return None
+    return time_s, resampled(t_a, a, time_s), resampled(t_b, b, time_s)
+
+
+def resampled(time_s: np.ndarray, values: np.ndarray, wanted_s: np.ndarray) -> np.ndarray:
+    """Values at other times: of a faster series the mean over an interval around them."""
+    if np.array_equal(time_s, wanted_s):
+        return values
+    half = 0.5 * step_of(wanted_s) if step_of(wanted_s) > 1.5 * step_of(time_s) else 0.0
+    if half == 0.0:
+        return np.column_stack([np.interp(wanted_s, time_s, column) for column in values.T])
+    steps = np.diff(time_s)[:, None]
+    whole = np.vstack([np.zeros((1, values.shape[1])), np.cumsum(0.5 * steps * (values[1:] + values[:-1]), axis=0)])
+    ends = [np.clip(wanted_s + side * half, time_s[0], time_s[-1]) for side in (1.0, -1.0)]
+    high, low = [np.column_stack([np.interp(end, time_s, column) for column in whole.T]) for end in ends]
+    return (high - low) / (ends[0] - ends[1])[:, None]
+
+
+def as_central(values: np.ndarray) -> np.ndarray:
+    """Mean of a series from the sample before to the one after (Simpson's rule), as a central difference is one."""
+    out = values.copy()
+    out[1:-1] = (values[:-2] + 4.0 * values[1:-1] + values[2:]) / 6.0
+    return out
+
+
+def _series_filled(flight: Flight, columns) -> tuple:
+    time_s, values = flight.series(*columns)
+    return time_s, filled(values)
+
+
+def surely_off(correlation: float, gain: float, tolerance: float) -> bool:
+    """Is a gain not 1, whichever of the two series is noisy? (Noise in the regressor makes a gain too small: the truth lies
+    between the regression of b on a and the inverse of that of a on b; Frisch 1934, Fuller 1987, section 1.1.)"""
+    low, high = sorted((gain, gain / max(correlation, 1e-9) ** 2))
+    return low > 1.0 + tolerance or high < 1.0 - tolerance
+
+
 def quaternion(flight: Flight) -> None:
     """|q| and sign flips: repaired when that needs no guess."""
-    q = flight.block(*ATTITUDE)
-    if q is None:
+    if flight.block(*ATTITUDE) is None:
         return
+    time_s, q = flight.series(*ATTITUDE)
+    rows = np.searchsorted(flight.time_s, time_s)
     norm = np.linalg.norm(q, axis=1)
     bad = np.flatnonzero(np.abs(norm - 1.0) > MAX_NORM_ERROR)
     if len(bad):
-        say(flight, "inconsistent", ATTITUDE, (bad[0], bad[-1]), "error",
-            f"|q| is {norm[bad[0]]:.4f} at {flight.where(bad[0], 'qw')} and off by more than {MAX_NORM_ERROR} in "
+        say(flight, "inconsistent", ATTITUDE, time_s[bad[[0, -1]]], "error",
+            f"|q| is {norm[bad[0]]:.4f} at {flight.where(rows[bad[0]], 'qw')} and off by more than {MAX_NORM_ERROR} in "
             f"{len(bad)} rows: these columns are no unit quaternion")
         return
     off = float(np.nanmax(np.abs(norm - 1.0)))
     if off > 1e-5:
-        say(flight, "inconsistent", ATTITUDE, (0, len(q) - 1), "note", f"|q| is off by up to {off:.1e}: normalised", True)
+        say(flight, "inconsistent", ATTITUDE, time_s, "note", f"|q| is off by up to {off:.1e}: normalised", True)
         q = q / norm[:, None]
     turn = np.nansum(q[1:] * q[:-1], axis=1)
     flips = np.flatnonzero(turn < 0.0)
     if len(flips):
-        say(flight, "sign", ATTITUDE, (flips[0], flips[-1] + 1), "note",
+        say(flight, "sign", ATTITUDE, (time_s[flips[0]], time_s[flips[-1] + 1]), "note",
             f"the quaternion changes its sign {len(flips)} times (the same attitude): made continuous", True)
         q = q * np.concatenate([[1.0], np.cumprod(np.where(turn < 0.0, -1.0, 1.0))])[:, None]
     for k, name in enumerate(ATTITUDE):
-        flight.columns[name] = q[:, k]
+        flight.columns[name][rows] = q[:, k]
 
 
 def _readings(q: np.ndarray, rate: np.ndarray):
@@ -74,53 +127,58 @@ def _readings(q: np.ndarray, rate: np.ndarray):
 
 def attitude_against_rate(flight: Flight) -> None:
     """Does the attitude turn as the body rate says? Which reading of the columns would make it so?"""
-    q, rate = flight.block(*ATTITUDE), flight.block(*RATE)
-    if q is None or rate is None or any(f.severity == "error" and f.column == ",".join(ATTITUDE) for f in flight.findings):
+    pair = paired(flight, ATTITUDE, RATE)
+    if pair is None or any(f.severity == "error" and f.column == ",".join(ATTITUDE) for f in flight.findings):
         return
-    q, rate, step = filled(q), filled(rate), flight.step_s()
-    reach, found = round(REACH_s / step), []
+    time_s, q, rate = pair
+    step, found = step_of(time_s), []
+    reach = round(REACH_s / step)
     for meaning, q_read, rate_read in _readings(q, rate):
-        turned = body_rate(q_read / np.maximum(np.linalg.norm(q_read, axis=1, keepdims=True), 1e-9), flight.time_s)
-        found.append((*agreement(band(turned, step), band(rate_read, step), reach), meaning))
+        turned = body_rate(q_read / np.maximum(np.linalg.norm(q_read, axis=1, keepdims=True), 1e-9), time_s)
+        found.append((*agreement(band(turned, step), band(as_central(rate_read), step), reach), meaning))
     correlation, _, gain, _ = found[0]
     best = max(found[1:], key=lambda entry: entry[0])
-    rows, columns = (0, len(q) - 1), ATTITUDE + RATE
+    columns = ATTITUDE + RATE
     if best[0] > max(correlation + CLEARLY, TRUSTED):
         kind = "sign" if "sign" in best[3] else "frame"
-        say(flight, kind, columns, rows, "error",
+        say(flight, kind, columns, time_s, "error",
             f"the quaternion contradicts the body rate (correlation {correlation:.2f}); they agree ({best[0]:.2f}) with "
             f"{best[3]}: correct the map")
     elif correlation < 0.5 and np.std(band(rate, step)) > 0.2 and best[0] < TRUSTED:
-        say(flight, "inconsistent", columns, rows, "warning",
+        say(flight, "inconsistent", columns, time_s, "warning",
             f"the quaternion and the body rate hardly agree (correlation {correlation:.2f}), and no other order, frame or "
             "sign helps")
     elif correlation > 0.5 and not 0.1 < gain < 10.0:
         unit = 'degrees: unit = "deg/s"' if gain > 1.0 else 'radians: unit = "rad/s"'
-        say(flight, "unit", RATE, rows, "error",
+        say(flight, "unit", RATE, time_s, "error",
             f"the body rate is {gain:.3g} times the rate at which the attitude turns: it is in {unit}")
-    elif correlation > 0.95 and not 0.9 < gain < 1.1:
-        say(flight, "inconsistent", RATE, rows, "warning",
+    elif correlation > 0.95 and surely_off(correlation, gain, 0.1):
+        say(flight, "inconsistent", RATE, time_s, "warning",
             f"the body rate is {gain:.3f} times the rate at which the attitude turns")
-    upright(flight, q)
+    upright(flight, time_s, q)
 
 
-def upright(flight: Flight, q: np.ndarray) -> None:
+def upright(flight: Flight, time_s: np.ndarray, q: np.ndarray) -> None:
     up = float(np.mean(1.0 - 2.0 * (q[:, 1] ** 2 + q[:, 2] ** 2)))
     if up < 0.3 and not any(f.severity == "error" for f in flight.findings):
-        say(flight, "frame", ATTITUDE, (0, len(q) - 1), "error",
+        say(flight, "frame", ATTITUDE, time_s, "error",
             f"the vehicle's z axis points {np.degrees(np.arccos(np.clip(up, -1, 1))):.0f} deg away from up on average: "
             "wrong quaternion order, or frames with z down")
 
 
 def velocity_against_position(flight: Flight) -> None:
     """Is the velocity the derivative of the position, in which frame, unit and sign?"""
-    position, velocity = flight.block(*POSITION), flight.block(*VELOCITY)
-    if position is None or velocity is None:
+    pair = paired(flight, POSITION, VELOCITY)
+    if pair is None:
         return
-    step, q = flight.step_s(), flight.block(*ATTITUDE)
-    rows, reach = (0, len(position) - 1), round(REACH_s / step)
-    moved = boxcar(np.gradient(filled(position), flight.time_s, axis=0), round(0.05 / step))
-    velocity = boxcar(filled(velocity), round(0.05 / step))
+    rows, position, velocity = pair
+    step, q = step_of(rows), flight.block(*ATTITUDE)
+    if q is not None:
+        q = resampled(*_series_filled(flight, ATTITUDE), rows)
+        q /= np.maximum(np.linalg.norm(q, axis=1, keepdims=True), 1e-9)
+    reach = round(REACH_s / step)
+    moved = boxcar(np.gradient(position, rows, axis=0), round(0.05 / step))
+    velocity = boxcar(as_central(velocity), round(0.05 / step))
     if np.std(moved) < 0.05:
         return
 
@@ -134,8 +192,8 @@ def velocity_against_position(flight: Flight) -> None:
                  velocity * np.array(signs)) for signs in itertools.product((1.0, -1.0), repeat=3) if -1.0 in signs]
     readings.append(("with x and y exchanged and z down (north-east-down)", velocity[:, (1, 0, 2)] * np.array([1, 1, -1])))
     if q is not None:
-        readings += [('in the body frame: frame = "body"', rotate(filled(q), velocity)),
-                     ('already in the world frame: frame = "world"', rotate(conjugate(filled(q)), velocity))]
+        readings += [('in the body frame: frame = "body"', rotate(q, velocity)),
+                     ('already in the world frame: frame = "world"', rotate(conjugate(q), velocity))]
     best = min(((misfit(values)[0], meaning) for meaning, values in readings), key=lambda entry: entry[0])
     if own > 0.15 and best[0] < 0.5 * own:
         say(flight, "sign" if "sign" in best[1] else "frame", VELOCITY, rows, "error",
@@ -148,26 +206,27 @@ def velocity_against_position(flight: Flight) -> None:
         say(flight, "unit", VELOCITY, rows, "error",
             f"the velocity is {gain:.3g} times the derivative of the position: wrong unit")
     else:
-        scale(flight, moved, velocity, reach)
+        scale(flight, rows, moved, velocity, reach)
 
 
-def scale(flight: Flight, moved: np.ndarray, velocity: np.ndarray, reach: int) -> None:
+def scale(flight: Flight, time_s: np.ndarray, moved: np.ndarray, velocity: np.ndarray, reach: int) -> None:
     off = []
     for k, name in enumerate(VELOCITY):
         correlation, _, gain = agreement(moved[:, k:k + 1], velocity[:, k:k + 1], reach)
-        if correlation > 0.95 and abs(gain - 1.0) > 0.03 and np.std(moved[:, k]) > 0.05:
+        if correlation > MULTIPLE and surely_off(correlation, gain, 0.03) and np.std(moved[:, k]) > 0.05:
             off.append(f"{name} {gain:.3f}")
     if off:
-        say(flight, "inconsistent", VELOCITY, (0, len(moved) - 1), "warning",
+        say(flight, "inconsistent", VELOCITY, time_s, "warning",
             f"the velocity is a multiple of the derivative of the position: {', '.join(off)} (two estimators, or a scale)")
 
 
 def specific_force(flight: Flight) -> None:
     """Unit and sign from gravity: over a flight the accelerometer reads about +9.81 m/s^2 along body z."""
-    force = flight.block(*FORCE)
-    if force is None:
+    if flight.block(*FORCE) is None:
         return
-    force, rows = filled(force), (0, len(force) - 1)
+    rows, force = _series_filled(flight, FORCE)
+    if not len(force):
+        return
     size, up = float(np.median(np.linalg.norm(force, axis=1))), float(np.median(force[:, 2]))
     ratio = size / STANDARD_GRAVITY
     if 0.08 < ratio < 0.13:
@@ -189,47 +248,47 @@ def specific_force(flight: Flight) -> None:
 
 def offsets(flight: Flight) -> None:
     """Time offsets between streams, per stretch: a constant one is a fact, one that jumps is a fault."""
-    q, step = flight.block(*ATTITUDE), flight.step_s()
-    rate, velocity, position = flight.block(*RATE), flight.block(*VELOCITY), flight.block(*POSITION)
-    force, pairs = flight.block(*FORCE), []
-    if q is not None and rate is not None:
-        pairs.append(("body rate", RATE, "attitude", body_rate(filled(q), flight.time_s), filled(rate), JUMP_s))
-    if position is not None and velocity is not None:
-        pairs.append(("velocity", VELOCITY, "position", np.gradient(filled(position), flight.time_s, axis=0),
-                      filled(velocity), JUMP_s))
-    if force is not None:
-        thrust = np.mean(filled(flight.block(*flight.actuator_names)), axis=1, keepdims=True)
-        pairs.append(("vertical specific force", ("az",), "actuator input (motor lag included)", thrust,
-                      filled(force)[:, 2:], LAG_JUMP_s))
-    for late, columns, than, first, second, jump_s in pairs:
-        found = _stretch_offsets(flight, band(first, step), band(second, step), step)
+    pairs = []
+    if pair := paired(flight, ATTITUDE, RATE):
+        time_s, q, rate = pair
+        pairs.append(("body rate", RATE, "attitude", time_s, body_rate(q, time_s), as_central(rate), JUMP_s))
+    if pair := paired(flight, POSITION, VELOCITY):
+        time_s, position, velocity = pair
+        pairs.append(("velocity", VELOCITY, "position", time_s, np.gradient(position, time_s, axis=0), as_central(velocity), JUMP_s))
+    if pair := paired(flight, flight.actuator_names, FORCE):
+        time_s, inputs, force = pair
+        pairs.append(("vertical specific force", ("az",), "actuator input (motor lag included)", time_s,
+                      np.mean(inputs, axis=1, keepdims=True), force[:, 2:], LAG_JUMP_s))
+    for late, columns, than, time_s, first, second, jump_s in pairs:
+        step = step_of(time_s)
+        found = _stretch_offsets(time_s, band(first, step), band(second, step), step) if step < SLOWEST_s else []
         if not found:
             continue
         values = np.array([offset for _, _, offset in found])
         low, high, middle = values.min(), values.max(), float(np.median(values))
         if high - low > max(2.0 * step, jump_s) and len(values) > 1:
             worst = found[int(np.argmax(np.abs(values - middle)))]
-            say(flight, "delay", columns, (0, len(first) - 1), "warning",
+            say(flight, "delay", columns, time_s, "warning",
                 f"{late} against {than}: the time offset is not constant, {1e3 * low:.0f} to {1e3 * high:.0f} ms over "
                 f"{len(values)} stretches (median {1e3 * middle:.0f} ms; {1e3 * worst[2]:.0f} ms at {worst[0]:.0f} to "
                 f"{worst[1]:.0f} s)")
         elif abs(middle) > 0.25 * step:
-            say(flight, "delay", columns, (0, len(first) - 1), "note",
+            say(flight, "delay", columns, time_s, "note",
                 f"{late} is {1e3 * abs(middle):.1f} ms {'later' if middle > 0 else 'earlier'} than {than} "
                 f"({1e3 * low:.0f} to {1e3 * high:.0f} ms over {len(values)} stretches)")
 
 
-def _stretch_offsets(flight: Flight, a: np.ndarray, b: np.ndarray, step: float) -> list:
+def _stretch_offsets(time_s: np.ndarray, a: np.ndarray, b: np.ndarray, step: float) -> list:
     """(from_s, to_s, offset_s) of the stretches without a gap in which the two agree."""
     rows, out = round(STRETCH_s / step), []
     for first in range(0, len(a) - rows + 1, max(1, rows // 2)):
         part = slice(first, first + rows)
-        time_s = flight.time_s[part]
-        if time_s[-1] - time_s[0] > 1.05 * STRETCH_s:
+        times = time_s[part]
+        if times[-1] - times[0] > 1.05 * STRETCH_s:
             continue
         correlation, lag, _ = agreement(a[part], b[part], round(REACH_s / step))
         if correlation > TRUSTED and abs(lag) < 0.98 * REACH_s / step:
-            out.append((time_s[0], time_s[-1], lag * step))
+            out.append((times[0], times[-1], lag * step))
     return out
 
 
@@ -238,14 +297,14 @@ def actuation_offset(flight: Flight) -> None:
 
     The mix is fitted, so that neither rotor order nor geometry has to be known. Lag of the motors is included.
     """
-    rate = flight.block(*RATE)
-    inputs = flight.block(*flight.actuator_names)
-    if rate is None or inputs.shape[1] < 3:
+    pair = paired(flight, RATE, flight.actuator_names)
+    if pair is None or pair[2].shape[1] < 3 or step_of(pair[0]) > SLOWEST_s:
         return
-    step = flight.step_s()
+    time_s, rate, inputs = pair
+    step = step_of(time_s)
     stride = max(1, round(0.0025 / step))
-    turned = band(np.gradient(filled(rate)[:, :2], flight.time_s, axis=0), step)
-    inputs, reach = band(filled(inputs), step), round(REACH_s / step)
+    turned = band(np.gradient(rate[:, :2], time_s, axis=0), step)
+    inputs, reach = band(inputs, step), round(REACH_s / step)
     middle, explained, shifts = turned[reach:-reach], [], range(-reach // 2, reach + 1, stride)
     if len(middle) < 200 or not middle.any():
         return
@@ -258,6 +317,6 @@ def actuation_offset(flight: Flight) -> None:
         return
     left, top, right = explained[best - 1:best + 2]
     offset_s = (shifts[best] + 0.5 * stride * (left - right) / (left - 2.0 * top + right)) * step
-    say(flight, "delay", RATE[:2], (0, len(turned) - 1), "note",
+    say(flight, "delay", RATE[:2], time_s, "note",
         f"roll and pitch acceleration come {1e3 * offset_s:.1f} ms after the actuator inputs (motor lag included; a linear "
         f"mix of the inputs explains {100 * top:.0f} % of them)")

@@ -2,11 +2,13 @@
 
 import numpy as np
 
+from .checks_columns import groups, slower
 from .column_map import ColumnMap
 from .flight import Flight
 from .problems import DATA, USAGE, Finding, ImportFailure
 
 GAP = 1.6               # of the median step, as the diagnosis cuts
+GAP_OF_STREAM, GAP_OF_STREAM_s = 3.0, 0.1   # loggers of flight computers jitter by more than one interval
 AIRBORNE_HEIGHT_m = 0.1  # above the height at rest: free of contact, and of most of the ground effect
 SHORTEST_STRETCH_s = 1.0
 
@@ -34,6 +36,8 @@ def clean_time(flight: Flight) -> None:
 
 def gaps(flight: Flight) -> None:
     """Says where the record has holes; runs before ground time is cut out."""
+    if any(slower(flight, columns) for columns in groups(flight).values()):
+        return gaps_of_streams(flight)
     step, median = np.diff(flight.time_s), flight.step_s()
     holes = np.flatnonzero(step > GAP * median)
     if len(holes):
@@ -42,6 +46,22 @@ def gaps(flight: Flight) -> None:
             "gap", "time_s", flight.time_s[holes[0]], flight.time_s[holes[-1] + 1], "warning",
             f"{len(holes)} gaps of more than {GAP} sample intervals, the longest {1e3 * step[worst]:.1f} ms at "
             f"{flight.time_s[worst]:.2f} s (the interval is {1e3 * median:.2f} ms)"))
+
+
+def gaps_of_streams(flight: Flight) -> None:
+    """The same where columns have clocks of their own: each on its own."""
+    for name, columns in groups(flight).items():
+        time_s, _ = flight.series(*columns)
+        step = np.diff(time_s)
+        if len(step) < 3:
+            continue
+        holes = np.flatnonzero(step > max(GAP_OF_STREAM * float(np.median(step)), GAP_OF_STREAM_s))
+        if len(holes):
+            worst = holes[np.argmax(step[holes])]
+            flight.findings.append(Finding(
+                "gap", ",".join(columns), time_s[holes[0]], time_s[holes[-1] + 1], "warning",
+                f"{name}: {len(holes)} gaps, the longest {step[worst]:.2f} s at {time_s[worst]:.2f} s (the interval is "
+                f"{1e3 * float(np.median(step)):.0f} ms)"))
 
 
 def stretches(mask: np.ndarray) -> list:

@@ -7,6 +7,7 @@ import numpy as np
 from .column_map import UNITS, ColumnMap, suggest
 from .problems import DATA, ImportFailure
 from .rotations import conjugate, rotate
+from .streams import Recording
 from .tables import Table
 
 AXES = "xyz"
@@ -23,6 +24,7 @@ class Flight:
     source  name of the flight log column -> column of the source
     rows    number of rows that the source had
     start_s source time of the flight log's zero [s]
+    own_clocks  True when every stream kept its own times: empty cells are then no faults
     """
 
     file: str
@@ -33,6 +35,7 @@ class Flight:
     rows: int
     start_s: float = 0.0
     findings: list = field(default_factory=list)
+    own_clocks: bool = False
 
     def block(self, *names: str):
         """(n, len(names)) of the named columns, or None if one of them is not there."""
@@ -49,13 +52,40 @@ class Flight:
         """`file:line: column` of a cell of the source, for messages."""
         return f"{self.file}:{self.line[row]}: column `{self.source.get(column, column)}`"
 
+    def series(self, *names: str) -> tuple:
+        """(time_s, values) of the rows that hold a sample of any of the named columns: their own clock."""
+        values = self.block(*names)
+        rows = ~np.isnan(values).all(axis=1)
+        return self.time_s[rows], values[rows]
+
     def keep(self, rows: np.ndarray) -> None:
         """Keeps only the given rows (mask or indices)."""
         self.time_s, self.line = self.time_s[rows], self.line[rows]
         self.columns = {name: values[rows] for name, values in self.columns.items()}
 
     def step_s(self) -> float:
-        return float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else 0.0
+        return step_of(self.time_s)
+
+
+def step_of(time_s: np.ndarray) -> float:
+    """Median interval [s], 0 of fewer than two samples."""
+    return float(np.median(np.diff(time_s))) if len(time_s) > 1 else 0.0
+
+
+def on_one_clock(recording: Recording, from_s: float, to_s: float) -> Flight:
+    """A stretch of a recording as a flight log: a row for every time at which anything was sampled, empty cells elsewhere."""
+    parts = [part for part in (stream.between(from_s, to_s) for stream in recording.streams.values()) if len(part.time_s)]
+    time_s = np.unique(np.concatenate([part.time_s for part in parts]))
+    columns, source = {}, {}
+    for part in parts:
+        rows = np.searchsorted(time_s, part.time_s)
+        for k, name in enumerate(part.columns):
+            columns[name] = np.full(len(time_s), np.nan)
+            columns[name][rows] = part.values[:, k]
+            source[name] = part.source
+    inside = [replace(f, from_s=max(f.from_s, from_s), to_s=min(f.to_s, to_s)) for f in recording.findings
+              if f.from_s <= to_s and f.to_s >= from_s]
+    return Flight(recording.file, time_s, columns, np.arange(1, len(time_s) + 1), source, len(time_s), 0.0, inside, True)
 
 
 def convert(table: Table, column_map: ColumnMap) -> Flight:

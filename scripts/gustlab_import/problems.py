@@ -36,3 +36,14 @@ class Finding:
         return {"kind": self.kind, "column": self.column, "from_s": round(float(self.from_s), 6),
                 "to_s": round(float(self.to_s), 6), "severity": self.severity, "says": self.says,
                 "repaired": self.repaired}
+
+
+def merged(findings: list) -> list:
+    """One finding where the same was said of several columns of one kind."""
+    out = {}
+    for f in findings:
+        key = (f.kind, f.says, f.severity, f.repaired)
+        old = out.get(key)
+        out[key] = f if old is None else Finding(f.kind, old.column + "," + f.column, min(old.from_s, f.from_s),
+                                                 max(old.to_s, f.to_s), f.severity, f.says, f.repaired)
+    return list(out.values())

@@ -29,3 +29,9 @@ def body_rate(q: np.ndarray, time_s: np.ndarray) -> np.ndarray:
     """Body rate [rad/s] at the samples, by central differences of the attitude, shape (n, 3)."""
     step = increment(q) / np.diff(time_s)[:, None]
     return np.vstack([step[:1], 0.5 * (step[1:] + step[:-1]), step[-1:]])
+
+
+def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Hamilton product of (n, 4) and (n, 4)."""
+    scalar = a[:, :1] * b[:, :1] - np.sum(a[:, 1:] * b[:, 1:], axis=1, keepdims=True)
+    return np.hstack([scalar, a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])])

@@ -40,6 +40,14 @@ def read_bytes(path: Path) -> bytes:
         raise ImportFailure(f"{path}: cannot be read ({error.strerror})", IO) from error
 
 
+def first_bytes(path: Path, count: int) -> bytes:
+    try:
+        with open(path, "rb") as file:
+            return file.read(count)
+    except OSError as error:
+        raise ImportFailure(f"{path}: cannot be read ({error.strerror})", IO) from error
+
+
 def read_csv(path: Path) -> Table:
     """Reads a comma separated file with one header line; `.gz` is unpacked."""
     raw = read_bytes(path)

@@ -1,6 +1,5 @@
-"""Writes a flight log (CSV.gz or CSV with its sidecar): the same input gives the same bytes."""
+"""Writes a flight log (CSV with its sidecar): the same input gives the same bytes."""
 
-import gzip
 import io
 import os
 import tempfile
@@ -9,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from . import VERSION
-from .column_map import ColumnMap
 from .flight import Flight
 from .problems import IO, ImportFailure
 
@@ -41,21 +39,12 @@ def _value(value) -> str:
     return repr(float(value)) if isinstance(value, float) else str(value)
 
 
-def sidecar_text(flight: Flight, column_map: ColumnMap, sha256: str, vehicle: str, usable: bool) -> str:
+def sidecar_text(flight: Flight, top: dict, environment: dict, origin: dict) -> str:
     """NAME.meta.toml: what the contract asks for, and under [origin] where it came from and what is wrong with it."""
-    top = {"format": "gustlab-flight/1", "vehicle": vehicle}
-    if column_map.has("actuator"):
-        top["actuator"] = column_map.get("actuator", "kind")
-    top.update(source=column_map.get("", "source", "recording"), hold=column_map.get("", "hold", "unknown"),
-               notes=column_map.get("", "notes", ""))
-    lines = [f"{key} = {_value(value)}" for key, value in top.items()]
-    if column_map.has("environment"):
-        lines += ["", "[environment]"] + [f"{key} = {_value(value)}"
-                                          for key, value in column_map.tables["environment"].items()]
-    origin = {"file": flight.file, "sha256": sha256, "importer": "gustlab import_log", "importer_version": VERSION,
-              "map": column_map.name, "published": column_map.get("", "published", ""), "rows_read": flight.rows,
-              "rows_written": len(flight.time_s), "source_time_of_zero_s": flight.start_s, "usable": usable,
-              "known_issues": column_map.get("", "known_issues", [])}
+    origin = {**origin, "rows_written": len(flight.time_s), "importer": "gustlab import", "importer_version": VERSION}
+    lines = [f"{key} = {_value(value)}" for key, value in {"format": "gustlab-flight/1", **top}.items() if value is not None]
+    if environment:
+        lines += ["", "[environment]"] + [f"{key} = {_value(value)}" for key, value in environment.items()]
     lines += ["", "[origin]"] + [f"{key} = {_value(value)}" for key, value in origin.items()]
     for finding in flight.findings:
         lines += ["", "[[origin.finding]]"] + [f"{key} = {_value(value)}" for key, value in finding.as_dict().items()]
@@ -74,8 +63,3 @@ def write_all(folder: Path, files: dict) -> None:
             os.replace(temporary, folder / name)
     except OSError as error:
         raise ImportFailure(f"{folder}: cannot write ({error.strerror})", IO) from error
-
-
-def packed(text: str) -> bytes:
-    """gzip without a time stamp or a name, so that it is reproducible."""
-    return gzip.compress(text.encode("utf-8"), compresslevel=6, mtime=0)

@@ -119,7 +119,7 @@ def physics_of(model):
 
 
 def nanodrone(bench, folder):
-    flights = sorted(folder.glob("train_*.csv.gz"))
+    flights = sorted(folder.glob("train_*.csv*"))
     held = [path for path in flights if "_run2" in path.name]
     fit = [path for path in flights if path not in held]
     diagnosis, figures = bench.diagnose("nanodrone", fit, held)
@@ -130,11 +130,11 @@ def nanodrone(bench, folder):
     result = {"seconds": figures["seconds"], "peak_MiB": figures["peak_MiB"], "published": PUBLISHED, "goal": GOAL}
     if diagnosis is not None:
         augmented = bench.out / "nanodrone" / "augmented.toml"
-        test = bench.replay(sorted(folder.glob("test_*.csv.gz")), augmented, diagnosis["vehicle"])
+        test = bench.replay(sorted(folder.glob("test_*.csv*")), augmented, diagnosis["vehicle"])
         result["test"] = test
         if "failed" not in test:
             result["after"] = {q: test[q]["after"][0] for q in QUANTITIES}
-            physics = bench.replay(sorted(folder.glob("test_*.csv.gz")), physics_of(augmented), diagnosis["vehicle"])
+            physics = bench.replay(sorted(folder.glob("test_*.csv*")), physics_of(augmented), diagnosis["vehicle"])
             result["physics_after"] = {q: physics[q]["after"][0] for q in QUANTITIES}
             result["habit"] = "habit" in diagnosis
             rows += [{"case": "nanodrone test, 0.5 s", "wanted": f"{q} at most {GOAL[q]}", "found": f"{result['after'][q]:.4f}",
@@ -143,8 +143,8 @@ def nanodrone(bench, folder):
 
 
 def nanobench(bench, folder, corrupt):
-    flights = sorted(path for path in folder.glob("B[236]*.csv.gz"))
-    bad = sorted(corrupt.glob("B9*.csv.gz"))
+    flights = sorted(path for path in folder.glob("B[236]*.csv*"))
+    bad = sorted(corrupt.glob("B9*.csv*"))
     diagnosis, _ = bench.diagnose("nanobench", [*flights[:2], *bad], flights[2:])
     rows = [row("nanobench", wanted, diagnosis, lambda d, wanted=wanted: named(d, wanted))
             for wanted in ("battery_sag", "motor_lag", "rotor_drag")]
@@ -154,7 +154,7 @@ def nanobench(bench, folder, corrupt):
 
 
 def arpl(bench, folder):
-    diagnosis, _ = bench.diagnose("arpl", [folder / "log10.csv.gz"], [])
+    diagnosis, _ = bench.diagnose("arpl", [next(folder.glob("log10*.csv*"))], [])
     lag = diagnosis and value(diagnosis, "motor_lag", "time_constant")
     result = row("arpl log10 (no pose)", "motor_lag of 75 ms within 10 %", diagnosis, lambda d: lag is not None and abs(lag / 0.075 - 1) <= 0.1)
     if lag is not None:
@@ -164,7 +164,7 @@ def arpl(bench, folder):
 
 def crazypad(bench, folder):
     rows = []
-    log = lambda name: folder / f"{name}.csv.gz"
+    log = lambda name: next(folder.glob(f"{name}*.csv*"))
     silent = lambda d: not d["effects"]
     # the second flight is another one of the same vehicle, against which the first is judged
     for case, flight, normal, wanted, good in (

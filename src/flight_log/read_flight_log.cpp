@@ -131,7 +131,7 @@ FlightLog read_flight_log(const std::string& csv_path) {
   const std::string sidecar = sidecar_path(csv_path);
   if (const std::string why = why_unreadable(csv_path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", csv_path, why));
   if (const std::string why = why_unreadable(sidecar); !why.empty())
-    throw DataError(fmt::format("{}: cannot read ({}) a log needs its sidecar; scripts/import_log.py writes both", sidecar, why));
+    throw DataError(fmt::format("{}: cannot read ({}) a log needs its sidecar; gustlab import writes both", sidecar, why));
   log.meta = read_sidecar(sidecar);
   note_input(csv_path);
   CsvNumbers csv(csv_path, [](std::string_view name) { return !is_known_column(name); });

@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 
-import import_log  # noqa: E402
+from gustlab_import import cli  # noqa: E402
 from gustlab_import.rotations import conjugate, increment, rotate  # noqa: E402
 
 MAP = """format = "gustlab-column-map/1"
@@ -121,7 +121,7 @@ class ImportCase(unittest.TestCase):
         out, err = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             try:
-                code = import_log.main([str(argument) for argument in arguments])
+                code = cli.main([str(argument) for argument in arguments])
             except SystemExit as end:
                 code = end.code
         return code, out.getvalue(), err.getvalue()
@@ -129,11 +129,11 @@ class ImportCase(unittest.TestCase):
     def inspect(self, columns: dict, map_text: str = MAP, *more) -> tuple:
         """(exit code, findings, stderr) of a recording made of these columns; writes to self.out."""
         log = self.write("log.csv", csv(columns))
-        code, out, err = self.run_import(log, "--map", self.write("m.toml", map_text), "--out", self.out, "--plain",
-                                         "--format", "json", *more)
-        return code, json.loads(out)["flights"][0]["findings"] if out else [], err
+        code, out, err = self.run_import(log, "--map", self.write("m.toml", map_text), "--out", self.out, "--format",
+                                         "json", *more)
+        return code, json.loads(out)["logs"][0]["findings"] if out else [], err
 
-    def written(self, name: str = "log.csv") -> dict:
+    def written(self, name: str = "log_1.csv") -> dict:
         """Columns of a flight log that the importer wrote."""
         lines = (self.out / name).read_text().splitlines()
         rows = [[float(cell) if cell else np.nan for cell in line.split(",")] for line in lines[1:]]

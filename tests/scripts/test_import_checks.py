@@ -21,7 +21,7 @@ class Quiet(ImportCase):
         log = self.write("log.csv", csv(flight()))
         _, out, _ = self.run_import(log, "--map", self.map, "--format", "json")
         import json
-        noise = json.loads(out)["flights"][0]["noise"]
+        noise = json.loads(out)["logs"][0]["flights"][0]["noise"]
         self.assertAlmostEqual(noise["wx"], 5e-3, delta=1e-3)
         self.assertAlmostEqual(noise["az"], 0.05, delta=0.01)
 
@@ -202,7 +202,7 @@ class Rows(ImportCase):
         cells[5] = "nan"
         text[41] = ",".join(cells)
         log = self.write("log.csv", "\n".join(text) + "\n")
-        code, out, _ = self.run_import(log, "--map", self.map, "--out", self.out, "--plain")
+        code, out, _ = self.run_import(log, "--map", self.map, "--out", self.out)
         self.assertEqual(code, 0)
         self.assertIn("not a number or infinite (first at log.csv:42)", out)
         self.assertTrue(np.isnan(self.written()["vy"][40]))

@@ -24,12 +24,13 @@ class Published(ImportCase):
         return found
 
     def take(self, name: str, files: list, *more) -> tuple:
-        code, out, err = self.run_import(*files, "--map", name, "--format", "json", "--out", self.out, "--plain", *more)
-        return code, {f["name"]: f for f in json.loads(out)["flights"]}, err
+        code, out, err = self.run_import(*files, "--map", name, "--format", "json", "--out", self.out, *more)
+        return code, {one["flights"][0]["log"].removesuffix("_1.csv"): one for one in json.loads(out)["logs"]}, err
 
     def test_checksums_are_those_of_the_documentation(self):
         text = DATA.read_text()
-        for path in sorted(Path(FLIGHTS).rglob("*")):
+        described = [Path(FLIGHTS, name) for name in ("nanodrone", "nanobench", "arpl", "crazypad")]
+        for path in sorted(path for folder in described for path in folder.rglob("*")):
             if path.is_file() and path.name not in ("LICENSE", "README.md"):
                 self.assertIn(hashlib.sha256(path.read_bytes()).hexdigest(), text, path.name)
 
@@ -39,7 +40,7 @@ class Published(ImportCase):
         for flight in flights.values():
             self.assertFound(flight["findings"], "filtered", "body rate holds no power above about 2", "warning")
             self.assertFound(flight["findings"], "delay", "earlier than attitude")
-        written = self.written("test_melon_run1_bag1.csv")
+        written = self.written("test_melon_run1_bag1_1.csv")
         self.assertEqual(len(written["time_s"]), 6499)
         # weight from the published thrust coefficient and mass: rotors in rad/s, z up, in hover and on average
         thrust = 3.72e-8 * sum(written[f"u{k}"] ** 2 for k in (1, 2, 3, 4))
@@ -61,7 +62,7 @@ class Published(ImportCase):
         self.assertEqual(code, 0)
         for name, flight in flights.items():
             self.assertFound(flight["findings"], "ground", "left out")
-            written = self.written(name + ".csv")
+            written = self.written(name + "_1.csv")
             self.assertAlmostEqual(float(np.median(written["az"])), 9.81, delta=0.2)
             self.assertGreater(np.min(written["pz"]), 0.14)
             self.check_mix(written, 0.04)
@@ -81,9 +82,9 @@ class Published(ImportCase):
     def test_arpl(self):
         code, flights, _ = self.take("arpl", self.files("arpl", "log1[05]"))
         self.assertEqual(code, 0)
-        sidecar = tomllib.loads((self.out / "log10.meta.toml").read_text())
+        sidecar = tomllib.loads((self.out / "log10_1.meta.toml").read_text())
         self.assertEqual((sidecar["actuator"], sidecar["hold"]), ("pwm", "zoh"))
-        written = self.written("log10.csv")
+        written = self.written("log10_1.csv")
         self.assertGreaterEqual(written["time_s"][0], 35.0)
         self.assertLessEqual(written["time_s"][-1], 65.0)
         self.assertFound(flights["log10"]["findings"], "held", "actuators")
@@ -93,7 +94,7 @@ class Published(ImportCase):
         code, flights, _ = self.take("crazypad", self.files("crazypad", "*/E*"))
         self.assertEqual(code, 0)
         self.assertEqual(len(flights), 8)
-        written = self.written("normal_flight-E8_log00.csv")
+        written = self.written("normal_flight-E8_log00_1.csv")
         self.assertGreater(np.min(written["pz"]), 0.09)
         # height above the estimated acceleration: it is in the world frame with gravity removed
         self.assertLess(abs(float(np.mean(written["acc_world_z"]))), 0.5)

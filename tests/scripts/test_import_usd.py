@@ -35,14 +35,13 @@ def records(count: int, ticks_per_step: int) -> list:
 
 class Usd(ImportCase):
     def take(self, content: bytes, map_text: str = MAP, *more) -> tuple:
-        return self.run_import(self.write("log00", content), "--map", self.write("usd.toml", map_text), "--out", self.out,
-                               "--plain", *more)
+        return self.run_import(self.write("log00", content), "--map", self.write("usd.toml", map_text), "--out", self.out, *more)
 
     def check_values(self, version: int, ticks_per_step: int):
         rows = records(400, ticks_per_step)
         code, out, err = self.take(usd(version, rows))
         self.assertEqual((code, err), (0, ""))
-        written = self.written("log00.csv")
+        written = self.written("log00_1.csv")
         np.testing.assert_allclose(written["time_s"], 0.01 * np.arange(400), atol=1e-9)
         np.testing.assert_array_equal(written["u3"], [row[5] for row in rows])
         np.testing.assert_allclose(written["roll_rate"], np.radians([row[2] for row in rows]), rtol=1e-6)
@@ -60,14 +59,14 @@ class Usd(ImportCase):
         body[first:first] = struct.pack("<HQ", 7, 1)
         body += struct.pack("<I", zlib.crc32(bytes(body)))
         self.assertEqual(self.take(bytes(body))[0], 0)
-        self.assertEqual(len(self.written("log00.csv")["time_s"]), 100)
+        self.assertEqual(len(self.written("log00_1.csv")["time_s"]), 100)
 
     def test_cut_off_inside_a_record(self):
         content = usd(2, records(300, 10000))
         code, out, _ = self.take(content[:-15])
         self.assertEqual(code, 0)
         self.assertIn("ends inside a record and without its checksum", out)
-        self.assertEqual(len(self.written("log00.csv")["time_s"]), 299)
+        self.assertEqual(len(self.written("log00_1.csv")["time_s"]), 299)
 
     def test_cut_off_at_every_length_is_never_a_crash(self):
         content = usd(1, records(12, 10))

@@ -119,6 +119,23 @@ FlightLog filtered_alike(FlightLog log, double sd_s) {
   return log;
 }
 
+// intervals of the fastest sensor: where columns have rates and rows of their own, rows are closer than any of them
+std::vector<double> fastest_steps(const FlightLog& log) {
+  std::vector<double> fastest;
+  for (const char* name : {"px", "vx", "qw", "wx", "ax"}) {
+    const auto* column = log.find(name);
+    std::vector<double> steps;
+    double last_s = nan;
+    for (std::size_t k = 0; column && k < log.rows(); ++k) {
+      if (!std::isfinite((*column)[k])) continue;
+      if (std::isfinite(last_s)) steps.push_back(log.time_s[k] - last_s);
+      last_s = log.time_s[k];
+    }
+    if (steps.size() > fastest.size()) fastest = std::move(steps);
+  }
+  return fastest;
+}
+
 // body rate of a quaternion and its derivative: ω = 2 vec(q⁻¹ q̇)
 Vector3 rate_of(const Quaternion& q, const Eigen::Vector4d& derivative) {
   const Quaternion dq(derivative[3], derivative[0], derivative[1], derivative[2]);
@@ -213,8 +230,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
 
   const auto& time = log.time_s;
   const std::size_t rows = log.rows();
-  std::vector<double> steps;
-  for (std::size_t k = 1; k < rows; ++k) steps.push_back(time[k] - time[k - 1]);
+  std::vector<double> steps = fastest_steps(log);
   const double log_step_s = interval_s(steps);
 
   // commands and measured rotor speeds keep their full rate

@@ -48,35 +48,88 @@ Quaternion turned(const Quaternion& q, const Vector3& turn_B) {
   return angle > 0.0 ? q * Quaternion(Eigen::AngleAxisd(angle, turn_B / angle)) : q;
 }
 
-FlightLog with_shared_rows(const FlightLog& log) {
-  constexpr double farthest_s = 0.05;   // that a value may be from its neighbours
-  std::vector<const std::vector<double>*> motion;
-  for (const char* name : {"px", "vx", "qw", "wx"})
-    if (const auto* column = log.find(name)) motion.push_back(column);
-  const auto* attitude = log.find("qw");
-  const auto whole = [&](std::size_t row) { return std::all_of(motion.begin(), motion.end(), [row](const auto* c) { return std::isfinite((*c)[row]); }); };
-  bool shared = attitude == nullptr;
-  for (std::size_t row = 0; row < log.rows() && !shared; ++row) shared = whole(row);
-  if (shared) return log;
+namespace {
 
-  FlightLog merged = log;
-  merged.time_s.clear();
+// samples of one column: the rows that hold one, and how far apart they usually are
+struct Samples {
+  const std::vector<double>* column = nullptr;
   std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < log.rows(); ++row)
-    if (std::isfinite((*attitude)[row])) rows.push_back(row), merged.time_s.push_back(log.time_s[row]);
-  for (std::size_t c = 0; c < log.columns.size(); ++c) {
-    const std::vector<double>& from = log.columns[c].values;
-    std::vector<double>& to = merged.columns[c].values;
-    to.clear();
-    for (const std::size_t row : rows) {
-      std::size_t before = row, after = row;
-      while (before > 0 && !std::isfinite(from[before]) && log.time_s[row] - log.time_s[before] <= farthest_s) --before;
-      while (after + 1 < from.size() && !std::isfinite(from[after]) && log.time_s[after] - log.time_s[row] <= farthest_s) ++after;
-      const double gap_s = log.time_s[after] - log.time_s[before];
-      const double part = gap_s > 0.0 ? (log.time_s[row] - log.time_s[before]) / gap_s : 0.0;
-      to.push_back(gap_s <= farthest_s ? from[before] + part * (from[after] - from[before]) : std::nan(""));
+  double step_s = 0.0;
+};
+
+Samples samples_of(const std::vector<double>& time_s, const std::vector<double>& column) {
+  Samples found{&column, {}, 0.0};
+  std::vector<double> steps;
+  for (std::size_t row = 0; row < column.size(); ++row) {
+    if (!std::isfinite(column[row])) continue;
+    if (!found.rows.empty()) steps.push_back(time_s[row] - time_s[found.rows.back()]);
+    found.rows.push_back(row);
+  }
+  found.step_s = median(std::move(steps));
+  return found;
+}
+
+// a column at other rows, between its neighbours; none where these are farther apart than its samples usually are
+std::vector<double> between_neighbours(const std::vector<double>& time_s, const Samples& samples, const std::vector<std::size_t>& rows) {
+  constexpr double least_farthest_s = 0.05;
+  const double farthest_s = std::max(least_farthest_s, 1.6 * samples.step_s);
+  std::vector<double> result;
+  for (const std::size_t row : rows) {
+    const auto after = std::lower_bound(samples.rows.begin(), samples.rows.end(), row);
+    if (after != samples.rows.end() && *after == row) {
+      result.push_back((*samples.column)[row]);
+    } else if (after == samples.rows.begin() || after == samples.rows.end() || time_s[*after] - time_s[*(after - 1)] > farthest_s) {
+      result.push_back(std::nan(""));
+    } else {
+      const std::size_t before = *(after - 1);
+      const double part = (time_s[row] - time_s[before]) / (time_s[*after] - time_s[before]);
+      result.push_back((*samples.column)[before] + part * ((*samples.column)[*after] - (*samples.column)[before]));
     }
   }
+  return result;
+}
+
+// q and -q are one attitude: of neighbouring samples the same sign is taken, so that there is something between them
+void make_continuous(FlightLog& log) {
+  std::array<std::vector<double>*, 4> q{};
+  constexpr const char* names[] = {"qw", "qx", "qy", "qz"};
+  for (std::size_t i = 0; i < q.size(); ++i)
+    for (LogColumn& column : log.columns)
+      if (column.name == names[i]) q[i] = &column.values;
+  if (std::find(q.begin(), q.end(), nullptr) != q.end()) return;
+  std::array<double, 4> last{};
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    double dot = 0.0;
+    for (std::size_t i = 0; i < q.size(); ++i) dot += (*q[i])[row] * last[i];
+    if (std::isnan(dot)) continue;
+    for (std::size_t i = 0; i < q.size(); ++i) last[i] = dot < 0.0 ? (*q[i])[row] *= -1.0 : (*q[i])[row];
+  }
+}
+
+}  // namespace
+
+FlightLog with_shared_rows(const FlightLog& log) {
+  constexpr double nearly_all = 0.9;
+  std::vector<Samples> motion;
+  for (const char* name : {"px", "vx", "qw", "wx"})
+    if (const auto* column = log.find(name)) motion.push_back(samples_of(log.time_s, *column));
+  std::erase_if(motion, [](const Samples& s) { return s.rows.empty(); });
+  const auto fewer = [](const Samples& a, const Samples& b) { return a.rows.size() < b.rows.size(); };
+  const auto slowest = std::min_element(motion.begin(), motion.end(), fewer);
+  const auto fastest = std::max_element(motion.begin(), motion.end(), fewer);
+  const auto whole = [&](std::size_t row) { return std::all_of(motion.begin(), motion.end(), [row](const Samples& s) { return std::isfinite((*s.column)[row]); }); };
+  if (motion.empty() || static_cast<double>(std::count_if(fastest->rows.begin(), fastest->rows.end(), whole)) >=
+                            nearly_all * static_cast<double>(fastest->rows.size()))
+    return log;
+
+  FlightLog continuous = log;
+  make_continuous(continuous);
+  FlightLog merged = continuous;
+  merged.time_s.clear();
+  const std::vector<std::size_t>& rows = slowest->rows;
+  for (const std::size_t row : rows) merged.time_s.push_back(log.time_s[row]);
+  for (std::size_t c = 0; c < log.columns.size(); ++c)
+    merged.columns[c].values = between_neighbours(log.time_s, samples_of(log.time_s, continuous.columns[c].values), rows);
   return merged;
 }
 

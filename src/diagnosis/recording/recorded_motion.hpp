@@ -8,7 +8,8 @@
 
 namespace gustlab::diagnosis {
 
-// Of sensors that never share a row: the rows of the attitude, with all else between its neighbours. Any other log as it is.
+// Of quantities with rates or rows of their own: the rows of the slowest, with all else between its neighbours. A log whose rows
+// hold everything as it is.
 FlightLog with_shared_rows(const FlightLog& log);
 
 class RecordedMotion {

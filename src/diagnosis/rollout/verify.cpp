@@ -93,15 +93,20 @@ FlightLog with_later_inputs(const FlightLog& log, double by_s) {
   for (std::size_t c = 0; c < log.columns.size(); ++c) {
     if (!is_rotor_column(log.columns[c].name)) continue;
     const auto& from = log.columns[c].values;
-    for (std::size_t k = 0; k < log.rows(); ++k) {
+    // a column may have empty cells between its samples
+    std::vector<std::size_t> rows;
+    for (std::size_t k = 0; k < log.rows(); ++k)
+      if (std::isfinite(from[k])) rows.push_back(k);
+    for (const std::size_t k : rows) {
       const double t = log.time_s[k] - by_s;
-      const auto next = static_cast<std::size_t>(std::upper_bound(log.time_s.begin(), log.time_s.end(), t) - log.time_s.begin());
-      if (next == 0 || next >= log.rows()) {
-        later.columns[c].values[k] = from[std::min(next, log.rows() - 1)];
+      const auto next = std::upper_bound(rows.begin(), rows.end(), t, [&](double at_s, std::size_t row) { return at_s < log.time_s[row]; });
+      if (next == rows.begin() || next == rows.end()) {
+        later.columns[c].values[k] = from[next == rows.begin() ? rows.front() : rows.back()];
         continue;
       }
-      const double share = (t - log.time_s[next - 1]) / (log.time_s[next] - log.time_s[next - 1]);
-      later.columns[c].values[k] = from[next - 1] + share * (from[next] - from[next - 1]);
+      const std::size_t after = *next, before = *(next - 1);
+      const double share = (t - log.time_s[before]) / (log.time_s[after] - log.time_s[before]);
+      later.columns[c].values[k] = from[before] + share * (from[after] - from[before]);
     }
   }
   return later;

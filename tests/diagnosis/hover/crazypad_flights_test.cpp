@@ -23,7 +23,7 @@ class CrazyPad : public ::testing::Test {
     const test::Said said = test::run_program(command);
     ASSERT_EQ(said.exit_code, 0) << said.err;
   }
-  std::string log(const char* condition, const char* flight) const { return folder_.file(std::string(condition) + "-" + flight + ".csv.gz"); }
+  std::string log(const char* condition, const char* flight) const { return folder_.file(std::string(condition) + "-" + flight + "_1.csv"); }
   static Diagnosis against(const std::string& reference, const std::string& flight) {
     DiagnoseOptions options;
     options.fit = {flight};

@@ -19,7 +19,7 @@ nlohmann::json replay_test_flights(const std::filesystem::path& flights, const s
   std::vector<std::string> replay{"replay"};
   for (const char* name : {"test_melon_run1_bag1", "test_melon_run2_bag4", "test_melon_run3_bag5"}) {
     import.push_back((flights / "nanodrone" / name).string() + ".csv.gz");
-    replay.push_back(folder.file(std::string(name) + ".csv.gz"));
+    replay.push_back(folder.file(std::string(name) + "_1.csv"));
   }
   import.insert(import.end(), {"--map", "nanodrone", "--out", folder.path().string()});
   const Said imported = test::run_program(import);

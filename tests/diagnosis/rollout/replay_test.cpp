@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "config/toml.hpp"
 #include "diagnosis/rollout/per_flight.hpp"
+#include "diagnosis/rollout/verify.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/random.hpp"
 #include "plant/plant.hpp"
@@ -254,6 +256,39 @@ TEST_F(Replay, WhatComesAfterAWindowsStartTellsNothing) {
     for (std::size_t c = 3; c < 6; ++c) changed.columns[c].values[row] += 0.3;
   EXPECT_EQ(told(changed, vehicle, still, 1.55), before);
   EXPECT_NE(told(changed, vehicle, still, 2.1), before);
+}
+
+// keeps every so many rows of some columns and leaves the cells between empty
+void make_slow(FlightLog& log, std::initializer_list<std::string_view> names, std::size_t every) {
+  for (LogColumn& column : log.columns)
+    if (std::find(names.begin(), names.end(), column.name) != names.end())
+      for (std::size_t row = 0; row < log.rows(); ++row)
+        if (row % every != 0) column.values[row] = std::nan("");
+}
+
+// as flight computers log: attitude at half, position at a fifth of the rate of the gyro
+TEST_F(Replay, ColumnsMayHaveRatesOfTheirOwn) {
+  const FlightLog whole = fly(vehicle, vehicle.effects);
+  FlightLog slow = whole;
+  make_slow(slow, {"qw", "qx", "qy", "qz"}, 2);
+  make_slow(slow, {"px", "py", "pz", "vx", "vy", "vz"}, 5);
+  const FitErrors errors = replay(slow, vehicle, vehicle.effects, {}), exact = replay(whole, vehicle, vehicle.effects, {});
+  ASSERT_GE(errors.windows(), exact.windows());
+  const nlohmann::ordered_json fit = fit_block({errors}, {});
+  for (const char* quantity : {"position_m", "velocity_mps", "attitude_rad", "body_rate_radps"})
+    for (std::size_t h = 0; h < 2; ++h)
+      EXPECT_LT(fit[quantity]["before"][h].get<double>(), 0.1 * fit[quantity]["hold"][h].get<double>()) << quantity << " at horizon " << h;
+}
+
+TEST_F(Replay, LaterInputsKeepTheirEmptyCells) {
+  FlightLog slow = fly(vehicle, vehicle.effects);
+  make_slow(slow, {"u1"}, 5);
+  const FlightLog later = with_later_inputs(slow, 0.02);
+  const auto &before = *slow.find("u1"), &after = *later.find("u1");
+  for (std::size_t row = 5; row + 5 < slow.rows(); ++row) {
+    ASSERT_EQ(std::isnan(after[row]), row % 5 != 0) << row;
+    if (row % 5 == 0) EXPECT_NEAR(after[row], 0.6 * before[row] + 0.4 * before[row - 5], 1e-9 * before[row]) << row;
+  }
 }
 
 }  // namespace

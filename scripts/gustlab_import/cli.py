@@ -1,0 +1,103 @@
+"""gustlab import: turns logs into flight logs, and says what is in them and what is wrong with them."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from .column_map import load_map
+from .from_recording import import_recording
+from .from_table import import_table
+from .kinds import kind_of, reader_of
+from .outcome import as_json, as_text
+from .problems import DATA, IO, USAGE, ImportFailure
+from .vehicle_file import read_vehicle
+from .write_log import csv_text, write_all
+
+FORMATS = ("PX4 ULog, ArduPilot DataFlash, MAVLink tlog, ROS 1 and 2 bag (.bag, .db3, .mcap), Betaflight blackbox, Crazyflie "
+           "uSD, CSV, Parquet")
+
+
+def arguments(argv: list) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="gustlab import", description="turns flight computers' logs into flight logs, or says "
+                                     "what is in them", epilog="exit codes: 0 there is a flight, 2 usage, vehicle or map, 3 no "
+                                     "flight (with the reason), 4 a file cannot be read or written")
+    parser.add_argument("inputs", nargs="+", type=Path, metavar="LOG", help=FORMATS)
+    parser.add_argument("--out", type=Path, metavar="DIR", help="where the flight logs and import.json go; without it nothing is written")
+    parser.add_argument("--vehicle", metavar="NAME|PATH", help="vehicle of the flight logs (default: the map's, or vehicle.toml "
+                        "beside the flight logs); motors are put into its order")
+    parser.add_argument("--map", metavar="NAME|FILE.toml", help="column map: needed for CSV, Parquet, uSD; built in or a file")
+    parser.add_argument("--from", dest="from_s", type=float, metavar="S", help="first time kept, seconds of the log")
+    parser.add_argument("--to", dest="to_s", type=float, metavar="S", help="last time kept, seconds of the log")
+    parser.add_argument("--whole", action="store_true", help="with a map: keep the time on the ground, and what the map would cut")
+    parser.add_argument("--keep-unusable", action="store_true", help="write unusable recordings too, marked usable = false")
+    parser.add_argument("--keep-position", action="store_true", help="keep latitude and longitude of the origin in the sidecar")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
+    parser.add_argument("-q", "--quiet", action="store_true", help="errors only")
+    parser.add_argument("-v", "--verbose", action="store_true", help="also the topics of logs that hold a flight")
+    return parser.parse_args(argv)
+
+
+def stem(path: Path, by_folder: bool) -> str:
+    """File name without its endings; with by_folder, `folder-name`."""
+    name = path.name
+    for ending in (".gz", ".csv", ".txt", ".parquet", ".ulg", ".bin", ".BIN", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".bbl"):
+        name = name.removesuffix(ending)
+    return f"{path.resolve().parent.name}-{name}" if by_folder else name
+
+
+def run(argv: list) -> int:
+    options = arguments(argv)
+    column_map = load_map(options.map) if options.map else None
+    vehicle = read_vehicle(options.vehicle, options.out) if options.vehicle else None
+    outcomes, names = [], {}
+    for path in options.inputs:
+        name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
+        if name in names:
+            raise ImportFailure(f"{path}: would be written over {names[name]} (both give {name}); use two --out", USAGE)
+        names[name] = path
+        if column_map is not None:
+            outcomes.append(import_table(path, name, column_map, vehicle, options))
+        else:
+            outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
+    if not options.quiet:
+        print(as_json(outcomes) if options.format == "json" else as_text(outcomes, options.verbose), end="")
+    # one unusable recording holds all back: a set of flights with a silent hole would be worse
+    code = refusals(outcomes, options.keep_unusable)
+    if options.out is not None and (code == 0 or column_map is None):
+        write(options.out, outcomes)
+    return code
+
+
+def refusals(outcomes: list, keep_unusable: bool) -> int:
+    """Says on stderr why logs gave no flight; the exit code."""
+    unusable = False
+    for one in outcomes:
+        wrong = next((f for _, f in one.all_findings() if f.severity == "error"), None)
+        if wrong is not None and one.flights:
+            print(f"{one.file}: not usable: {wrong.says}", file=sys.stderr)
+            unusable = True
+        elif not one.flights:
+            print(f"{one.file}: no flight: {'; '.join(dict.fromkeys(why for _, _, why in one.refused))}", file=sys.stderr)
+    if unusable and not keep_unusable:
+        return DATA
+    return 0 if any(one.flights for one in outcomes) else DATA
+
+
+def write(folder: Path, outcomes: list) -> None:
+    files = {}
+    for one in outcomes:
+        for name, flight, sidecar in one.flights:
+            files[name + ".csv"] = csv_text(flight).encode("utf-8")
+            files[name + ".meta.toml"] = sidecar.encode("utf-8")
+    files["import.json"] = as_json(outcomes).encode("utf-8")
+    write_all(folder, files)
+
+
+def main(argv=None) -> int:
+    try:
+        return run(sys.argv[1:] if argv is None else argv)
+    except ImportFailure as failure:
+        print(failure, file=sys.stderr)
+        return failure.code
+    except BrokenPipeError:
+        return IO

@@ -1,0 +1,40 @@
+"""A table and a column map become one flight log (the time on the ground may be left out)."""
+
+from pathlib import Path
+
+from .checks import inspect
+from .column_map import ColumnMap
+from .flight import convert
+from .limits import cannot_tell
+from .outcome import Outcome
+from .problems import USAGE, ImportFailure
+from .tables import Table, read_csv
+from .usd_log import read_usd
+from .write_log import sidecar_text
+
+
+def read_table(path: Path, column_map: ColumnMap) -> Table:
+    """Reads a file as its map says."""
+    if column_map.get("", "kind") == "usd":
+        return read_usd(path, column_map.get("", "event"))
+    return read_csv(path)
+
+
+def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options) -> Outcome:
+    table = read_table(path, column_map)
+    reference = vehicle.reference if vehicle else column_map.get("", "vehicle")
+    if reference is None:
+        raise ImportFailure(f"{column_map.name}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
+    flight = convert(table, column_map)
+    inspect(flight, column_map, table, options.from_s, options.to_s, options.whole)
+    usable = all(f.severity != "error" for f in flight.findings)
+    top = {"vehicle": reference, "actuator": column_map.get("actuator", "kind"), "source": column_map.get("", "source", "recording"),
+           "hold": column_map.get("", "hold", "unknown"), "notes": column_map.get("", "notes", "")}
+    origin = {"file": flight.file, "sha256": table.sha256, "map": column_map.name, "published": column_map.get("", "published", ""),
+              "rows_read": flight.rows, "source_time_of_zero_s": flight.start_s, "usable": usable,
+              "known_issues": column_map.get("", "known_issues", [])}
+    sidecar = sidecar_text(flight, top, column_map.tables.get("environment", {}), origin)
+    out = Outcome(flight.file, table.sha256, column_map.get("", "kind"), "", "by the column map " + column_map.name,
+                  flights=[(f"{name}_1", flight, sidecar)])
+    out.limits = cannot_tell([flight], {}) if usable else []
+    return out

@@ -1,0 +1,45 @@
+"""Which reader a file needs: by its first bytes, and by its name where bytes do not tell."""
+
+from pathlib import Path
+
+from .column_map import MAPS
+from .problems import USAGE, ImportFailure
+from .tables import first_bytes
+
+MAGIC = ((b"ULog\x01\x12\x35", "ulog"), (b"\xa3\x95", "dataflash"), (b"#ROSBAG V", "ros"), (b"SQLite format 3", "ros"),
+         (b"\x89MCAP", "ros"), (b"H Product:Blackbox", "blackbox"), (b"\xbc", "usd"), (b"PAR1", "parquet"))
+ENDINGS = {".ulg": "ulog", ".bin": "dataflash", ".tlog": "tlog", ".bag": "ros", ".db3": "ros", ".mcap": "ros", ".bfl": "blackbox",
+           ".bbl": "blackbox", ".csv": "csv", ".gz": "csv", ".parquet": "parquet"}
+
+
+def kind_of(path: Path) -> str:
+    head = first_bytes(path, 64)
+    for magic, kind in MAGIC:
+        if head.startswith(magic):
+            return kind
+    if not head:
+        raise ImportFailure(f"{path.name}: byte 0: the file is empty; fetch it again")
+    kind = ENDINGS.get(path.suffix.lower())
+    if kind:
+        return kind
+    known = ", ".join(dict.fromkeys(ENDINGS))
+    raise ImportFailure(f"{path.name}: byte 0: no log format that is known begins like this, and `{path.suffix}` is none of {known}",
+                        USAGE)
+
+
+def reader_of(kind: str, path: Path):
+    """The function that reads files of a kind; imported only when it is needed, as some libraries take a second."""
+    if kind == "ulog":
+        from .read_ulog import read_ulog
+        return read_ulog
+    if kind in ("dataflash", "tlog"):
+        from . import read_mavlink
+        return read_mavlink.read_dataflash if kind == "dataflash" else read_mavlink.read_tlog
+    if kind == "blackbox":
+        from .read_blackbox import read_blackbox
+        return read_blackbox
+    if kind in ("csv", "parquet", "usd"):
+        built_in = ", ".join(sorted(p.stem for p in MAPS.glob("*.toml")))
+        raise ImportFailure(f"{path.name}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in})", USAGE)
+    from .read_ros import read_ros
+    return read_ros

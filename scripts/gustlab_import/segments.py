@@ -1,0 +1,132 @@
+"""Which parts of a recording are flights: armed, in the air, without gaps and resets; and why the rest is refused."""
+
+import numpy as np
+
+from .streams import POSITION, Recording, Stream
+
+SHORTEST_s = 3.0        # of a flight: shorter ones hold no window of a second beside the ends
+GAP_s = 1.0             # without any sample of the fastest stream: a flight is cut there
+SLOWEST_Hz = 5.0        # position and motors both slower than this cannot be judged
+HEIGHT_WINDOW_s, HEIGHT_OFF_m = 2.0, 1.5    # height against its velocity: barometers drift by less
+RUNNING_SHARE = 0.4     # of the median command of the running motors: below it, over a second, the vehicle does not fly
+LONGEST_DIVE_s = 4.0    # with idle motors
+NEEDED = ("position", "specific_force", "body_rate")
+
+
+def split(recording: Recording) -> tuple:
+    """([(from_s, to_s)], [(from_s, to_s, why)]) in the order of time; together they cover the log."""
+    whole = (0.0, recording.end_s)
+    never = "disarmed: the vehicle was never armed" if recording.armed == [] else ""
+    if why := recording.no_flight or never or not_judged(recording):
+        return [], [(*whole, why)]
+    armed = [whole] if recording.armed is None else [both for part in recording.armed if (both := common(whole, part))]
+    refused = [(*part, "disarmed") for part in without(whole, armed)]
+    flying = recording.flying if recording.flying is not None else running(recording)
+    flights = []
+    for span in armed:
+        inside = [both for part in flying if (both := common(span, part))]
+        refused += [(*part, "armed, on the ground") for part in without(span, inside)]
+        for part in inside:
+            kept, why = cut(recording, part)
+            refused += why
+            flights += kept
+    for span in [span for span in flights if span[1] - span[0] < SHORTEST_s]:
+        flights.remove(span)
+        refused.append((*span, f"too short: {span[1] - span[0]:.1f} s in the air, {SHORTEST_s:g} s are needed"))
+    return sorted(flights), sorted(part for part in refused if part[1] - part[0] > 0.05)
+
+
+def not_judged(recording: Recording) -> str:
+    """Why nothing in this log can be compared with a simulation, or an empty text."""
+    streams = recording.streams
+    if "u" not in streams and "rotor" not in streams:
+        return "no motor commands and no rotor speeds are in the log" + (f": {recording.facts['no_motors']}"
+                                                                        if "no_motors" in recording.facts else "")
+    if not any(name in streams for name in NEEDED):
+        return "neither position nor specific force nor body rate is in the log"
+    inputs = max(streams[name].rate_hz() for name in ("u", "rotor") if name in streams)
+    motion = max(streams[name].rate_hz() for name in NEEDED if name in streams)
+    if inputs < SLOWEST_Hz and motion < SLOWEST_Hz:
+        return f"cannot be judged at {max(inputs, motion):.1f} Hz (telemetry; {SLOWEST_Hz:g} Hz are needed): take the vehicle's own log"
+    return ""
+
+
+def running(recording: Recording) -> list:
+    """Spans in which the motors carry something, for logs that do not say when the vehicle flies."""
+    inputs = recording.streams.get("u") or recording.streams["rotor"]
+    mean = np.nanmean(inputs.values, axis=1)
+    if not np.any(mean > 0.0):
+        return []
+    width = max(1, round(inputs.rate_hz()))
+    smooth = np.convolve(np.pad(mean, (width // 2, width - 1 - width // 2), mode="edge"), np.ones(width) / width, "valid")
+    on = smooth > RUNNING_SHARE * float(np.median(mean[mean > 0.02 * mean.max()]))
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]])))
+    last = len(on) - 1
+    parts = [(float(inputs.time_s[a]), float(inputs.time_s[min(b, last)])) for a, b in zip(edges[::2], edges[1::2])]
+    out = parts[:1]
+    for part in parts[1:]:
+        # a dive with the motors idle is flight
+        out[-1:] = [(out[-1][0], part[1])] if part[0] - out[-1][1] < LONGEST_DIVE_s else [out[-1], part]
+    return out
+
+
+def cut(recording: Recording, span: tuple) -> tuple:
+    """One time in the air without its gaps, resets and stretches whose height contradicts their velocity."""
+    holes = gaps(recording, span) + contradictions(recording, span)
+    marks = [(t, t, why) for t, why in recording.breaks if span[0] < t < span[1]]
+    kept = without(span, [(a, b) for a, b, _ in holes])
+    for time_s, _, _ in marks:
+        kept = [piece for part in kept for piece in
+                (((part[0], time_s - 1e-6), (time_s, part[1])) if part[0] < time_s < part[1] else (part,))]
+    return kept, holes + [(max(span[0], t - 0.06), t, why) for t, _, why in marks]
+
+
+def gaps(recording: Recording, span: tuple) -> list:
+    """Times without any sample of the fastest of the streams that a flight needs."""
+    fastest = max((s.between(*span) for name, s in recording.streams.items() if name in NEEDED), key=lambda s: len(s.time_s))
+    times = np.concatenate([[span[0]], fastest.time_s, [span[1]]])
+    wide = np.flatnonzero(np.diff(times) > GAP_s)
+    return [(float(times[k]), float(times[k + 1]), f"gap: no sample for {times[k + 1] - times[k]:.1f} s") for k in wide]
+
+
+def contradictions(recording: Recording, span: tuple) -> list:
+    """Stretches of two seconds in which the height moves otherwise than its velocity says."""
+    position, velocity = recording.streams.get("position"), recording.streams.get("velocity")
+    if position is None or velocity is None:
+        return []
+    height, climb = _axis(position.between(*span)), _axis(velocity.between(*span))
+    if min(len(height[0]), len(climb[0])) < 10:
+        return []
+    steps = np.diff(climb[0])
+    moved = np.concatenate([[0.0], np.cumsum(0.5 * steps * (climb[1][1:] + climb[1][:-1]))])
+    drift = height[1] - np.interp(height[0], climb[0], moved)
+    later = np.searchsorted(height[0], height[0] + HEIGHT_WINDOW_s)
+    inside = later < len(drift)
+    off = np.abs(drift[later[inside]] - drift[inside])
+    bad = np.flatnonzero(off > HEIGHT_OFF_m)
+    if not len(bad):
+        return []
+    pieces = np.split(bad, np.flatnonzero(np.diff(height[0][bad]) > HEIGHT_WINDOW_s) + 1)
+    return [(float(height[0][p[0]]), float(height[0][p[-1]] + HEIGHT_WINDOW_s),
+             f"the height contradicts its velocity by {off[p].max():.1f} m in {HEIGHT_WINDOW_s:g} s") for p in pieces]
+
+
+def _axis(stream: Stream) -> tuple:
+    """(time_s, third column) without the rows that have no sample of it."""
+    there = np.isfinite(stream.values[:, len(POSITION) - 1])
+    return stream.time_s[there], stream.values[there, len(POSITION) - 1]
+
+
+def common(a: tuple, b: tuple):
+    both = max(a[0], b[0]), min(a[1], b[1])
+    return both if both[1] > both[0] else None
+
+
+def without(span: tuple, parts: list) -> list:
+    """What is left of a span without the parts."""
+    left, at = [], span[0]
+    for part in sorted(parts):
+        if part[0] > at:
+            left.append((at, min(part[0], span[1])))
+        at = max(at, part[1])
+    return left + ([(at, span[1])] if at < span[1] else [])

@@ -1,0 +1,65 @@
+"""What the importer must know of a vehicle file: its rotors, and which actuator inputs it can read."""
+
+import os
+import tomllib
+import xml.etree.ElementTree as xml
+from dataclasses import dataclass
+from pathlib import Path
+
+from .column_map import suggest
+from .problems import USAGE, ImportFailure
+from .streams import Rotor
+
+MODELS = Path(__file__).resolve().parents[2] / "models"
+
+
+@dataclass
+class Vehicle:
+    """reference: what the sidecar says (a name, or a path); rotors in the file's order; inputs: actuator kinds it maps."""
+
+    reference: str
+    rotors: list
+    inputs: tuple
+
+
+def read_vehicle(wanted: str, beside) -> Vehicle:
+    """A name under models/ or a path to a vehicle.toml; `beside` is the folder of the flight logs, for a relative path."""
+    built_in, given = MODELS / wanted / "vehicle.toml", Path(wanted)
+    path = given / "vehicle.toml" if given.is_dir() else given
+    if not path.is_file():
+        path = built_in
+    if not path.is_file():
+        known = sorted(folder.name for folder in MODELS.iterdir() if (folder / "vehicle.toml").is_file())
+        raise ImportFailure(f"--vehicle {wanted}: no vehicle of this name under models/ and no such file; {suggest(wanted, known)}",
+                            USAGE)
+    reference = wanted if path == built_in else Path(os.path.relpath(path.resolve(), Path(beside or ".").resolve())).as_posix()
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        return Vehicle(reference, _rotors(path, document), _inputs(document))
+    except tomllib.TOMLDecodeError as error:
+        raise ImportFailure(f"{path.name}:1:1: --vehicle: {error}", USAGE) from error
+    except (OSError, UnicodeDecodeError, xml.ParseError) as error:
+        raise ImportFailure(f"{path.name}:1:1: --vehicle: cannot be read ({error})", USAGE) from error
+
+
+def _rotors(path: Path, document: dict) -> list:
+    """Rotors from the MJCF's sites; [] when the file does not say, which its own reader will report."""
+    mjcf = path.parent / str(document.get("mjcf", ""))
+    if not mjcf.is_file() or not isinstance(document.get("rotor"), list):
+        return []
+    sites = {site.get("name"): site.get("pos", "0 0 0").split() for site in xml.parse(mjcf).iter("site")}
+    out = []
+    for rotor in document["rotor"]:
+        place = sites.get(rotor.get("site"))
+        if place is None:
+            return []
+        out.append(Rotor(float(place[0]), float(place[1]), 1 if rotor.get("direction") == "ccw" else -1))
+    return out
+
+
+def _inputs(document: dict) -> tuple:
+    """Actuator kinds: those with a map, and throttle where only the hover input is known."""
+    maps = {key.split("_")[0] for key in document.get("actuator", {})}
+    if "hover" in document.get("thrust", {}):
+        maps.add("throttle")
+    return tuple(sorted(maps))
