@@ -14,9 +14,9 @@ UNITS = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
-    "acceleration": {"m/s^2": 1.0, "g": 9.80665},
-    "rate": {"rad/s": 1.0, "deg/s": 0.017453292519943295},
-    "angle": {"rad": 1.0, "deg": 0.017453292519943295},
+    "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
+    "rate": {"rad/s": 1.0, "mrad/s": 1e-3, "deg/s": 0.017453292519943295},
+    "angle": {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295},
     "rotor_speed": {"rad/s": 1.0, "rpm": 0.10471975511965977},
     "thrust": {"N": 1.0, "gf": 9.80665e-3},
     "voltage": {"V": 1.0, "mV": 1e-3},
@@ -24,34 +24,40 @@ UNITS = {
 }
 ACTUATORS = {"rotor_speed": "rotor_speed", "thrust": "thrust", "throttle": "none", "pwm": "none",
              "collective_thrust": "thrust"}
-QUATERNION_ORDERS = ("wxyz", "xyzw")
+ORDERS = ("wxyz", "xyzw", "rpy")
 
 # table of the map -> (keys it may have, keys it must have)
 TABLES = {
     "": ({"format", "description", "kind", "event", "vehicle", "source", "hold", "notes", "published", "known_issues",
-          "trim", "name"}, {"format", "kind", "vehicle"}),
+          "trim", "name"}, {"format", "kind"}),
     "time": ({"column", "unit", "zero"}, {"column"}),
-    "position": ({"columns", "unit"}, {"columns"}),
-    "velocity": ({"columns", "unit", "frame"}, {"columns", "frame"}),
-    "attitude": ({"columns", "order", "rotates"}, {"columns", "order"}),
-    "rate": ({"columns", "unit", "frame"}, {"columns"}),
-    "acceleration": ({"columns", "unit"}, {"columns"}),
-    "actuator": ({"kind", "columns", "unit"}, {"kind", "columns"}),
+    "position": ({"columns", "unit", "frame", "signs"}, {"columns"}),
+    "velocity": ({"columns", "unit", "frame", "signs"}, {"columns", "frame"}),
+    "attitude": ({"columns", "order", "rotates", "frame", "body", "unit", "signs"}, {"columns", "order"}),
+    "rate": ({"columns", "unit", "frame", "signs"}, {"columns"}),
+    "acceleration": ({"columns", "unit", "frame", "signs"}, {"columns"}),
+    "actuator": ({"kind", "columns", "unit", "scale", "range"}, {"kind", "columns"}),
     "rotor_speed": ({"columns", "unit"}, {"columns"}),
     "battery": ({"column", "unit"}, {"column"}),
-    "reference": ({"position", "velocity", "acceleration", "yaw", "yaw_unit"}, set()),
+    "reference": ({"position", "velocity", "acceleration", "yaw", "yaw_unit", "frame"}, set()),
     "environment": ({"ground_z_m", "ceiling_z_m", "walls"}, set()),
     "extra": ({"name", "column", "quantity", "unit"}, {"name", "column"}),
     "section": ({"file", "from_s", "to_s", "why"}, {"file"}),
 }
-CHOICES = {("", "kind"): ("csv", "usd"), ("", "source"): ("recording", "simulation"),
+CHOICES = {("", "kind"): ("csv", "usd", "parquet", "ros"), ("", "source"): ("recording", "simulation"),
            ("", "hold"): ("zoh", "linear", "unknown"), ("", "trim"): ("none", "airborne"),
-           ("", "name"): ("file", "folder"), ("velocity", "frame"): ("world", "body"),
-           ("rate", "frame"): ("body", "world"), ("attitude", "order"): QUATERNION_ORDERS,
+           ("", "name"): ("file", "folder"), ("position", "frame"): ("enu", "ned"),
+           ("velocity", "frame"): ("world", "body", "enu", "ned", "flu", "frd"),
+           ("rate", "frame"): ("body", "world", "flu", "frd"), ("acceleration", "frame"): ("flu", "frd"),
+           ("reference", "frame"): ("enu", "ned"), ("attitude", "frame"): ("enu", "ned"), ("attitude", "body"): ("flu", "frd"),
+           ("attitude", "order"): ORDERS,
            ("attitude", "rotates"): ("body_to_world", "world_to_body"), ("actuator", "kind"): tuple(ACTUATORS)}
 UNIT_OF = {"time": "time", "position": "length", "velocity": "velocity", "rate": "rate", "acceleration": "acceleration",
-           "rotor_speed": "rotor_speed", "battery": "voltage"}
+           "rotor_speed": "rotor_speed", "battery": "voltage", "attitude": "angle"}
 LENGTHS = {"position": 3, "velocity": 3, "attitude": 4, "rate": 3, "acceleration": 3}
+NAME_LISTS = ("columns", "position", "velocity", "acceleration", "known_issues")
+NUMBERS = {"from_s", "to_s", "ground_z_m", "ceiling_z_m", "scale"}
+NUMBER_LISTS = {"signs": (-1.0, 1.0), "range": (-1e9, 1e9)}
 
 
 @dataclass
@@ -72,6 +78,19 @@ class ColumnMap:
         """Factor from the unit of a table's columns to SI."""
         quantity = ACTUATORS[self.get("actuator", "kind")] if table == "actuator" else UNIT_OF[table]
         return UNITS[quantity][self.get(table, "unit", next(iter(UNITS[quantity])))]
+
+    def names(self) -> set:
+        """Every source column that the map names, but the time."""
+        out = {extra["column"] for extra in self.tables.get("extra", [])}
+        for name, table in self.tables.items():
+            if name in ("extra", "section", "time", "environment"):
+                continue
+            for key, value in table.items():
+                if key in NAME_LISTS:
+                    out.update(value)
+                elif key in ("column", "yaw"):
+                    out.add(value)
+        return out
 
     def section(self, file: str) -> tuple:
         """(from_s, to_s, why) that the map gives for a file; None where it does not say."""
@@ -95,7 +114,10 @@ def find_map(name: str) -> Path:
 def load_map(name: str) -> ColumnMap:
     """Reads and checks a map. Throws ImportFailure with code 2 and `file:line:col`."""
     path = find_map(name)
-    text = path.read_text(encoding="utf-8")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ImportFailure(f"{path.name}:1:1: the map cannot be read ({error})", USAGE) from error
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -117,6 +139,8 @@ def load_map(name: str) -> ColumnMap:
             checked.table(key, entry)
     if top["format"] != FORMAT:
         checked.fail("format", f'format is "{top["format"]}"', f'must be "{FORMAT}"')
+    if "attitude" in tables and "unit" in tables["attitude"] and tables["attitude"]["order"] != "rpy":
+        checked.fail("unit", "[attitude] has a unit and quaternions have none", 'give order = "rpy", or leave the unit out')
     if "time" not in tables or "actuator" not in tables and "rotor_speed" not in tables:
         raise ImportFailure(f"{path.name}:1:1: a map needs [time] and [actuator] or [rotor_speed]", USAGE)
     if top["kind"] == "usd" and "event" not in top:
@@ -143,17 +167,40 @@ class _Checker:
         at = next(((n, line.index(key) + 1) for n, line in enumerate(self.lines, 1) if key in line.split("#")[0]), (1, 1))
         raise ImportFailure(f"{self.file}:{at[0]}:{at[1]}: {what}" + (f"; {suggestion}" if suggestion else ""), USAGE)
 
+    def type_of(self, key: str, value):
+        """The kinds of values that the code relies on."""
+        if key in NAME_LISTS:
+            if not (isinstance(value, list) and all(isinstance(part, str) for part in value)):
+                self.fail(key, f"`{key}` must be a list of names", 'for example ["a", "b", "c"]')
+        elif key in NUMBER_LISTS:
+            low, high = NUMBER_LISTS[key]
+            if not (isinstance(value, list) and all(isinstance(part, (int, float)) and low <= part <= high for part in value)):
+                self.fail(key, f"`{key}` must be a list of numbers from {low:g} to {high:g}", "")
+        elif key in NUMBERS:
+            if not isinstance(value, (int, float)) or isinstance(value, bool):
+                self.fail(key, f"`{key}` must be a number", "")
+        elif key == "zero":
+            if not isinstance(value, bool):
+                self.fail(key, "`zero` must be true or false", "")
+        elif key != "walls" and not isinstance(value, str):
+            self.fail(key, f"`{key}` must be a text in quotes", "")
+
     def table(self, name: str, entry: dict):
         allowed, required = TABLES[name]
         for key, value in entry.items():
             if key not in allowed:
                 self.fail(key, f"unknown key `{key}`" + (f" in [{name}]" if name else ""), suggest(key, allowed))
+            self.type_of(key, value)
             choices = CHOICES.get((name, key))
             if choices and value not in choices:
                 self.fail(key, f'{key} = "{value}" is not known', f"one of: {', '.join(choices)}")
         for key in sorted(required - entry.keys()):
             self.fail(name, f"[{name}] has no `{key}`" if name else f"`{key}` is missing", "")
-        count = LENGTHS.get(name)
+        count = 3 if entry.get("order") == "rpy" else LENGTHS.get(name)
+        if "signs" in entry and (len(entry["signs"]) != count or any(abs(sign) != 1.0 for sign in entry["signs"])):
+            self.fail("signs", f"[{name}] signs = {entry['signs']}", f"must be {count} numbers, each 1 or -1")
+        if "range" in entry and (len(entry["range"]) != 2 or not entry["range"][0] < entry["range"][1]):
+            self.fail("range", f"[{name}] range = {entry['range']}", "must be [off, full], for example [1000, 2000]")
         if count and len(entry["columns"]) != count:
             self.fail("columns", f"[{name}] needs {count} columns, not {len(entry['columns'])}", "")
         if name == "actuator" and entry["kind"] != "collective_thrust" and not 3 <= len(entry["columns"]) <= 8:

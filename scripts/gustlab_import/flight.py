@@ -4,14 +4,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from . import frames
 from .column_map import UNITS, ColumnMap, suggest
+from .motors import pulse_share
 from .problems import DATA, ImportFailure
 from .rotations import conjugate, rotate
-from .streams import Recording
+from .signals import filled
+from .streams import ATTITUDE, FORCE, POSITION, RATE, VELOCITY, Recording
 from .tables import Table
 
 AXES = "xyz"
 MAX_NORM_ERROR = 0.02
+FASTEST_s, SLOWEST_s = 2e-5, 0.2   # between rows
 
 
 @dataclass
@@ -115,35 +119,52 @@ class _Builder:
         if len(missing):
             raise ImportFailure(f"{self.table.file}:{self.table.line[missing[0]]}: column "
                                 f"`{self.map.get('time', 'column')}`: a row without a time ({len(missing)} of them)", DATA)
+        self.plausible(source * self.map.scale("time"))
         self.start_s = float(source[0] * self.map.scale("time")) if self.map.get("time", "zero", False) else 0.0
         return np.round(source * self.map.scale("time") - self.start_s, 6)
 
+    def plausible(self, time_s: np.ndarray) -> None:
+        """A unit that makes rows seconds or microseconds apart is wrong, and telemetry at 2 Hz is no recording."""
+        if len(time_s) < 2:
+            return
+        mean_s, step_s = abs(time_s[-1] - time_s[0]) / (len(time_s) - 1), abs(step_of(time_s))
+        where = f"{self.table.file}:{self.table.line[0]}: column `{self.map.get('time', 'column')}`"
+        if 0.0 < mean_s < FASTEST_s:
+            raise ImportFailure(f"{where}: rows are {1e6 * mean_s:.2g} us apart: [time] unit is too small (is it in s or ms?)", DATA)
+        if step_s > SLOWEST_s:
+            raise ImportFailure(f"{where}: rows are {step_s:.3g} s apart: cannot be judged at {1.0 / step_s:.2g} Hz (5 Hz are "
+                                "needed), or [time] unit is too large (is it in ms or us?)", DATA)
+
     def block(self, table: str) -> np.ndarray:
-        return np.column_stack([self.column(name) for name in self.map.get(table, "columns")]) * self.map.scale(table)
+        """(n, m) of a table's columns in SI, with the map's signs, still in its frame."""
+        values = np.column_stack([self.column(name) for name in self.map.get(table, "columns")])
+        return values * np.array(self.map.get(table, "signs", [1.0])) * self.map.scale(table)
 
     def fill(self, flight: Flight) -> None:
         def put(names, values, table):
+            sources = self.map.get(table, "columns")
             for k, name in enumerate(names):
                 flight.columns[name] = values[:, k]
-                flight.source[name] = self.map.get(table, "columns")[k]
+                flight.source[name] = sources[min(k, len(sources) - 1)]
 
         attitude = self.attitude() if self.map.has("attitude") else None
         if self.map.has("position"):
-            put([f"p{axis}" for axis in AXES], self.block("position"), "position")
+            position = self.block("position")
+            put(POSITION, frames.enu(position) if self.map.get("position", "frame") == "ned" else position, "position")
         if self.map.has("velocity"):
-            velocity = self.block("velocity")
-            put([f"v{axis}" for axis in AXES], self.in_frame("velocity", velocity, attitude, "world"), "velocity")
+            put(VELOCITY, self.in_frame("velocity", attitude, "world"), "velocity")
         if attitude is not None:
-            put(["qw", "qx", "qy", "qz"], attitude, "attitude")
-            for name, letter in zip(self.map.get("attitude", "columns"), self.map.get("attitude", "order")):
-                flight.source["q" + letter] = name
+            put(ATTITUDE, attitude, "attitude")
+            if self.map.get("attitude", "order") != "rpy":
+                for name, letter in zip(self.map.get("attitude", "columns"), self.map.get("attitude", "order")):
+                    flight.source["q" + letter] = name
         if self.map.has("rate"):
-            put([f"w{axis}" for axis in AXES], self.in_frame("rate", self.block("rate"), attitude, "body"), "rate")
+            put(RATE, self.in_frame("rate", attitude, "body"), "rate")
         if self.map.has("acceleration"):
-            put([f"a{axis}" for axis in AXES], self.block("acceleration"), "acceleration")
+            put(FORCE, self.in_frame("acceleration", attitude, "body"), "acceleration")
         for table, name in (("actuator", "u"), ("rotor_speed", "rotor")):
             if self.map.has(table):
-                put([f"{name}{k + 1}" for k in range(len(self.map.get(table, "columns")))], self.block(table), table)
+                put([f"{name}{k + 1}" for k in range(len(self.map.get(table, "columns")))], self.inputs(table), table)
         if self.map.has("battery"):
             flight.columns["vbat"] = self.column(self.map.get("battery", "column")) * self.map.scale("battery")
             flight.source["vbat"] = self.map.get("battery", "column")
@@ -153,29 +174,57 @@ class _Builder:
                 UNITS[extra.get("quantity", "none")][extra.get("unit", next(iter(UNITS[extra.get("quantity", "none")])))]
             flight.source[extra["name"]] = extra["column"]
 
-    def attitude(self) -> np.ndarray:
-        """Quaternion body to world, scalar first, not yet normalised."""
-        order = self.map.get("attitude", "order")
-        source = {letter: self.column(name) for letter, name in zip(order, self.map.get("attitude", "columns"))}
-        q = np.column_stack([source[letter] for letter in "wxyz"])
-        return conjugate(q) if self.map.get("attitude", "rotates", "body_to_world") == "world_to_body" else q
+    def inputs(self, table: str) -> np.ndarray:
+        values = self.block(table)
+        if "range" in self.map.tables[table]:
+            low, high = self.map.get(table, "range")
+            values = pulse_share(values, low, high)
+        return values * self.map.get(table, "scale", 1.0)
 
-    def in_frame(self, table: str, values: np.ndarray, attitude, frame: str) -> np.ndarray:
-        given = self.map.get(table, "frame", frame)
-        if given == frame:
+    def attitude(self) -> np.ndarray:
+        """Quaternion FLU body to z-up world, scalar first, not yet normalised."""
+        order = self.map.get("attitude", "order")
+        values = np.column_stack([self.column(name) for name in self.map.get("attitude", "columns")])
+        values = values * np.array(self.map.get("attitude", "signs", [1.0]))
+        if order == "rpy":
+            q = frames.from_euler(*(values * self.map.scale("attitude")).T)
+        else:
+            q = np.column_stack([values[:, order.index(letter)] for letter in "wxyz"])
+        q = conjugate(q) if self.map.get("attitude", "rotates", "body_to_world") == "world_to_body" else q
+        world = self.map.get("attitude", "frame", "enu")
+        q = frames.attitude_enu(q) if world == "ned" else q
+        return frames.attitude_flu(q) if self.map.get("attitude", "body", "frd" if world == "ned" else "flu") == "frd" else q
+
+    def in_frame(self, table: str, attitude, wanted: str) -> np.ndarray:
+        """A table's vectors in the wanted frame, world or body."""
+        given, values = self.map.get(table, "frame", wanted), self.block(table)
+        if given == "ned":
+            given, values = "world", frames.enu(values)
+        if given == "frd":
+            given, values = "body", frames.flu(values)
+        given = {"enu": "world", "flu": "body"}.get(given, given)
+        if given == wanted:
             return values
         if attitude is None:
             raise ImportFailure(f"{self.table.file}:1:1: [{table}] is in the {given} frame and the map `{self.map.name}` has "
                                 "no [attitude] to turn it")
-        unit = attitude / np.linalg.norm(attitude, axis=1, keepdims=True)
-        return rotate(unit if frame == "world" else conjugate(unit), values)
+        # the attitude may be slower than what it turns
+        q = filled(attitude)
+        unit = q / np.maximum(np.linalg.norm(q, axis=1, keepdims=True), 1e-12)
+        return rotate(unit if wanted == "world" else conjugate(unit), values)
 
     def references(self, flight: Flight) -> None:
+        ned = self.map.get("reference", "frame") == "ned"
         for key, name in (("position", "rp"), ("velocity", "rv"), ("acceleration", "ra")):
-            for axis, source in zip(AXES, self.map.get("reference", key, [])):
-                flight.columns[name + axis] = self.column(source)
-                flight.source[name + axis] = source
+            sources = self.map.get("reference", key, [])
+            if not sources:
+                continue
+            values = np.column_stack([self.column(source) for source in sources])
+            for k, axis in enumerate(AXES):
+                flight.columns[name + axis] = (frames.enu(values) if ned else values)[:, k]
+                flight.source[name + axis] = sources[k]
         yaw = self.map.get("reference", "yaw")
         if yaw:
-            flight.columns["ryaw"] = self.column(yaw) * UNITS["angle"][self.map.get("reference", "yaw_unit", "rad")]
+            angle = self.column(yaw) * UNITS["angle"][self.map.get("reference", "yaw_unit", "rad")]
+            flight.columns["ryaw"] = frames.yaw_enu(angle) if ned else angle
             flight.source["ryaw"] = yaw

@@ -8,15 +8,21 @@ from .flight import convert
 from .limits import cannot_tell
 from .outcome import Outcome
 from .problems import USAGE, ImportFailure
-from .tables import Table, read_csv
+from .tables import Table, read_csv, read_parquet
 from .usd_log import read_usd
 from .write_log import sidecar_text
 
 
 def read_table(path: Path, column_map: ColumnMap) -> Table:
     """Reads a file as its map says."""
-    if column_map.get("", "kind") == "usd":
+    kind = column_map.get("", "kind")
+    if kind == "usd":
         return read_usd(path, column_map.get("", "event"))
+    if kind == "parquet":
+        return read_parquet(path)
+    if kind == "ros":
+        from .read_ros import table_of  # a second to import
+        return table_of(path, column_map.names())
     return read_csv(path)
 
 

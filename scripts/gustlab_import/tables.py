@@ -85,6 +85,32 @@ def read_csv(path: Path) -> Table:
     return Table(path.name, digest, {name: data[:, k] for k, name in enumerate(header)}, np.array(lines), non_finite)
 
 
+def read_parquet(path: Path) -> Table:
+    """Reads the columns of numbers of a Parquet file; nulls are no samples."""
+    import pyarrow
+    import pyarrow.parquet  # a second to import
+    digest = hashlib.sha256(read_bytes(path)).hexdigest()
+    try:
+        table = pyarrow.parquet.read_table(path)
+    except (pyarrow.ArrowException, OSError, ValueError) as error:
+        raise ImportFailure(f"{path.name}: the Parquet file cannot be read ({str(error).splitlines()[0]}); fetch it again") from error
+    columns, non_finite = {}, {}
+    for name in table.column_names:
+        kind = table.schema.field(name).type
+        if pyarrow.types.is_temporal(kind):
+            unit = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[getattr(kind, "unit", "us")]
+            columns[name] = unit * table.column(name).cast(pyarrow.int64()).to_numpy().astype(float)
+        elif pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind) or pyarrow.types.is_boolean(kind):
+            values = table.column(name).cast(pyarrow.float64()).to_numpy()
+            bad = np.flatnonzero(np.isinf(values))
+            if len(bad):
+                non_finite[name] = int(bad[0]) + 1
+            columns[name] = np.where(np.isfinite(values), values, np.nan)
+    if not columns or not table.num_rows:
+        raise ImportFailure(f"{path.name}: no columns of numbers, or no rows, are in the Parquet file")
+    return Table(path.name, digest, columns, np.arange(1, table.num_rows + 1), non_finite)
+
+
 def _number(cell: str, file: str, line: int, index: int, name: str, non_finite: dict) -> float:
     if not cell.strip():
         return math.nan

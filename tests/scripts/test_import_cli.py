@@ -107,7 +107,7 @@ class BadInput(ImportCase):
     def test_maps(self):
         log = self.log(csv(flight(2.0)))
         cases = {"unknown key `colums` in [position]; did you mean `columns`?": MAP.replace('columns = ["x"', 'colums = ["x"'),
-                 'frame = "ned" is not known; one of: world, body': MAP.replace('"world"', '"ned"'),
+                 'frame = "nwd" is not known; one of: world, body': MAP.replace('"world"', '"nwd"'),
                  'unit = "deg" is not a unit of rate': MAP.replace('"rad/s"', '"deg"'),
                  "unknown table [positions]; did you mean `position`?": MAP.replace("[position]", "[positions]"),
                  "[attitude] needs 4 columns, not 3": MAP.replace('"qz", "qw"', '"qz"'),

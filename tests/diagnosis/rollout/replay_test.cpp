@@ -287,7 +287,7 @@ TEST_F(Replay, LaterInputsKeepTheirEmptyCells) {
   const auto &before = *slow.find("u1"), &after = *later.find("u1");
   for (std::size_t row = 5; row + 5 < slow.rows(); ++row) {
     ASSERT_EQ(std::isnan(after[row]), row % 5 != 0) << row;
-    if (row % 5 == 0) EXPECT_NEAR(after[row], 0.6 * before[row] + 0.4 * before[row - 5], 1e-9 * before[row]) << row;
+    if (row % 5 == 0) { EXPECT_NEAR(after[row], 0.6 * before[row] + 0.4 * before[row - 5], 1e-9 * before[row]) << row; }
   }
 }
 

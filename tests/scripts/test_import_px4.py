@@ -1,0 +1,183 @@
+"""PX4 logs that the test writes: frames, rates, allocation, flights and refusals."""
+
+import json
+import tomllib
+import unittest
+
+import numpy as np
+from import_fixture import ImportCase, flight
+from ulog_fixture import MIX, ULogFile, px4_flight
+
+
+def synthetic(seconds: float = 20.0, seed: int = 1) -> dict:
+    columns = flight(seconds, 250.0, seed)
+    t = columns["t"]
+
+    def block(names):
+        return np.column_stack([columns[name] for name in names.split()])
+
+    torque = np.column_stack([0.05 * np.sin(7.0 * t), 0.04 * np.sin(9.0 * t + 1.0), 0.03 * np.sin(5.0 * t + 2.0)])
+    return {"time_s": t, "p": block("x y z"), "v": block("vx vy vz"), "q": block("qw qx qy qz"), "w": block("gx gy gz"),
+            "a": block("ax ay az"), "torque": torque, "thrust": 0.5 + 0.05 * np.sin(2.3 * t)}
+
+
+class PX4(ImportCase):
+    def take(self, log: ULogFile, *more) -> tuple:
+        """(exit code, the log's entry of import.json, stderr)"""
+        path = self.write("flight.ulg", log.bytes())
+        code, out, err = self.run_import(path, "--out", self.out, "--format", "json", *more)
+        return code, json.loads(out)["logs"][0] if out else {}, err
+
+    def test_frames_rates_and_times(self):
+        truth = synthetic()
+        code, log, err = self.take(px4_flight(truth))
+        self.assertEqual((code, err, len(log["flights"])), (0, "", 1))
+        self.assertEqual((log["kind"], log["airframe"]), ("px4-ulog", "quadrotor x"))
+        self.assertEqual(log["flights"][0]["rates_hz"], {"position": 10, "velocity": 10, "attitude": 21, "body_rate": 250,
+                                                         "specific_force": 250, "u": 50, "rotor": 0, "vbat": 5})
+        self.assertEqual((log["flights"][0]["from_s"], log["flights"][0]["to_s"]), (3.0, 17.0))
+        written = self.written("flight_1.csv")
+        for names, key in ((("px", "py", "pz"), "p"), (("vx", "vy", "vz"), "v"), (("wx", "wy", "wz"), "w"), (("ax", "ay", "az"), "a")):
+            rows = np.isfinite(written[names[0]])
+            place = np.rint(written["time_s"][rows] * 250).astype(int)
+            np.testing.assert_allclose(written["time_s"][rows], truth["time_s"][place], atol=1.1e-6)
+            np.testing.assert_allclose(np.column_stack([written[n][rows] for n in names]), truth[key][place], rtol=1e-6, atol=1e-6)
+        rows = np.isfinite(written["qw"])
+        q = np.column_stack([written[n][rows] for n in ("qw", "qx", "qy", "qz")])
+        same = np.abs(np.sum(q * truth["q"][np.rint(written["time_s"][rows] * 250).astype(int)], axis=1))
+        np.testing.assert_allclose(same, 1.0, atol=1e-6)
+        self.assertFalse([f for f in log["findings"] if f["severity"] == "error"], log["findings"])
+
+    def test_motors_between_samples_come_from_the_set_points(self):
+        truth = synthetic()
+        _, log, _ = self.take(px4_flight(truth))
+        self.assertRegex(log["flights"][0]["sources"]["u"], r"actuator_motors\[0\] 10 Hz and torque and thrust set points 50 Hz \(agree to")
+        written = self.written("flight_1.csv")
+        rows = np.isfinite(written["u1"])
+        u = np.column_stack([written[f"u{k}"][rows] for k in (1, 2, 3, 4)])
+        place = np.rint((written["time_s"][rows] - 2e-4) * 250).astype(int)
+        wanted = np.column_stack([truth["torque"], truth["thrust"]])[place] @ MIX.T
+        np.testing.assert_allclose(u, wanted, atol=2e-6)
+
+    def test_set_points_that_contradict_the_motors_are_not_used(self):
+        truth = synthetic()
+        log = px4_flight(truth)
+        shaken = dict(truth, torque=truth["torque"] + 0.02 * np.random.default_rng(2).normal(size=truth["torque"].shape))
+        other = px4_flight(shaken)
+        # the motors of one flight beside the set points of another
+        numbers = {name: k for k, name in enumerate(log.formats)}
+        keep = [numbers["vehicle_torque_setpoint"]]
+        take = [d for d in other.data if d[0] >= 0 and int.from_bytes(d[1][3:5], "little") in keep]
+        log.data = [d for d in log.data if d[0] < 0 or int.from_bytes(d[1][3:5], "little") not in keep] + take
+        _, entry, _ = self.take(log)
+        self.assertEqual(entry["flights"][0]["rates_hz"]["u"], 10)
+        self.assertIn("the set points miss their samples", (self.out / "flight_1.meta.toml").read_text())
+
+    def test_the_instance_that_holds_the_motors(self):
+        _, log, _ = self.take(px4_flight(synthetic(), instance=1))
+        self.assertIn("actuator_motors[1]", log["flights"][0]["sources"]["u"])
+
+    def test_motors_go_into_the_vehicles_order(self):
+        self.write("q.xml", '<mujoco><worldbody><body><site name="a" pos="-1 1 0"/><site name="b" pos="1 1 0"/>'
+                            '<site name="c" pos="1 -1 0"/><site name="d" pos="-1 -1 0"/></body></worldbody></mujoco>')
+        rotors = "".join(f'[[rotor]]\nsite = "{s}"\ndirection = "{d}"\n' for s, d in (("a", "ccw"), ("b", "cw"), ("c", "ccw"), ("d", "cw")))
+        vehicle = self.write("vehicle.toml", 'format = "gustlab-vehicle/1"\nname = "q"\nmjcf = "q.xml"\n' + rotors
+                             + "[thrust]\nhover = 0.5\n")
+        _, log, _ = self.take(px4_flight(synthetic()), "--vehicle", vehicle)
+        # back left, front left, front right, back right are PX4's motors 2, 3, 1, 4
+        self.assertIn("the log's motors 2, 3, 1, 4", log["flights"][0]["sources"]["u"])
+        self.assertEqual(tomllib.loads((self.out / "flight_1.meta.toml").read_text())["vehicle"], "../vehicle.toml")
+
+    def test_a_vehicle_with_another_number_of_rotors(self):
+        code, _, err = self.take(px4_flight(synthetic()), "--vehicle", self.hexa())
+        self.assertEqual((code, "4 motors are logged and the vehicle ../hexa.toml has 6 rotors" in err), (2, True), err)
+
+    def hexa(self):
+        self.write("h.xml", "<mujoco><worldbody><body>" + "".join(f'<site name="r{k}" pos="{np.cos(k)} {np.sin(k)} 0"/>' for k in range(6))
+                   + "</body></worldbody></mujoco>")
+        return self.write("hexa.toml", 'mjcf = "h.xml"\n' + "".join(f'[[rotor]]\nsite = "r{k}"\ndirection = "cw"\n' for k in range(6)))
+
+    def test_refusals(self):
+        cases = {"disarmed: the vehicle was never armed": dict(armed=(90.0, 99.0)),
+                 "a fixed-wing aircraft (MAV_TYPE 1), not a multirotor": dict(mav_type=1),
+                 "a VTOL (tiltrotor, tailsitter or other) (MAV_TYPE 22), not a multirotor": dict(mav_type=22),
+                 "too short: 2.0 s in the air, 3 s are needed": dict(flying=(5.0, 7.0))}
+        for why, options in cases.items():
+            with self.subTest(why):
+                code, log, err = self.take(px4_flight(synthetic(), **options))
+                self.assertEqual((code, log["flights"]), (3, []))
+                self.assertIn(why, err)
+                self.assertIn(why, [part["why"] for part in log["refused"]])
+                self.assertEqual(sorted(p.name for p in self.out.iterdir()), ["import.json"])
+
+    def test_refused_parts_and_flights_cover_the_log(self):
+        _, log, _ = self.take(px4_flight(synthetic()))
+        self.assertEqual([(p["from_s"], p["to_s"], p["why"]) for p in log["refused"]][:2], [(0.0, 2.0, "disarmed"), (2.0, 3.0, "armed, on the ground")])
+
+    def test_a_battery_that_reads_nothing(self):
+        log = px4_flight(synthetic())
+        log.topic("battery_status", np.arange(100) * 0.2, {"float voltage_v": np.zeros(100)}, 1)
+        _, entry, _ = self.take(log)
+        self.assertEqual(entry["flights"][0]["rates_hz"]["vbat"], 5)
+
+    def test_a_gap_cuts_a_flight(self):
+        log = px4_flight(synthetic(30.0), armed=(1.0, 29.0), flying=(2.0, 28.0))
+        log.data = [d for d in log.data if not 13_000_000 < d[0] < 15_000_000]
+        _, entry, _ = self.take(log)
+        self.assertEqual([(f["from_s"], f["to_s"]) for f in entry["flights"]], [(2.0, 12.0), (14.0, 28.0)])
+        self.assertIn("gap: no sample for 2.0 s", [part["why"] for part in entry["refused"]])
+
+    def test_what_cannot_be_told_names_the_setting(self):
+        _, log, _ = self.take(px4_flight(synthetic()))
+        lag = next(limit for limit in log["cannot_tell"] if limit["effect"] == "motor_lag")
+        self.assertEqual(lag["why"], "motors are logged at 50 Hz")
+        self.assertIn("SDLOG_PROFILE", lag["setting"])
+
+    def test_same_log_same_bytes_and_no_place(self):
+        log = px4_flight(synthetic())
+        log.topic("vehicle_gps_position", np.arange(10.0), {"float lat": np.full(10, 47.4), "float lon": np.full(10, 8.5)})
+        self.take(log)
+        first = {p.name: p.read_bytes() for p in self.out.iterdir()}
+        self.take(log)
+        self.assertEqual(first, {p.name: p.read_bytes() for p in self.out.iterdir()})
+        self.assertNotIn(b"latitude", b"".join(first.values()))
+
+    def test_says_what_is_in_it_without_out(self):
+        code, out, err = self.run_import(self.write("flight.ulg", px4_flight(synthetic()).bytes()))
+        self.assertEqual((code, err), (0, ""))
+        for words in ("flight flight_1: 3.00 to 17.00 s", "position: 10 Hz (vehicle_local_position[0])", "enough to judge: forces",
+                      "cannot tell motor_lag", "refused: 0.00 to 2.00 s: disarmed"):
+            self.assertIn(words, out)
+        self.assertFalse(self.out.exists())
+
+
+class Damaged(ImportCase):
+    """Whatever is wrong with the bytes: one message, exit 3, never a traceback."""
+
+    def test_logs_that_are_none(self):
+        good = px4_flight(synthetic(6.0), armed=(0.0, 6.0), flying=(0.5, 5.5)).bytes()
+        cases = {"empty.ulg": b"", "text.ulg": b"hello, world\n" * 20, "head.ulg": good[:16], "formats.ulg": good[:400],
+                 "zeros.ulg": good[:16] + bytes(4000), "empty.bin": b"", "noise.bin": b"\xa3\x95" + bytes(range(256)) * 8,
+                 "empty.tlog": b"", "text.tlog": b"hello, world\n" * 50, "noise.bag": b"#ROSBAG V2.0\n" + bytes(500),
+                 "noise.db3": b"SQLite format 3\0" + bytes(500), "noise.mcap": b"\x89MCAP0\r\n" + bytes(200), "noise.bbl": bytes(300),
+                 "head.bbl": b"H Product:Blackbox flight data recorder by Nicholas Sherlock\nH Data version:2\n",
+                 "noise.parquet": b"PAR1" + bytes(100), "noise.xyz": bytes(300), "folder.ulg": None}
+        for name, content in cases.items():
+            with self.subTest(name):
+                path = self.folder / name
+                path.mkdir() if content is None else path.write_bytes(content)
+                code, out, err = self.run_import(path, "--out", self.out)
+                self.assertIn(code, (2, 3, 4), err)
+                self.assertIn(name, err)
+                self.assertEqual(len(err.strip().splitlines()), 1, err)
+                self.assertFalse(self.out.exists() and list(self.out.glob("*.csv")))
+
+    def test_a_log_that_was_cut_off_keeps_what_is_there(self):
+        good = px4_flight(synthetic()).bytes()
+        code, _, err = self.run_import(self.write("cut.ulg", good[:int(0.6 * len(good))]), "--out", self.out)
+        self.assertEqual((code, err), (0, ""))
+        self.assertLess(self.written("cut_1.csv")["time_s"][-1], 14.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
