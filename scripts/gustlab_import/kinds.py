@@ -38,7 +38,10 @@ def reader_of(kind: str, path: Path):
     if kind == "blackbox":
         from .read_blackbox import read_blackbox
         return read_blackbox
-    if kind in ("csv", "parquet", "usd"):
+    if kind == "usd":
+        from .read_usd_names import read_usd_by_names
+        return read_usd_by_names
+    if kind in ("csv", "parquet"):
         built_in = ", ".join(sorted(p.stem for p in MAPS.glob("*.toml")))
         raise ImportFailure(f"{path.name}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in})", USAGE)
     from .read_ros import read_ros

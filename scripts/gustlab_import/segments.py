@@ -19,13 +19,13 @@ def split(recording: Recording) -> tuple:
     never = "disarmed: the vehicle was never armed" if recording.armed == [] else ""
     if why := recording.no_flight or never or not_judged(recording):
         return [], [(*whole, why)]
-    armed = [whole] if recording.armed is None else [both for part in recording.armed if (both := common(whole, part))]
+    armed = [whole] if recording.armed is None else [both for part in recording.armed if (both := common(whole, rounded(part)))]
     refused = [(*part, "disarmed") for part in without(whole, armed)]
     flying = recording.flying if recording.flying is not None else running(recording)
     flights = []
     for span in armed:
         inside = [both for part in flying if (both := common(span, part))]
-        refused += [(*part, "armed, on the ground") for part in without(span, inside)]
+        refused += [(*part, "armed, on the ground" if recording.armed else "on the ground") for part in without(span, inside)]
         for part in inside:
             kept, why = cut(recording, part)
             refused += why
@@ -120,6 +120,10 @@ def _axis(stream: Stream) -> tuple:
 def common(a: tuple, b: tuple):
     both = max(a[0], b[0]), min(a[1], b[1])
     return both if both[1] > both[0] else None
+
+
+def rounded(span: tuple) -> tuple:
+    return round(span[0], 6), round(span[1], 6)
 
 
 def without(span: tuple, parts: list) -> list:

@@ -89,6 +89,10 @@ class Recording:
     facts: dict = field(default_factory=dict)
     location: dict = field(default_factory=dict)
 
+    def __post_init__(self):
+        # as the times of the streams are
+        self.end_s = round(self.end_s, 6)
+
     def put(self, name: str, new) -> None:
         """Keeps a stream that has samples."""
         if new is not None:

@@ -108,5 +108,28 @@ class Usd(ImportCase):
         self.assertIn("no record of type `fixedFrequency`", err)
 
 
+class WithoutAMap(ImportCase):
+    def test_the_firmwares_names_are_known(self):
+        import json
+        t = np.arange(600) / 100.0
+        noise = np.random.default_rng(7)
+        records = [(round(1e6 * s), 1.0 + 0.01 * noise.normal(), 90.0 * np.sin(s) + 0.1 * noise.normal(),
+                    *(int(v) for v in 40000 + 300 * noise.normal(size=4))) for s in t]
+        names = (("acc.x", "f"), ("gyro.x", "f"), ("motor.m1", "H"), ("motor.m2", "H"), ("motor.m3", "H"), ("motor.m4", "H"),
+                 ("gyro.y", "f"), ("gyro.z", "f"))
+        rows = [(tick, a, g, *motors, g, g) for tick, a, g, *motors in records]
+        code, out, err = self.run_import(self.write("log00", usd(2, rows, names)), "--out", self.out, "--format", "json")
+        self.assertEqual((code, err), (0, ""))
+        log = json.loads(out)["logs"][0]
+        self.assertEqual((log["kind"], log["flights"][0]["rates_hz"]["body_rate"]), ("crazyflie-usd", 100))
+        written = self.written("log00_1.csv")
+        np.testing.assert_allclose(written["wx"], np.radians([row[2] for row in rows]), rtol=1e-6, atol=1e-7)
+
+    def test_other_names_need_a_map(self):
+        rows = [(1000 * k, 1.0, 2.0) for k in range(50)]
+        code, _, err = self.run_import(self.write("log00", usd(2, rows, (("my.a", "f"), ("my.b", "f")))))
+        self.assertEqual((code, "give a column map with --map" in err), (3, True), err)
+
+
 if __name__ == "__main__":
     unittest.main()

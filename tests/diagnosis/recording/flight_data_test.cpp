@@ -105,8 +105,22 @@ TEST(FlightData, RowsThatNearlyMeetAreNoFasterLog) {
   EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return (s.channels & has_attitude) != 0; }), 800);
 }
 
-// a log with one whole row is left as it is
-TEST(FlightData, SharedRowsStay) { EXPECT_EQ(with_shared_rows(spin()).rows(), spin().rows()); }
+// GIVEN an attitude in every second row of the gyro WHEN its motion is read THEN it is whole in the attitude's rows
+TEST(FlightData, ASlowAttitudeGivesTheRows) {
+  const FlightLog shared = with_shared_rows(spin());
+  const RecordedMotion motion(shared);
+  ASSERT_EQ(motion.rows(), 800u);
+  EXPECT_TRUE(motion.complete(400));
+  EXPECT_EQ(motion.stretch(799), 0u);
+}
+
+// GIVEN a log whose rows hold everything WHEN its motion is read THEN it is left as it is
+TEST(FlightData, SharedRowsStay) {
+  FlightLog log = spin();
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t k = 1; k < log.rows(); k += 2) log.columns[i].values[k] = log.columns[i].values[k - 1];
+  EXPECT_EQ(with_shared_rows(log).rows(), log.rows());
+}
 
 }  // namespace
 }  // namespace gustlab::diagnosis
