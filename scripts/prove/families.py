@@ -260,9 +260,10 @@ def import_family(source, family, out):
                 continue
             folder = out / family / set_name / role
             subprocess.run([sys.executable, HOME / "scripts" / "import_log.py", *(source_of(source / family, name) for name in names),
-                            "--map", family, "--out", folder, "--keep-unusable", "--plain"], check=True, stdout=subprocess.DEVNULL)
-            for path in folder.iterdir():
-                path.rename(folder.parent / f"{role}_{path.name}")
+                            "--map", family, "--out", folder, "--keep-unusable"], check=True, stdout=subprocess.DEVNULL)
+            for path in sorted(folder.glob("*_1.*")):
+                path.rename(folder.parent / f"{role}_{path.name.replace('_1.', '.')}")
+            (folder / "import.json").unlink()
             folder.rmdir()
 
 
