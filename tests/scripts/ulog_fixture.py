@@ -56,11 +56,11 @@ def stamps(log: ULogFile, time_s) -> np.ndarray:
 MIX = np.array([[-0.7071, 0.7071, 1.0, 1.0], [0.7071, -0.7071, 1.0, 1.0], [0.7071, 0.7071, -1.0, 1.0], [-0.7071, -0.7071, -1.0, 1.0]])
 
 
-def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 17.0), instance: int = 0) -> ULogFile:
+def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 17.0), instance: int = 0, rate_hz: int = 250) -> ULogFile:
     """A flight as PX4's default profile logs it.
 
-    flight: (n, ...) in z-up world and FLU body at 250 Hz: time_s, p, v, q (scalar first), w, a, torque (n, 3; FRD, normalised),
-    thrust (n,) 0..1. Position 10 Hz, attitude 20 Hz, set points 50 Hz, motors 10 Hz, battery 5 Hz.
+    flight: (n, ...) in z-up world and FLU body at rate_hz: time_s, p, v, q (scalar first), w, a, torque (n, 3; FRD, normalised),
+    thrust (n,) 0..1. Position 10 Hz, attitude 20 Hz, set points 50 Hz, motors 10 Hz, battery 5 Hz, IMU 200 Hz or more.
     """
     log, t = ULogFile(), flight["time_s"]
     log.info("sys_name", "PX4")
@@ -76,13 +76,14 @@ def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 
     def frd(v):
         return v * [1.0, -1.0, -1.0]
 
-    slow, pose, half, fifth = slice(0, None, 25), slice(0, None, 12), slice(0, None, 5), slice(0, None, 50)
+    slow, pose, half, fifth, fast = (slice(0, None, max(1, rate_hz // hz)) for hz in (10, 20, 50, 5, 200))
     q = flight["q"]
     # ENU/FLU to NED/FRD: the same two half turns back
     h = np.sqrt(0.5)
     first = h * np.column_stack([-(q[:, 1] + q[:, 2]), q[:, 0] + q[:, 3], q[:, 0] - q[:, 3], q[:, 2] - q[:, 1]])
     turned = np.column_stack([-first[:, 1], first[:, 0], first[:, 3], -first[:, 2]])
-    log.topic("sensor_combined", t, {"float[3] gyro_rad": frd(flight["w"]), "float[3] accelerometer_m_s2": frd(flight["a"])})
+    log.topic("sensor_combined", t[fast], {"float[3] gyro_rad": frd(flight["w"])[fast],
+                                           "float[3] accelerometer_m_s2": frd(flight["a"])[fast]})
     log.topic("vehicle_attitude", t[pose], {"float[4] q": turned[pose]})
     p, v = ned(flight["p"])[slow], ned(flight["v"])[slow]
     log.topic("vehicle_local_position", t[slow], {**{f"float {name}": p[:, k] for k, name in enumerate("xyz")},
