@@ -26,7 +26,7 @@ inline EffectSpec effect(std::string type, std::vector<std::pair<std::string, st
   return spec;
 }
 
-// CrazySim's plant (design notes, PAPER.md §1)
+// CrazySim's plant (arXiv 2603.08863)
 inline VehicleModel crazyflie() {
   VehicleModel vehicle;
   vehicle.name = "crazyflie";

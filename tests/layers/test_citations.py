@@ -1,0 +1,43 @@
+"""Every section that code or a document cites exists in docs/."""
+
+import re
+import subprocess
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+CITED = re.compile(r"\b([A-Z]+)\.md(?:(?:,|'s)? (?:§|section )(\d+[a-z]?(?:\.\d+)?))?((?:, ?§\d+[a-z]?(?:\.\d+)?)*)")
+HEADING = re.compile(r"^(?:#+ |\*\*)(\d+[a-z]?(?:\.\d+)?)\b", re.MULTILINE)
+TEXT = (".cpp", ".hpp", ".py", ".sh", ".md", ".toml", ".txt", ".cmake")
+
+
+def sections(document):
+    return set(HEADING.findall(document.read_text(encoding="utf-8")))
+
+
+class Citations(unittest.TestCase):
+    def test_every_cited_section_exists(self):
+        files = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+        documents = {path.stem: path for path in [*(ROOT / "docs").glob("*.md"), ROOT / "README.md"]}
+        known = {name: sections(path) for name, path in documents.items()}
+        problems, found = [], 0
+        for name in (f for f in files if f.endswith(TEXT)):
+            text = (ROOT / name).read_text(encoding="utf-8")
+            for match in CITED.finditer(text):
+                line = text.count("\n", 0, match.start()) + 1
+                document = match[1]
+                beside = {path.stem for path in (ROOT / name).parent.glob("*.md")}
+                if document not in known:
+                    if document not in beside:
+                        problems.append(f"{name}:{line}: docs/{document}.md does not exist")
+                    continue
+                for section in filter(None, [match[2], *re.findall(r"§([\da-z.]+)", match[3])]):
+                    found += 1
+                    if section not in known[document]:
+                        problems.append(f"{name}:{line}: {document}.md has no section {section}")
+        self.assertGreater(found, 20)
+        self.assertFalse(problems, "\n" + "\n".join(problems))
+
+
+if __name__ == "__main__":
+    unittest.main()
