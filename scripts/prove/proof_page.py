@@ -1,6 +1,7 @@
 """docs/PROOF.md from the figures that prove.py gathered."""
 
 import proof_figures
+import air_trials
 import semi_real
 
 GOALS = {"nothing concealed: no name": "≤ 1 named of ≥ 60 (with scatter)", "calibration scatter: no name": "≤ 1 named of ≥ 60 (with clean)",
@@ -127,6 +128,12 @@ The naive baseline regresses the equation error on the same catalogue (`scripts/
 {headline(score, baseline)}
 {notes.read_text(encoding='utf-8') if notes.exists() else ''}
 {semi_real_part(result['real'])}
+## How rough the air is
+
+Turbulence from that of a quiet room to ten times as much, steady, in bursts and as slow as outdoors; strengths are in limits in
+that air. Exact: every effect above its limit, and no other name.
+
+{air_trials.markdown(result['air'])}
 ## Power against strength
 
 {image('power', 'share of single effects named exactly against their strength')}

@@ -19,26 +19,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+from air_trials import AIR_TRIALS, air_parts, scored as scored_by_air
 from flight_files import HOME
 from proof_page import write_proof
 from run_trials import diagnose_sets, run_measured, score
 
 STRENGTHS = (1.5, 2.5, 4.0, 6.0, 10.0)       # of single effects, in detection limits
 PAIR_STRENGTHS = (2.0, 4.0, 8.0)
-
-
-ROUGHNESS = (1.0, 1.8, 4.0, 10.0)            # of the air, over the quiet room
-AIR_KINDS = ("steady", "gusty", "outdoor")
-AIR_STRENGTHS = (1.5, 2.5, 4.0)              # of single effects and pairs, in limits in this air
-AIR_TRIALS = {"clean": 20, "scatter": 10, "single": 40, "pair": 30, "outside": 20}
-
-
-def air_parts(counts):
-    """Trials of each kind over all roughnesses and kinds of air, mixed evenly, so that any first part of them is a sample."""
-    order = sorted(((n + 0.5) / count, kind, n) for kind, count in counts.items() for n in range(count))
-    air = lambda n: ["--roughness", f"{ROUGHNESS[n % 4]:g}", "--air", AIR_KINDS[(n // 4 + n) % 3]]
-    strength = lambda kind, n: ["--strength-factor", f"{AIR_STRENGTHS[n // 2 % 3]:g}"] if kind in ("single", "pair") else []
-    return [(1, ["--kind", kind, *air(n), *strength(kind, n)]) for _, kind, n in order]
 
 
 class Draw:
@@ -181,6 +168,7 @@ def main():
     scored = lambda name: json.loads(score(places, name, options.gustlab, "json"))
     timed = [name for name, _, _ in drawn if name.startswith(("single_", "pair", "clean"))]
     result = {"score": scored("diagnosis"), "baseline": None if options.no_baseline else scored("baseline"), "sets": drawn, "real": real,
+              "air": list(scored_by_air(work / "air", work / "answers" / "air.jsonl", "diagnosis")),
               "timing": timing(options.gustlab, work, timed[:3] if options.quick else timed[:10]), "quick": options.quick}
     (work / "proof.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     write_proof(result, options.out)

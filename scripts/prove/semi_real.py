@@ -63,7 +63,7 @@ SETS = {
     "imrc_brushed": FlightSet("imrc/brushed", (("brushed_10", 0, 12),), (("brushed_02", 0, 9),), (("brushed_03", 0, 9),), 0.045, "u"),
     "neuralfly": FlightSet("neuralfly/tunnel", (("NF_nowind", 0, 24), ("L1_35wind", 0, 24), ("NF-C_70wind", 0, 24)),
                            (("NF_nowind", 25, 50), ("L1_35wind", 25, 50), ("NF-C_70wind", 25, 50)), (("indi_70wind", 0, 25),), 0.045),
-    "arpl": FlightSet("arpl/vertical", (("log10", 0, 10),), (("log10", 10, 20),), (("log10", 20, 30),), 0.075),
+    "arpl": FlightSet("arpl/vertical", (("log10", 0, 9),), (("log10", 9, 22),), (("log10", 22, 30),), 0.075),
     "crazypad_E8": FlightSet("crazypad/normal_E8", (("normal_flight-E8_log00", 0, 999),), (("normal_flight-E8_log01", 0, 999),), ()),
     "crazypad_E9": FlightSet("crazypad/normal_E9", (("normal_flight-E9_log00", 0, 999),), (("normal_flight-E9_log03", 0, 999),), ()),
 }
@@ -386,7 +386,7 @@ def ask(folder, gustlab, seconds):
     if not run.exists():
         files = lambda role: sorted(map(str, folder.glob(f"{role}_*.csv")))
         option = lambda role: [text for path in files(role) for text in (f"--{role}", path)]
-        command = ["nice", "-n", "5", "timeout", str(seconds), gustlab, "diagnose", *files("fit"), *option("holdout"), *option("reference"),
+        command = ["nice", "-n", "4", "timeout", str(seconds), gustlab, "diagnose", *files("fit"), *option("holdout"), *option("reference"),
                    "--out", str(out), "--jobs", "1"]
         figures = run_measured(command, folder / "messages.txt")
         run.write_text(json.dumps(figures) + "\n", encoding="utf-8")
