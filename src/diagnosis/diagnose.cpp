@@ -25,17 +25,15 @@
 #include "diagnosis/rollout/verify.hpp"
 #include "diagnosis/selection/select_effects.hpp"
 #include "diagnosis/selection/subset_search.hpp"
-#include "diagnosis/validation/challenge.hpp"
+#include "diagnosis/evidence/challenge.hpp"
 #include "diagnosis/validation/locate.hpp"
-#include "diagnosis/validation/shadow.hpp"
+#include "diagnosis/evidence/shadow.hpp"
 #include "gustlab/errors.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
 
-constexpr double unproved_confidence = calibrated_confidence(0.95);
-constexpr double least_included = 0.9;       // share of halves of the data that must name what no rollout can prove
 
 std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 // rows of a log between two times
@@ -150,16 +148,6 @@ void plot_residuals(const Session& session, const Selection& selection, Diagnosi
   }
 }
 
-// beside a force that depends on the place, forces of every flight's own are that one's means
-std::vector<int> forces_per_flight(const Session& session, const Selection& selection) {
-  std::vector<int> groups;
-  for (const Finding& finding : selection.findings) {
-    const Group& group = session.catalogue().groups()[static_cast<std::size_t>(finding.group)];
-    if (group.row->per_flight && group.row->place == Place::wrench) groups.push_back(finding.group);
-  }
-  return groups;
-}
-
 // forces_only: torques are not told
 Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   Diagnosis out;
@@ -263,32 +251,21 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
     out.notes.push_back(fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not told from those of the filter, "
                                     "which the commands did not pass", 1e3 * filter_feigns_s));
   Selection selection = select_effects(session, {});
-  const bool unproved = forces_only && !attitude;
-  const auto challenge_selection = [&] { return challenge(session, selection, held, held_own_rate, unproved ? least_included : 0.0, options.jobs); };
-  Challenge challenged = challenge_selection();
-  Remainder rest = remainder(session, selection, challenged.uneven);
-  const std::vector<int> feigned = rest.depends_on_state ? forces_per_flight(session, selection)
-                                   : rest.gust_like      ? means_of_gust(session, selection, rest.gust)
-                                                         : std::vector<int>{};
-  if (!feigned.empty()) {
-    for (const int g : feigned)
-      out.rejected.push_back({std::string(session.catalogue().groups()[static_cast<std::size_t>(g)].row->name), selection.find(g)->gain,
-                              rest.depends_on_state ? "only suspected: what is left of the force depends on where or how fast the vehicle is"
-                                                    : "is no more than the mean of the gust over a flight"});
-    selection = withdraw(session, {}, selection, feigned);
-    challenged = challenge_selection();
-    challenged.uneven |= rest.depends_on_state;
-    rest = remainder(session, selection, challenged.uneven);
-  }
+  std::vector<FlightLog> proof;
+  for (std::size_t i = 0; i < logs.holdout.size(); ++i)
+    proof.push_back(with_later_inputs(logs.holdout[i], offset[logs.fit.size() + i]));
+  const Challenge challenged = challenge(session, selection, {held, held_own_rate, proof}, options.jobs);
+  const Remainder& rest = challenged.rest;
   // moments that depend on the velocity are not told without it, and would be charged to what can be
   if (!attitude && !forces_only && !rest.alarms.empty()) return diagnose_with(options, true);
+  out.evidence = challenged.records;
+  out.evidence.insert(out.evidence.end(), challenged.withdrawn.begin(), challenged.withdrawn.end());
   explain(session, selection, challenged, out);
   if (std::any_of(out.effects.begin(), out.effects.end(), [&](const EffectFinding& e) { return session.seen_in_speeds(session.catalogue().find(e.effect)); }))
     out.notes.push_back(fmt::format("commands foretell the rotors' speeds to {:.3g} rad/s instead of {:.3g} (rms, held-out flights); measured speeds drive "
                                     "the body's predictions, which that does not change",
                                     speeds_left_radps(held, session.catalogue(), selection.value),
                                     speeds_left_radps(held, session.catalogue(), session.catalogue().nominal())));
-  out.rejected.insert(out.rejected.begin(), challenged.withdrawn.begin(), challenged.withdrawn.end());
   if (rest.gust_like) explain_gust(session, rest.gust, out);
   describe_disturbance(selection, rest, out);
   out.alarms = rest.alarms;
@@ -299,32 +276,18 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   if (jitters) suspect(out, "only suspected: the commands were sampled from a faster loop");
 
   // proof in the simulator, on flights that were not used
-  std::vector<FlightLog> proof;
-  for (std::size_t i = 0; i < logs.holdout.size(); ++i)
-    proof.push_back(with_later_inputs(logs.holdout[i], offset[logs.fit.size() + i]));
   config::Table found = config::Table::parse(augmented_toml(out), "augmented.toml");
   Verification verified = verify(proof, vehicle, config::read_effects(found), options.jobs);
   out.fit = std::move(verified.fit);
   out.window_file = verified.window_file;
   out.window = std::move(verified.window);
 
-  // an alarm remains: what was named may be the shadow of something unknown, unless it recovers most of what can be
-  // what cannot be proved by rollouts is named only when nearly every half of the data names it
-  if (out.fit.is_null() && !forces_only)
-    std::erase_if(out.effects, [&](const EffectFinding& effect) {
-      if (effect.confidence >= unproved_confidence) return false;
-      out.rejected.push_back({effect.effect, effect.gain, "only suspected: no pose to verify it on"});
-      return true;
-    });
   std::vector<int> named;
   for (const EffectFinding& effect : out.effects) named.push_back(session.catalogue().find(effect.effect));
   if (!SubsetSearch(session.catalogue(), vehicle, 0.0).allowed(named))
     suspect(out, "only suspected: without a drag no wind is felt", [](const EffectFinding& effect) { return effect.effect != "steady_wind"; });
   const std::string bound = at_its_bound(session.catalogue(), selection);
   if (!bound.empty()) out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
-  withdraw_shadows(session, selection, rest, verified.recovered, bound,
-                   [&] { return std::min(pose_lateness_s(raw), pose_lateness_s(raw_held)); }, out);
-
   if (jitters) out.verdict = Verdict::insufficient_data;
   else if (out.effects.empty() && !bound.empty()) out.verdict = Verdict::unexplained;
   else if (out.effects.empty()) out.verdict = rest.alarms.empty() ? Verdict::consistent : Verdict::unexplained;

@@ -31,7 +31,7 @@ ALLOWED = {
 }
 
 # the rooms of src/diagnosis from the bottom up: each may include itself and those before it; the files beside them stand on top
-DIAGNOSIS_ROOMS = ("result", "recording", "model", "estimation", "alignment", "selection", "rollout", "validation", "hover", "output")
+DIAGNOSIS_ROOMS = ("result", "recording", "model", "estimation", "alignment", "selection", "rollout", "validation", "evidence", "hover", "output")
 
 # a third-party header stays behind the folder that wraps it
 WRAPPED = {

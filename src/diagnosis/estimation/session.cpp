@@ -355,6 +355,54 @@ std::vector<Whitened> Session::innovations(const std::vector<int>& columns, cons
   return whitened;
 }
 
+namespace {
+
+// rows that count, by channel; columns of the flight put where they are asked for
+void append_channels(const Whitened& rows, int channels, const std::vector<int>& to, Eigen::Index width, std::vector<Eigen::MatrixXd>& series) {
+  for (int channel = 0; channel < channels; ++channel) {
+    std::vector<Eigen::Index> at;
+    for (std::size_t i = 0; i < rows.time_s.size(); ++i)
+      if (rows.warm[i] && (rows.channel.empty() ? static_cast<int>(i % static_cast<std::size_t>(channels)) : rows.channel[i]) == channel)
+        at.push_back(static_cast<Eigen::Index>(i));
+    if (at.empty()) continue;
+    Eigen::MatrixXd& of_channel = series.emplace_back(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(at.size()), width));
+    for (std::size_t j = 0; j < to.size(); ++j) of_channel.col(to[j]) = rows.rows(at, static_cast<Eigen::Index>(j));
+    of_channel.col(width - 1) = rows.rows(at, rows.rows.cols() - 1);
+  }
+}
+
+}  // namespace
+
+RowSeries Session::row_series(const std::vector<int>& columns) const {
+  const auto width = static_cast<Eigen::Index>(columns.size()) + 1;
+  const auto places = [&](const std::vector<int>& of_flight) {
+    std::vector<int> to;
+    for (const int c : of_flight) to.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
+    return to;
+  };
+  RowSeries series(flights_.size());
+  for_each_flight([&](std::size_t f) {
+    if (!shoots()) {
+      const LinearFlight part = only(linear_[f], columns);
+      append_channels(whiten(flights_[f], part, noise), row_count, places(part.columns), width, series[f]);
+      append_channels(whiten_speeds(flights_[f], part, noise.speeds), vehicle_.rotor_count, places(part.columns), width, series[f]);
+      return;
+    }
+    // every row of a window is a channel, which has one sample a window
+    const std::vector<int> to = places(shot_[f].columns);
+    for (Eigen::Index row = 0; row < weights_.rows(); ++row) {
+      Eigen::MatrixXd& of_row = series[f].emplace_back(Eigen::MatrixXd::Zero(std::ssize(shot_[f].window), width));
+      for (std::size_t w = 0; w < shot_[f].window.size(); ++w) {
+        const Eigen::RowVectorXd z = weights_.row(row) * shot_[f].window[w];
+        for (std::size_t j = 0; j < to.size(); ++j)
+          if (to[j] + 1 < width) of_row(static_cast<Eigen::Index>(w), to[j]) = z[static_cast<Eigen::Index>(j)];
+        of_row(static_cast<Eigen::Index>(w), width - 1) = z[z.size() - 1];
+      }
+    }
+  });
+  return series;
+}
+
 double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const {
   std::vector<double> of(flights_.size());
   for_each_flight([&](std::size_t f) {

@@ -7,6 +7,7 @@
 #include "diagnosis/estimation/gram.hpp"
 #include "diagnosis/estimation/innovation_filter.hpp"
 #include "diagnosis/estimation/shooting.hpp"
+#include "diagnosis/estimation/surrogates.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -53,7 +54,10 @@ class Session {
   // `extra`: further columns per flight, before y.
   std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
                                     const std::vector<std::vector<Pushes>>* extra = nullptr) const;
-  // −2 log likelihood of the same.
+  // Whitened rows of these columns and y as they follow each other in time, per flight and channel (catalogue columns in this order,
+  // natural units, counted from the linearisation).
+  RowSeries row_series(const std::vector<int>& columns) const;
+  // −2 log likelihood of the innovations above.
   double misfit(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
 
   // Where rotor speeds are measured and a delay is among the groups, it starts from where speeds and commands match.

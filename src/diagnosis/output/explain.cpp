@@ -9,15 +9,14 @@
 #include <numbers>
 
 #include "config/toml.hpp"
+#include "diagnosis/selection/found_effects.hpp"
+#include "diagnosis/evidence/judge.hpp"
+#include "diagnosis/validation/regimes.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-// model-form error: no effect is exactly its formula (DIAGNOSIS.md §3.8)
-constexpr double model_form = 0.03;
-// of a cable: sampled accelerations leave half a per cent (ten trials of the independent reality)
-constexpr double cable_form = 0.005;
 constexpr double equivalent_z = 2.6;
 
 // declared exact aliases: what no flight can tell apart, whatever it does
@@ -26,55 +25,6 @@ constexpr std::pair<std::string_view, std::string_view> exact_alias[] = {
 };
 
 std::string catalogue_name(const Group& group) { return std::string(group.row->name); }
-
-double with_model_form(double deviation, double value, double nominal) {
-  return std::hypot(deviation, model_form * (value - nominal));
-}
-
-// The more often half of the data says the same, and the clearer the rivals lose, the surer. Calibrated on 72 findings of
-// independent trials: names that pass every test are right more often than their stability says, and the last few per
-// cent are physics that no catalogue holds.
-double confidence(const Finding& finding, double holdout_gain) {
-  double nearest = 20.0;
-  for (const Rival& rival : finding.rivals)
-    if (rival.z >= equivalent_z) nearest = std::min(nearest, rival.z);
-  const double stable = std::clamp(finding.inclusion, 0.0, 1.0);
-  const double distinct = 1.0 - 0.25 * std::exp(-0.6 * std::max(0.0, nearest - equivalent_z));
-  const double paid = holdout_gain > 10.0 ? 1.0 : 0.85;
-  const double agreement = std::clamp(0.985 * (0.6 + 0.4 * stable) * distinct * paid, 0.05, 0.99);
-  return calibrated_confidence(agreement);
-}
-
-std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group, int flight) {
-  std::vector<NamedValue> values;
-  if (group.rotor > 0) values.push_back({"rotor", "-", static_cast<double>(group.rotor), 0.0});
-  if (group.row->name == "slung_load") values.push_back({"length", "m", group.swing.length_m, std::hypot(group.swing.length_deviation_m, cable_form * group.swing.length_m)});
-  if (group.row->name == "saturation") return {{"max_speed", "rad/s", group.limit_radps, 0.01 * group.limit_radps}};
-  // mean over flights of values per flight
-  std::vector<std::pair<int, std::vector<int>>> by_parameter;
-  for (const int c : group.columns) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    if (flight >= 0 && column.flight != flight) continue;
-    auto at = std::find_if(by_parameter.begin(), by_parameter.end(), [&](const auto& p) { return p.first == column.parameter; });
-    if (at == by_parameter.end()) at = by_parameter.insert(at, {column.parameter, {}});
-    at->second.push_back(c);
-  }
-  for (const auto& [parameter, columns] : by_parameter) {
-    NamedValue value;
-    double variance = 0.0;
-    for (const int c : columns) {
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-      value.name = column.name;
-      value.unit = column.unit;
-      value.value += selection.value[c] / static_cast<double>(columns.size());
-      const double sd = with_model_form(selection.deviation[c], selection.value[c], column.nominal);
-      variance += sd * sd / std::pow(static_cast<double>(columns.size()), 2);
-    }
-    value.deviation = std::sqrt(variance);
-    values.push_back(value);
-  }
-  return values;
-}
 
 // why a group can hardly be told from these flights; empty when it can
 std::string why_not_told(const Session& session, const Selection& selection, const Group& group) {
@@ -153,14 +103,9 @@ void explain(const Session& session, const Selection& selection, const Challenge
       if (row.name != effect.effect && std::find(effect.classmates.begin(), effect.classmates.end(), row.name) != effect.classmates.end())
         ordered.emplace_back(row.name);
     effect.classmates = ordered;
-    effect.confidence = confidence(finding, challenge.tested.gain[i]);
-    effect.astray = most_astray(challenge.regimes[i]);
+    effect.confidence = challenge.records[i].probability;
     if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();
-    if (calibration) {
-      out.calibration.push_back(effect);
-    } else {
-      out.effects.push_back(effect);
-    }
+    (calibration ? out.calibration : effect.confidence >= named_from ? out.effects : out.suspected).push_back(effect);
   }
   for (const EffectFinding& effect : out.effects)
     if (effect.effect == "constant_force" && session.flights().size() > 1) {
@@ -168,6 +113,8 @@ void explain(const Session& session, const Selection& selection, const Challenge
       out.notes.push_back(fmt::format("a force to the side that is the same in every flight may as well be a position frame that is tilted, here by {:.2g}°",
                                       std::atan(side_mps2 / session.vehicle().gravity_mps2) * 180.0 / std::numbers::pi));
     }
+  for (const Evidence& record : challenge.withdrawn)
+    out.rejected.push_back({record.effect, record.gain, fmt::format("its own evidence gives it a probability of {:.2f}", record.probability)});
   // the best of what was not chosen, and of what was chosen too small to name
   std::vector<std::pair<double, int>> others;
   for (const auto& [g, gain] : selection.alone) others.emplace_back(gain, g);
@@ -211,7 +158,6 @@ void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out
   }
   effect.confidence = 0.9;
   effect.gain = 0.0;
-  effect.astray = 0.0;
   out.effects.push_back(effect);
 }
 

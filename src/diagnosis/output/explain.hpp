@@ -2,15 +2,13 @@
 #pragma once
 
 #include "diagnosis/result/diagnosis.hpp"
-#include "diagnosis/validation/challenge.hpp"
+#include "diagnosis/evidence/challenge.hpp"
 #include "diagnosis/validation/gust_parts.hpp"
 
 namespace gustlab::diagnosis {
 
 // Fills effects, calibration, rejected and not_identifiable of a diagnosis.
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out);
-// Share of findings that are right, of those whose agreement (0…1: stability, rivals, held-out gain) is as given.
-constexpr double calibrated_confidence(double agreement) { return 0.88 + 0.09 * agreement; }
 // Names `gust` when the flight says so; per axis strength, correlation time and a spectral line.
 void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out);
 // `[[effect]]` tables of everything found, totals, calibration included.

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/result/evidence.hpp"
 #include "diagnosis/result/findings.hpp"
 
 namespace gustlab::diagnosis {
@@ -34,6 +35,8 @@ struct Diagnosis {
   std::vector<FlightUse> flights;
   std::vector<Mismatch> mismatch;
   std::vector<EffectFinding> effects;
+  std::vector<EffectFinding> suspected;      // more likely than not, and not proved
+  std::vector<Evidence> evidence;            // of every candidate that was judged
   std::vector<EffectFinding> calibration;    // below their reporting tolerance
   std::vector<Disturbance> disturbance;
   std::vector<LogFinding> log_findings;

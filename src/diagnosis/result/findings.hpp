@@ -49,7 +49,6 @@ struct EffectFinding {
   std::vector<ConfusableEffect> confusable;
   double gain = 0.0;       // rise of the score when it is removed
   Regimes least_even;      // where its size varies most
-  double astray = 1.0;     // how much its size may vary between regimes, as a share of it
 };
 
 struct Rejected {

@@ -41,6 +41,27 @@ ordered_json effects(const std::vector<EffectFinding>& findings) {
   return result;
 }
 
+ordered_json records(const std::vector<Evidence>& evidence) {
+  ordered_json result = ordered_json::array();
+  for (const Evidence& e : evidence) {
+    ordered_json one = {{"effect", e.effect}, {"probability", number(e.probability)}, {"parameters", e.parameters}, {"delta_chi2", number(e.gain)},
+                        {"robust_delta_chi2", number(e.robust_gain())}, {"surrogate_inflation", number(e.surrogates.movable ? e.surrogates.inflation : NAN)},
+                        {"surrogate_p", number(e.surrogates.movable ? e.surrogates.p_value : NAN)}, {"clustered_inflation", number(e.clustered_inflation)},
+                        {"held_out_delta_chi2", number(e.held_out_gain)}, {"held_out_expected", number(e.held_out_expected)},
+                        {"flights_for", e.flights_for()}, {"flights_against", e.flights_against()}, {"spread_flights", number(e.spread_flights)},
+                        {"spread_regimes", number(e.spread_regimes)}, {"size_in_tolerances", number(e.size_in_tolerances)}, {"inclusion", number(e.inclusion)},
+                        {"rival_delta_chi2", number(e.rival_gain)}, {"rival_z", number(e.rival_z)}, {"unpredicted_commands", number(e.unpredicted_commands)},
+                        {"force_excess", number(e.force_excess)}, {"force_excess_std", number(e.force_excess_sd)},
+                        {"unexplained_delta_chi2", number(e.unexplained_gain)}, {"at_bound", e.at_bound},
+                        {"horizon_s", e.horizon_s}, {"recovered", e.recovered}, {"recovered_z", e.recovered_z}};
+    for (const auto& [name, value] : e.features) one["features"][std::string(name)] = number(value);
+    one["flights"] = ordered_json::array();
+    for (const FlightShare& f : e.flights) one["flights"].push_back({{"file", f.file}, {"held_out", f.held_out}, {"share", number(f.share)}, {"std", number(f.deviation)}});
+    result.push_back(one);
+  }
+  return result;
+}
+
 }  // namespace
 
 std::string_view to_string(Verdict verdict) {
@@ -67,9 +88,11 @@ ordered_json to_json(const Diagnosis& d) {
                                {"rms", number(m.rms)}, {"noise_rms", number(m.noise_rms)}, {"unit", m.unit}, {"where", where}});
   }
   out["effects"] = effects(d.effects);
+  out["suspected"] = effects(d.suspected);
   out["calibration"] = effects(d.calibration);
   if (!d.residual_model.is_null()) out["residual_model"] = d.residual_model;
   if (!d.habit.is_null()) out["habit"] = d.habit;
+  out["evidence"] = records(d.evidence);
   out["disturbance"] = ordered_json::array();
   for (const Disturbance& g : d.disturbance)
     out["disturbance"].push_back({{"group", g.group}, {"before", number(g.before)}, {"after", number(g.after)}, {"unit", g.unit},

@@ -11,9 +11,9 @@ namespace gustlab::diagnosis {
 struct SelectionOptions {
   int most_effects = 8;
   int beam = 25;
-  double materiality = 0.0025;        // of the degrees of freedom, per further effect
-  double relative_materiality = 3e-4; // of the whole gain
-  double most_materiality = 0.0125;   // of the degrees of freedom, about what was found
+  double materiality = 0.0006;        // of the degrees of freedom, per further effect
+  double relative_materiality = 1e-4; // of the whole gain
+  double most_materiality = 0.003;   // of the degrees of freedom, about what was found
   double wald_p = 0.001;              // over the number of groups
   int half_samples = 40;
   double trim_share = 0.25;           // calibration scatter (sd) as a share of a reporting tolerance

@@ -1,0 +1,115 @@
+#include "diagnosis/estimation/surrogates.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "gustlab/random.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr int draws = 199;              // p ≥ 0.005
+constexpr int places = 60;              // moved signatures of one flight, each also mirrored
+constexpr double nearest = 0.1;         // of a flight, to which a signature is not moved
+constexpr double most_alike = 0.7;      // mean square correlation of a signature with itself, moved
+
+// the candidate's signature beside what is known, and what the whole model leaves
+struct Part {
+  Eigen::MatrixXd signature;
+  Eigen::VectorXd left;
+};
+
+Eigen::MatrixXd pick(const Eigen::MatrixXd& rows, const std::vector<int>& columns) { return rows(Eigen::all, columns); }
+
+std::vector<std::vector<Part>> beside_known(const RowSeries& series, const std::vector<int>& known, const std::vector<int>& own,
+                                            const Eigen::VectorXd& coefficient) {
+  const auto k = static_cast<Eigen::Index>(known.size()), o = static_cast<Eigen::Index>(own.size());
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(k, k), cross = Eigen::MatrixXd::Zero(k, o);
+  for (const auto& flight : series)
+    for (const Eigen::MatrixXd& rows : flight) {
+      const Eigen::MatrixXd free = pick(rows, known);
+      gram += free.transpose() * free;
+      cross += free.transpose() * pick(rows, own);
+    }
+  gram.diagonal().array() += 1e-10 * (gram.diagonal().array().maxCoeff() + 1e-300);
+  const Eigen::MatrixXd on_known = k > 0 ? Eigen::MatrixXd(gram.ldlt().solve(cross)) : Eigen::MatrixXd(0, o);
+  std::vector<std::vector<Part>> parts;
+  for (const auto& flight : series) {
+    auto& of_flight = parts.emplace_back();
+    for (const Eigen::MatrixXd& rows : flight) {
+      const Eigen::MatrixXd free = pick(rows, known), mine = pick(rows, own);
+      of_flight.push_back({mine - free * on_known,
+                           rows.col(rows.cols() - 1) - free * coefficient.head(k) - mine * coefficient.tail(o)});
+    }
+  }
+  return parts;
+}
+
+// Σ over channels of (moved signature)ᵀ left, in which row i of a channel of n rows meets row (i ± i₀) mod n of the signature
+Eigen::VectorXd moved_product(const std::vector<Part>& channels, double share, bool mirrored, bool with_itself) {
+  const Eigen::Index width = channels.front().signature.cols();
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(with_itself ? width * width : width);
+  for (const Part& part : channels) {
+    const Eigen::Index n = part.signature.rows(), by = static_cast<Eigen::Index>(share * static_cast<double>(n));
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::Index at = mirrored ? (2 * n - 1 - i - by) % n : (i + by) % n;
+      if (!with_itself) sum += part.left[i] * part.signature.row(at).transpose();
+      else Eigen::Map<Eigen::MatrixXd>(sum.data(), width, width) += part.signature.row(at).transpose() * part.signature.row(i);
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& known, const std::vector<int>& own,
+                             const Eigen::VectorXd& coefficient) {
+  SurrogateTest test;
+  const auto parts = beside_known(series, known, own, coefficient);
+  const auto width = static_cast<Eigen::Index>(own.size());
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(width, width);
+  for (const auto& flight : parts)
+    for (const Part& part : flight) information += part.signature.transpose() * part.signature;
+  information.diagonal().array() += 1e-12 * (information.diagonal().maxCoeff() + 1e-300);
+  const Eigen::LDLT<Eigen::MatrixXd> solver(information);
+  const Eigen::VectorXd fitted = coefficient.tail(width);
+  const double gain = fitted.dot(information * fitted);
+  if (!(gain > 0.0)) return test;
+
+  // of every flight: its product with what is left, at places along it
+  std::vector<Eigen::MatrixXd> products;
+  double alike = 0.0, alikes = 0.0;
+  for (const auto& flight : parts) {
+    Eigen::MatrixXd& of_flight = products.emplace_back(width, 2 * places);
+    for (int place = 0; place < 2 * places; ++place) {
+      const double share = nearest + (1.0 - 2.0 * nearest) * (place / 2 + 0.5) / places;
+      of_flight.col(place) = moved_product(flight, share, place % 2 == 1, false);
+      if (place % 20 != 0) continue;
+      Eigen::VectorXd itself = moved_product(flight, share, false, true), whole = moved_product(flight, 0.0, false, true);
+      const Eigen::Map<Eigen::MatrixXd> a(itself.data(), width, width), b(whole.data(), width, width);
+      alike += std::pow(fitted.dot(a * fitted) / (fitted.dot(b * fitted) + 1e-300), 2), alikes += 1.0;
+    }
+  }
+  test.movable = alikes > 0.0 && alike / alikes < most_alike;
+
+  const RandomStream random(20261123, 0, "surrogates");
+  int beyond = 0;
+  double sum = 0.0;
+  for (int draw = 0; draw < draws; ++draw) {
+    Eigen::VectorXd product = Eigen::VectorXd::Zero(width);
+    for (std::size_t f = 0; f < products.size(); ++f) {
+      const double u = random.uniform4(static_cast<std::uint64_t>(draw), static_cast<std::uint32_t>(f))[0];
+      product += products[f].col(std::min(2 * places - 1, static_cast<int>(u * 2 * places)));
+    }
+    const double chance = product.dot(solver.solve(product));
+    sum += chance;
+    beyond += chance >= gain ? 1 : 0;
+  }
+  test.inflation = sum / draws / static_cast<double>(width);
+  test.p_value = (1.0 + beyond) / (1.0 + draws);
+  return test;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,22 @@
+// A null that assumes no model of the rest: the same signature moved along its flight, or mirrored in time.
+//
+// What nothing explains keeps its own spectrum, its outliers and its dependence on everything else; only its coincidence with the
+// signature goes. Residuals are those of the whole model (ter Braak 1992), so that a path that repeats itself does not find its own
+// effect again one lap later. Theiler et al., Physica D 58, 1992; ter Braak, in: Bootstrapping and Related Techniques, 1992.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "diagnosis/result/evidence.hpp"
+
+namespace gustlab::diagnosis {
+
+// Whitened rows as they follow each other in time: [flight][channel], samples × (columns, z).
+using RowSeries = std::vector<std::vector<Eigen::MatrixXd>>;
+
+// `own`: columns of the candidate; `known`: columns that are free beside it; `coefficient`: of (known, own), fitted together.
+SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& known, const std::vector<int>& own,
+                             const Eigen::VectorXd& coefficient);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,67 @@
+#include "diagnosis/evidence/challenge.hpp"
+
+#include <algorithm>
+
+#include "diagnosis/evidence/judge.hpp"
+#include "diagnosis/selection/found_effects.hpp"
+#include "diagnosis/selection/select_effects.hpp"
+#include "diagnosis/validation/gust_parts.hpp"
+#include "diagnosis/validation/regimes.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr double hopeless = 0.1;   // below it candidates go together, from it on one at a time: what goes may have hidden what speaks for others
+
+// forces of every flight's own that are no more than the mean of a gust, or of a force that depends on the place
+std::vector<int> means_of_others(const Session& session, const Selection& selection, const Remainder& rest) {
+  std::vector<int> groups;
+  if (rest.depends_on_state) {
+    for (const Finding& finding : selection.findings) {
+      const EffectRow& row = *session.catalogue().groups()[static_cast<std::size_t>(finding.group)].row;
+      if (row.per_flight && row.place == Place::wrench) groups.push_back(finding.group);
+    }
+    return groups;
+  }
+  return rest.gust_like ? means_of_gust(session, selection, rest.gust) : groups;
+}
+
+// candidates that do not stand: all that are hopeless, otherwise the weakest
+std::vector<std::size_t> weakest(const Selection& selection, const std::vector<Evidence>& records, const std::vector<int>& means) {
+  std::vector<std::size_t> failed;
+  std::size_t worst = records.size();
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (selection.findings[i].calibration) continue;
+    if (records[i].probability < hopeless || std::find(means.begin(), means.end(), records[i].group) != means.end()) failed.push_back(i);
+    if (records[i].probability < suspected_from && (worst == records.size() || records[i].probability < records[worst].probability)) worst = i;
+  }
+  if (failed.empty() && worst < records.size()) failed.push_back(worst);
+  return failed;
+}
+
+}  // namespace
+
+Challenge challenge(Session& session, Selection& selection, const HeldOut& held, int jobs) {
+  Challenge result;
+  bool without_forces_per_flight = false;
+  while (true) {
+    const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
+    result.regimes = regimes(session, selection);
+    result.rest = remainder(session, selection, without_forces_per_flight);
+    result.records = gather_evidence(session, selection, tested, result.regimes, result.rest);
+    fly_without_each(held.logs, session.vehicle(), effects_found(session.catalogue(), selection), jobs, result.records);
+    for (Evidence& record : result.records) judge(record);
+    const std::vector<std::size_t> failed = weakest(selection, result.records, means_of_others(session, selection, result.rest));
+    if (failed.empty()) return result;
+    std::vector<int> groups;
+    for (const std::size_t i : failed) {
+      groups.push_back(result.records[i].group);
+      without_forces_per_flight |= session.catalogue().groups()[static_cast<std::size_t>(groups.back())].row->per_flight;
+      result.withdrawn.push_back(result.records[i]);
+    }
+    selection = withdraw(session, {}, selection, groups);
+  }
+}
+
+}  // namespace gustlab::diagnosis

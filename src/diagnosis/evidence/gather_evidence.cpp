@@ -1,0 +1,176 @@
+#include "diagnosis/evidence/gather_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/estimation/surrogates.hpp"
+#include "diagnosis/selection/trims.hpp"
+#include "diagnosis/validation/parts.hpp"
+#include "diagnosis/validation/regimes.hpp"
+#include "util/parallel.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+constexpr int parts_of_flight = 6;
+constexpr double shortest_part_s = 4.0;
+constexpr double equivalent_z = 2.6;
+
+// which sixth of which flight a block of the Gram matrices belongs to
+std::vector<int> clusters_of(const Session& session, const Grams& grams) {
+  std::vector<int> cluster;
+  for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    const FlightData& flight = session.flights()[static_cast<std::size_t>(grams.flight[b])];
+    const double part_s = std::max(shortest_part_s, flight.duration_s() / parts_of_flight);
+    cluster.push_back(grams.flight[b] * parts_of_flight +
+                      std::clamp(static_cast<int>((grams.time_s[b] - flight.start_s) / part_s), 0, parts_of_flight - 1));
+  }
+  return cluster;
+}
+
+// weights of all columns and z: the finding's pattern less what the others can imitate, and what the whole fit leaves
+struct Weights {
+  Eigen::VectorXd pattern, left;
+};
+
+Weights weights_of(const Session& session, const Selection& selection, const Eigen::MatrixXd& total, const Finding& finding) {
+  const Catalogue& catalogue = session.catalogue();
+  std::vector<int> groups = selection.groups();
+  std::erase(groups, finding.group);
+  const std::vector<int> known = session.with_biases(groups), own = own_columns(catalogue, selection.groups(), finding.group);
+  const Eigen::Index size = total.cols();
+  Weights w{Eigen::VectorXd::Zero(size), Eigen::VectorXd::Zero(size)};
+  w.left[size - 1] = 1.0;
+  for (int c = 0; c < catalogue.size(); ++c) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const double coefficient = (selection.value[c] - column.nominal) / column.natural;
+    w.left[c] = -coefficient;
+    if (std::find(own.begin(), own.end(), c) != own.end()) w.pattern[c] = coefficient;
+  }
+  Eigen::MatrixXd target = total;
+  target.col(size - 1) = total * w.pattern;
+  const Eigen::VectorXd imitated = solve(target, known).coefficient;
+  for (std::size_t i = 0; i < known.size(); ++i) w.pattern[known[i]] -= imitated[static_cast<Eigen::Index>(i)];
+  return w;
+}
+
+// shares of the effect per flight and the variance of its size between sixths of flights
+void measure_flights(const Session& session, const Selection& selection, const Weights& w, const std::vector<int>& cluster, Evidence& out) {
+  const Grams& grams = selection.grams;
+  const int flights = static_cast<int>(session.flights().size());
+  struct Sum {
+    double information = 0.0, left = 0.0;
+  };
+  std::vector<Sum> of_flight(static_cast<std::size_t>(flights)), of_cluster(static_cast<std::size_t>(flights * parts_of_flight));
+  double all = 0.0;
+  for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    const Eigen::VectorXd seen = grams.block[b] * w.pattern;
+    const double information = seen.dot(w.pattern), left = seen.dot(w.left);
+    all += information;
+    for (Sum* sum : {&of_flight[static_cast<std::size_t>(grams.flight[b])], &of_cluster[static_cast<std::size_t>(cluster[b])]})
+      sum->information += information, sum->left += left;
+  }
+  if (!(all > 0.0)) return;
+  double squares = 0.0;
+  for (const Sum& sum : of_cluster) squares += sum.left * sum.left;
+  out.clustered_inflation = squares / all;
+  double mean = 0.0, weight = 0.0;
+  for (int f = 0; f < flights; ++f) {
+    const Sum& sum = of_flight[static_cast<std::size_t>(f)];
+    FlightShare& share = out.flights.emplace_back();
+    share.file = session.flights()[static_cast<std::size_t>(f)].label;
+    if (!(sum.information > 1e-6 * all)) continue;
+    share.share = 1.0 + sum.left / sum.information;
+    double variance = 0.0;
+    for (int p = 0; p < parts_of_flight; ++p) {
+      const Sum& part = of_cluster[static_cast<std::size_t>(f * parts_of_flight + p)];
+      variance += std::pow(part.left - (share.share - 1.0) * part.information, 2);
+    }
+    share.deviation = std::sqrt(std::max(variance * parts_of_flight / (parts_of_flight - 1.0), sum.information)) / sum.information;
+    mean += share.share / std::pow(share.deviation, 2), weight += 1.0 / std::pow(share.deviation, 2);
+  }
+  // random effects, DerSimonian & Laird 1986
+  double q = 0.0, weight_squares = 0.0, told = 0.0;
+  for (const FlightShare& share : out.flights) {
+    const double w_f = 1.0 / std::pow(share.deviation, 2);
+    q += w_f * std::pow(share.share - mean / weight, 2), weight_squares += w_f * w_f, told += 1.0;
+  }
+  out.spread_flights = told > 1.0 ? std::sqrt(std::max(0.0, (q - (told - 1.0)) / (weight - weight_squares / weight))) : 0.0;
+}
+
+SurrogateTest moved_signatures(const Session& session, const Selection& selection, const Finding& finding) {
+  std::vector<int> groups = selection.groups();
+  std::erase(groups, finding.group);
+  std::vector<int> columns = session.with_biases(groups);
+  const std::size_t known = columns.size();
+  const std::vector<int> own = own_columns(session.catalogue(), selection.groups(), finding.group);
+  columns.insert(columns.end(), own.begin(), own.end());
+  Eigen::VectorXd coefficient(static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(columns[i])];
+    coefficient[static_cast<Eigen::Index>(i)] = (selection.value[columns[i]] - session.value()[columns[i]]) / column.natural;
+  }
+  RowSeries series = session.row_series(columns);
+  // counted from the vehicle file, as the finding is
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(coefficient.size());
+  for (std::size_t i = known; i < columns.size(); ++i) {
+    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(columns[i])];
+    shift[static_cast<Eigen::Index>(i)] = (session.value()[columns[i]] - column.nominal) / column.natural;
+  }
+  for (auto& flight : series)
+    for (Eigen::MatrixXd& rows : flight) rows.col(rows.cols() - 1) += rows.leftCols(coefficient.size()) * shift;
+  std::vector<int> first(known), last(own.size());
+  for (std::size_t i = 0; i < known; ++i) first[i] = static_cast<int>(i);
+  for (std::size_t i = 0; i < own.size(); ++i) last[i] = static_cast<int>(known + i);
+  return surrogate_test(series, first, last, coefficient + shift);
+}
+
+bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
+  const auto& columns = catalogue.groups()[static_cast<std::size_t>(group)].columns;
+  return std::any_of(columns.begin(), columns.end(), [&](int c) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const double value = selection.value[c];
+    return value != column.nominal && value != 0.0 && (value <= column.min || value >= column.max);
+  });
+}
+
+}  // namespace
+
+std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
+                                      const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest) {
+  const Catalogue& catalogue = session.catalogue();
+  const Eigen::MatrixXd total = selection.grams.total();
+  const std::vector<int> cluster = clusters_of(session, selection.grams);
+  const std::vector<Parts> both = parts(session, selection);
+  std::vector<Evidence> records(selection.findings.size());
+  parallel_for(std::ssize(records), session.jobs(), [&](std::int64_t at) {
+    const auto i = static_cast<std::size_t>(at);
+    const Finding& finding = selection.findings[i];
+    const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
+    Evidence& record = records[i];
+    record.effect = group.row->name;
+    record.group = finding.group;
+    record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
+    record.gain = finding.gain;
+    record.held_out_gain = tested.gain[i];
+    record.held_out_expected = tested.expected[i];
+    record.surrogates = moved_signatures(session, selection, finding);
+    measure_flights(session, selection, weights_of(session, selection, total, finding), cluster, record);
+    if (record.held_out_expected > 0.0)
+      record.flights.push_back({"held out", true, 0.5 * (1.0 + record.held_out_gain / record.held_out_expected),
+                                std::sqrt(std::max(1.0, record.clustered_inflation) / record.held_out_expected)});
+    record.spread_regimes = most_astray(regimes[i]);
+    record.size_in_tolerances = size_in_tolerances(session, selection.value, finding.group);
+    record.inclusion = finding.inclusion;
+    for (const Rival& rival : finding.rivals)
+      if (rival.z >= equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain)) record.rival_gain = rival.delta_score, record.rival_z = rival.z;
+    if (group.row->commanded) record.unpredicted_commands = selection.unforetold_gain;
+    record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
+    record.unexplained_gain = rest.omnibus_gain;
+    record.at_bound = at_its_bound(catalogue, selection, finding.group);
+  });
+  return records;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,22 @@
+// Where the records of evidence come from: the search's own matrices, moved signatures, and rollouts of flights that were not used.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/result/evidence.hpp"
+#include "diagnosis/validation/holdout.hpp"
+#include "diagnosis/validation/remainder.hpp"
+#include "gustlab/flight_log.hpp"
+
+namespace gustlab::diagnosis {
+
+// Of every finding of a selection, the session linearised there; rollouts are not flown yet.
+std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
+                                      const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest);
+
+// Flies held-out flights in the simulator with all findings and without each in turn; fills `recovered` of the records, which are in the
+// order of `found`. Logs that cannot be flown are passed over.
+void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel& vehicle, const std::vector<EffectSpec>& found, int jobs,
+                      std::vector<Evidence>& records);
+
+}  // namespace gustlab::diagnosis

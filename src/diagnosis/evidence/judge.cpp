@@ -1,0 +1,60 @@
+#include "diagnosis/evidence/judge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// Fitted by scripts/prove/fit_judge.py; the table of decisions says on what.
+struct Feature {
+  std::string_view name;
+  double weight;
+};
+constexpr double intercept = -9.0;
+constexpr std::array<Feature, 14> features = {{{"gain", 3.0}, {"surrogate", 1.5}, {"material", 1.5}, {"flights", 1.5}, {"flights_alike", 1.0},
+                                               {"regimes_alike", 1.5}, {"held_out", 1.5}, {"rollout_100ms", 0.5}, {"rollout_500ms", 1.5},
+                                               {"rival", 0.5}, {"explained", 1.5}, {"commands", 0.5}, {"force_and_moment", 1.0}, {"stable", 1.0}}};
+using Values = std::array<double, features.size()>;
+
+double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0.0, 1.0); }
+
+// each rises with what speaks for the name, and is bounded, so that no single one decides alone
+Values values_of(const Evidence& e) {
+  Values f{};
+  f[0] = unit(std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 2.0);
+  // a signature that moving does not change has no such null
+  f[1] = e.surrogates.movable ? unit(-std::log10(e.surrogates.p_value) / std::log10(200.0)) : 0.5;
+  f[2] = unit(std::isinf(e.size_in_tolerances) ? 1.0 : std::log2(std::max(e.size_in_tolerances, 1.0)) / 2.0);
+  const double flights = std::max<double>(1.0, static_cast<double>(e.flights.size()));
+  f[3] = unit(0.5 + 0.5 * (e.flights_for() - e.flights_against()) / flights);
+  f[4] = unit(1.0 - e.spread_flights / 0.5);
+  f[5] = unit(1.0 - e.spread_regimes);
+  f[6] = e.held_out_expected >= 10.0 ? unit(0.5 + 0.5 * e.held_out_gain / e.held_out_expected) : 0.5;
+  f[7] = e.recovered_z.empty() ? 0.5 : unit(0.5 + e.recovered_z[0] / 8.0);
+  f[8] = e.recovered_z.size() < 2 ? 0.5 : unit(0.5 + e.recovered_z[1] / 8.0);
+  f[9] = e.rival_z == 0.0 ? 1.0 : unit(std::log10(1.0 + e.rival_gain) / 3.0);
+  f[10] = unit(1.0 - std::log10(1.0 + e.unexplained_gain / std::max(e.gain, 1.0)));
+  f[11] = unit(1.0 - std::log10(1.0 + e.unpredicted_commands / std::max(e.gain, 1.0)));
+  f[12] = unit(1.0 - std::max(0.0, std::abs(e.force_excess) - 2.0 * e.force_excess_sd));
+  f[13] = e.at_bound ? 0.0 : unit(e.inclusion);
+  return f;
+}
+
+}  // namespace
+
+void judge(Evidence& record) {
+  const Values values = values_of(record);
+  double sum = intercept;
+  record.features.clear();
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    record.features.emplace_back(features[i].name, values[i]);
+    sum += features[i].weight * values[i];
+  }
+  record.probability = 1.0 / (1.0 + std::exp(-sum));
+}
+
+}  // namespace gustlab::diagnosis

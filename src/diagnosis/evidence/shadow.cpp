@@ -1,0 +1,13 @@
+#include "diagnosis/evidence/shadow.hpp"
+
+namespace gustlab::diagnosis {
+
+void suspect(Diagnosis& out, const std::string& why, const std::function<bool(const EffectFinding&)>& stands) {
+  std::erase_if(out.effects, [&](const EffectFinding& effect) {
+    if (stands(effect)) return false;
+    out.rejected.push_back({effect.effect, effect.gain, why});
+    return true;
+  });
+}
+
+}  // namespace gustlab::diagnosis
