@@ -17,7 +17,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr std::size_t most_changes = 8;   // of a set that fits half-second predictions, before it is taken as it is
+constexpr std::size_t most_changes = 8;   // of a set that was found, before it is taken as it is
 
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
@@ -211,9 +211,9 @@ class Selector {
       const std::size_t before = chosen.size();
       prune(result, chosen, total, result.loss_nominal);
       settled = chosen.size() == before || chosen.empty();   // what stays takes over what went
-      // predictions half a second ahead bend: what seemed to pay beside the others may do so only once they are right (and may
-      // be pruned to the same set again and again)
-      if (settled && s_.shoots() && visited.size() < most_changes && changes++ < 2 * most_changes) {
+      // what seemed not to pay beside the others may do so once they, and the noise, are right (and may be pruned to the same set
+      // again and again)
+      if (settled && visited.size() < most_changes && changes++ < 2 * most_changes) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, s_.with_biases(chosen)).loss;
         visited.insert(chosen);
