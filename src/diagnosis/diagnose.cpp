@@ -131,6 +131,28 @@ void describe_disturbance(const Selection& selection, const Remainder&, Diagnosi
                                selection.noise_selected.time_s[g]});
 }
 
+Air air_of(const Session& session, const NoiseModel& left) {
+  const auto calm = reference_floor(session.vehicle());
+  const auto rms = [](double twice, double once) { return std::sqrt((2.0 * twice * twice + once * once) / 3.0); };
+  return {rms(left.rms(0), left.rms(1)), rms(left.rms(2), left.rms(3)), rms(calm[0], calm[1]), rms(calm[2], calm[3]), {}};
+}
+
+// Of the mean velocity error half a second ahead, what a model could take away: all but what the disturbance that nothing explains does
+// within that time, whose beginning no model knows, and the noise. Variance of the integral of an Ornstein-Uhlenbeck process: Gillespie,
+// Phys. Rev. E 54, 1996, eq. 3.17.
+std::optional<double> predictable_share(const NoiseModel& left, double error_mps, double noise_mps) {
+  if (!std::isfinite(error_mps) || !(error_mps > 0.0)) return std::nullopt;
+  constexpr double ahead_s = 0.5;
+  const double mean_of_norm = 2.0 * std::sqrt(2.0 / pi);   // of three equal normal components
+  double variance = 0.0;
+  for (const std::size_t group : {0, 0, 1}) {
+    const double t = left.time_s[group];
+    variance += (2.0 * left.variance[group] * t * (ahead_s - t * (1.0 - std::exp(-ahead_s / t))) + left.white[group] * ahead_s) / 3.0;
+  }
+  const double chance = std::hypot(mean_of_norm * std::sqrt(variance), std::isfinite(noise_mps) ? noise_mps : 0.0);
+  return std::max(0.0, 1.0 - chance / error_mps);
+}
+
 void plot_residuals(const Session& session, const Selection& selection, Diagnosis& out) {
   const Blocks before = blocks(session, selection.smoothed_nominal), after = blocks(session, selection.smoothed_selected);
   for (const Mismatch& m : out.mismatch) {
@@ -254,7 +276,8 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   std::vector<FlightLog> proof;
   for (std::size_t i = 0; i < logs.holdout.size(); ++i)
     proof.push_back(with_later_inputs(logs.holdout[i], offset[logs.fit.size() + i]));
-  const Challenge challenged = challenge(session, selection, {held, held_own_rate, proof}, options.jobs);
+  const Challenge challenged = challenge(session, selection, {held, held_own_rate, proof},
+                                         [&] { return std::min(pose_lateness_s(raw), pose_lateness_s(raw_held)); }, options.jobs);
   const Remainder& rest = challenged.rest;
   // moments that depend on the velocity are not told without it, and would be charged to what can be
   if (!attitude && !forces_only && !rest.alarms.empty()) return diagnose_with(options, true);
@@ -266,8 +289,9 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
                                     "the body's predictions, which that does not change",
                                     speeds_left_radps(held, session.catalogue(), selection.value),
                                     speeds_left_radps(held, session.catalogue(), session.catalogue().nominal())));
-  if (rest.gust_like) explain_gust(session, rest.gust, out);
+  if (rest.names_gust) explain_gust(session, rest.gust, out);
   describe_disturbance(selection, rest, out);
+  out.air = air_of(session, selection.noise_selected);
   out.alarms = rest.alarms;
   out.unexplained_share = rest.omnibus_share;
   out.mismatch = locate(session, selection, rest);
@@ -279,6 +303,9 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   config::Table found = config::Table::parse(augmented_toml(out), "augmented.toml");
   Verification verified = verify(proof, vehicle, config::read_effects(found), options.jobs);
   out.fit = std::move(verified.fit);
+  if (!out.fit.is_null())
+    out.air.predictable_share = predictable_share(selection.noise_selected, half_a_second_ahead(out.fit, "velocity_mps", "before"),
+                                                  half_a_second_ahead(out.fit, "velocity_mps", "noise"));
   out.window_file = verified.window_file;
   out.window = std::move(verified.window);
 

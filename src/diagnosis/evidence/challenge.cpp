@@ -27,6 +27,17 @@ std::vector<int> means_of_others(const Session& session, const Selection& select
   return rest.gust_like ? means_of_gust(session, selection, rest.gust) : groups;
 }
 
+// a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
+void ask_sensors(const Session& session, const Selection& selection, const std::function<std::optional<double>()>& pose_latency_s, Evidence& record) {
+  const Group& group = session.catalogue().groups()[static_cast<std::size_t>(record.group)];
+  if (group.row->place != Place::measurement) return;
+  for (const int c : group.columns) {
+    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    if (column.unit != "s") continue;
+    if (const std::optional<double> shown_s = pose_latency_s()) record.sensors_share = *shown_s / (selection.value[c] - column.nominal);
+  }
+}
+
 // candidates that do not stand: all that are hopeless, otherwise the weakest
 std::vector<std::size_t> weakest(const Selection& selection, const std::vector<Evidence>& records, const std::vector<int>& means) {
   std::vector<std::size_t> failed;
@@ -42,7 +53,8 @@ std::vector<std::size_t> weakest(const Selection& selection, const std::vector<E
 
 }  // namespace
 
-Challenge challenge(Session& session, Selection& selection, const HeldOut& held, int jobs) {
+Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
+                    const std::function<std::optional<double>()>& pose_latency_s, int jobs) {
   Challenge result;
   bool without_forces_per_flight = false;
   while (true) {
@@ -51,7 +63,10 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     result.rest = remainder(session, selection, without_forces_per_flight);
     result.records = gather_evidence(session, selection, tested, result.regimes, result.rest);
     fly_without_each(held.logs, session.vehicle(), effects_found(session.catalogue(), selection), jobs, result.records);
-    for (Evidence& record : result.records) judge(record);
+    for (Evidence& record : result.records) {
+      ask_sensors(session, selection, pose_latency_s, record);
+      judge(record);
+    }
     const std::vector<std::size_t> failed = weakest(selection, result.records, means_of_others(session, selection, result.rest));
     if (failed.empty()) return result;
     std::vector<int> groups;

@@ -1,6 +1,8 @@
 // Every finding must stand by its own evidence. What does not is withdrawn, the weakest first, and the rest fitted anew.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "diagnosis/evidence/gather_evidence.hpp"
@@ -22,7 +24,9 @@ struct Challenge {
   Remainder rest;                              // what is left unexplained then
 };
 
+// `pose_latency_s`: how late gyro and attitudes by themselves say that the pose is; nothing where they are not recorded.
 // The session must be linearised at the selection, and is so again at the end.
-Challenge challenge(Session& session, Selection& selection, const HeldOut& held, int jobs);
+Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
+                    const std::function<std::optional<double>()>& pose_latency_s, int jobs);
 
 }  // namespace gustlab::diagnosis

@@ -14,10 +14,11 @@ struct Feature {
   std::string_view name;
   double weight;
 };
-constexpr double intercept = -9.0;
-constexpr std::array<Feature, 14> features = {{{"gain", 3.0}, {"surrogate", 1.5}, {"material", 1.5}, {"flights", 1.5}, {"flights_alike", 1.0},
+constexpr double intercept = -13.0;
+constexpr std::array<Feature, 15> features = {{{"gain", 3.0}, {"surrogate", 1.5}, {"material", 1.5}, {"flights", 1.5}, {"flights_alike", 1.0},
                                                {"regimes_alike", 1.5}, {"held_out", 1.5}, {"rollout_100ms", 0.5}, {"rollout_500ms", 1.5},
-                                               {"rival", 0.5}, {"explained", 1.5}, {"commands", 0.5}, {"force_and_moment", 1.0}, {"stable", 1.0}}};
+                                               {"rival", 0.5}, {"explained", 1.5}, {"commands", 0.5}, {"force_and_moment", 1.0}, {"stable", 1.0},
+                                               {"sensors", 4.0}}};
 using Values = std::array<double, features.size()>;
 
 double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0.0, 1.0); }
@@ -40,6 +41,7 @@ Values values_of(const Evidence& e) {
   f[10] = unit(1.0 - std::log10(1.0 + e.unexplained_gain / std::max(e.gain, 1.0)));
   f[11] = unit(1.0 - std::log10(1.0 + e.unpredicted_commands / std::max(e.gain, 1.0)));
   f[12] = unit(1.0 - std::max(0.0, std::abs(e.force_excess) - 2.0 * e.force_excess_sd));
+  f[14] = unit(2.0 * e.sensors_share);
   f[13] = e.at_bound ? 0.0 : unit(e.inclusion);
   return f;
 }

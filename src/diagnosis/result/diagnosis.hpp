@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,12 @@ struct ResidualPlot {
   std::vector<double> x, before, after;
 };
 
+// What nothing explains of the disturbance in the fit flights (rms), beside what a calm room does to this vehicle.
+struct Air {
+  double force_mps2 = 0.0, torque_radps2 = 0.0, calm_force_mps2 = 0.0, calm_torque_radps2 = 0.0;
+  std::optional<double> predictable_share;   // of the held-out velocity error half a second ahead; nothing without a rollout
+};
+
 struct Diagnosis {
   Verdict verdict = Verdict::insufficient_data;
   std::string vehicle;
@@ -39,6 +46,7 @@ struct Diagnosis {
   std::vector<Evidence> evidence;            // of every candidate that was judged
   std::vector<EffectFinding> calibration;    // below their reporting tolerance
   std::vector<Disturbance> disturbance;
+  Air air;
   std::vector<LogFinding> log_findings;
   std::vector<Rejected> rejected;
   std::vector<NotIdentifiable> not_identifiable;

@@ -52,7 +52,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"spread_regimes", number(e.spread_regimes)}, {"size_in_tolerances", number(e.size_in_tolerances)}, {"inclusion", number(e.inclusion)},
                         {"rival_delta_chi2", number(e.rival_gain)}, {"rival_z", number(e.rival_z)}, {"unpredicted_commands", number(e.unpredicted_commands)},
                         {"force_excess", number(e.force_excess)}, {"force_excess_std", number(e.force_excess_sd)},
-                        {"unexplained_delta_chi2", number(e.unexplained_gain)}, {"at_bound", e.at_bound},
+                        {"unexplained_delta_chi2", number(e.unexplained_gain)}, {"sensors_share", number(e.sensors_share)}, {"at_bound", e.at_bound},
                         {"horizon_s", e.horizon_s}, {"recovered", e.recovered}, {"recovered_z", e.recovered_z}};
     for (const auto& [name, value] : e.features) one["features"][std::string(name)] = number(value);
     one["flights"] = ordered_json::array();
@@ -97,6 +97,8 @@ ordered_json to_json(const Diagnosis& d) {
   for (const Disturbance& g : d.disturbance)
     out["disturbance"].push_back({{"group", g.group}, {"before", number(g.before)}, {"after", number(g.after)}, {"unit", g.unit},
                                   {"correlation_time_s", number(g.correlation_time_s)}});
+  out["air"] = {{"force_mps2", number(d.air.force_mps2)}, {"torque_radps2", number(d.air.torque_radps2)}, {"calm_force_mps2", number(d.air.calm_force_mps2)},
+                {"calm_torque_radps2", number(d.air.calm_torque_radps2)}, {"predictable_share", number(d.air.predictable_share.value_or(NAN))}};
   out["log_findings"] = ordered_json::array();
   for (const LogFinding& f : d.log_findings)
     out["log_findings"].push_back({{"file", f.file}, {"column", f.column}, {"kind", f.kind}, {"from_s", f.from_s}, {"to_s", f.to_s}, {"says", f.says}});

@@ -24,6 +24,9 @@ const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
 
 // of a gust: correlation time, and disturbance that lasts half a second against all of a calm room's (clean flights: up to 0.45)
 constexpr double fastest_gust_s = 0.25, slowest_gust_s = 4.0, least_slow_share = 0.7;
+// Turbulence is about as strong up and down as sideways, and forgets within a second (outdoor air of the independent reality: 0.9 to 1.2
+// times, 0.3 to 0.7 s; its gusts: 1.9 to 3.2 times): that is how rough the air was, and no effect.
+constexpr double least_sideways = 1.4, longest_of_rough_air_s = 1.0;
 // of innovations; where errors of the sensors are known to last, colour that one correlation time does not follow is theirs
 constexpr double most_correlation = 0.15, most_correlation_of_lasting = 0.3;
 
@@ -172,6 +175,8 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
         break;
       }
     }
+  const GustParts& gust = result.gust;
+  result.names_gust = result.gust_like && (line || gust.time_s > longest_of_rough_air_s || gust.horizontal_mps2 > least_sideways * gust.vertical_mps2);
   return result;
 }
 
