@@ -24,6 +24,7 @@
 #include "diagnosis/recording/vehicle_check.hpp"
 #include "diagnosis/rollout/verify.hpp"
 #include "diagnosis/selection/select_effects.hpp"
+#include "diagnosis/selection/reference_fit.hpp"
 #include "diagnosis/selection/subset_search.hpp"
 #include "diagnosis/evidence/challenge.hpp"
 #include "diagnosis/validation/locate.hpp"
@@ -199,7 +200,6 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
     out.augmented_toml = augmented_toml(out);
     return out;
   }
-  if (!logs.reference.empty()) out.notes.emplace_back("attitude or body rate is recorded: the vehicle file is the reference, other flights are not needed for it");
   if (logs.holdout.empty()) {
     const auto& time = logs.fit.front().time_s;
     const double cut_s = time.front() + (time.back() - time.front()) * 2.0 / 3.0;
@@ -254,6 +254,16 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
     });
     out.notes.push_back(fmt::format("the logs do not say how commands are held between samples: {} is the likelier", *reading.linear_hold ? "linear" : "zoh"));
   }
+  const ReadingOptions own{.linear_hold = reading.linear_hold, .substep_s = 0.01, .as_recorded = true};
+  std::optional<Reference> reference;
+  if (!logs.reference.empty()) {
+    ReferenceFit normal = fit_reference(prepare(logs.reference, vehicle, reading),
+                                        reading.common_filter_s > 0.0 ? prepare(logs.reference, vehicle, own) : std::vector<FlightData>{}, vehicle, options.jobs);
+    vehicle = std::move(normal.vehicle);
+    out.reference_effects = std::move(normal.effects);
+    reference = std::move(normal.known);
+    for (const FlightLog& log : logs.reference) out.flights.push_back({label_of(log.path), "reference", log.time_s.back() - log.time_s.front(), 0.0});
+  }
   std::vector<FlightData> flights = prepare(logs.fit, vehicle, reading, offset, 0),
                           held = prepare(logs.holdout, vehicle, reading, offset, logs.fit.size());
   for (std::size_t i = 0; i < offset.size(); ++i) {
@@ -264,11 +274,11 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   // one-sample innovations of smoothed logs tell of the smoothing: half a second tells of the vehicle
   std::vector<FlightData> own_rate, held_own_rate;
   if (reading.common_filter_s > 0.0) {
-    const ReadingOptions own{.linear_hold = reading.linear_hold, .substep_s = 0.01, .as_recorded = true};
     own_rate = prepare(logs.fit, vehicle, own, offset, 0);
     held_own_rate = prepare(logs.holdout, vehicle, own, offset, logs.fit.size());
   }
   Session session(std::move(flights), vehicle, options.jobs, std::move(own_rate));
+  if (reference) session.compare_with(std::move(*reference));
   if (session.catalogue().filter_feigns_lags())
     out.notes.push_back(fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not told from those of the filter, "
                                     "which the commands did not pass", 1e3 * filter_feigns_s));

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "diagnosis/estimation/gram.hpp"
 #include "diagnosis/estimation/innovation_filter.hpp"
+#include "diagnosis/estimation/reference.hpp"
 #include "diagnosis/estimation/shooting.hpp"
 #include "diagnosis/estimation/surrogates.hpp"
 
@@ -67,6 +69,9 @@ class Session {
 
   // Each flight on a thread of its own; what a body writes belongs to its flight.
   void for_each_flight(const std::function<void(std::size_t)>& body) const;
+  // Changes against these numbers are looked for from now on; they are known only as surely as that.
+  void compare_with(Reference reference) { reference_ = std::move(reference); }
+  const std::optional<Reference>& reference() const { return reference_; }
   void take_weights(const Session& other) { weights_ = other.weights_; }
   bool shoots() const { return !shooting_flights_.empty(); }
 
@@ -89,6 +94,7 @@ class Session {
   std::vector<FlightData> shooting_flights_;
   std::vector<ShotFlight> shot_;
   ShootingWeights weights_;
+  std::optional<Reference> reference_;
 };
 
 // A flight with these columns alone.

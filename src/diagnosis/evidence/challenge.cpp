@@ -14,19 +14,6 @@ namespace {
 
 constexpr double hopeless = 0.1;   // below it candidates go together, from it on one at a time: what goes may have hidden what speaks for others
 
-// forces of every flight's own that are no more than the mean of a gust, or of a force that depends on the place
-std::vector<int> means_of_others(const Session& session, const Selection& selection, const Remainder& rest) {
-  std::vector<int> groups;
-  if (rest.depends_on_state) {
-    for (const Finding& finding : selection.findings) {
-      const EffectRow& row = *session.catalogue().groups()[static_cast<std::size_t>(finding.group)].row;
-      if (row.per_flight && row.place == Place::wrench) groups.push_back(finding.group);
-    }
-    return groups;
-  }
-  return rest.gust_like ? means_of_gust(session, selection, rest.gust) : groups;
-}
-
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection, const std::function<std::optional<double>()>& pose_latency_s, Evidence& record) {
   const Group& group = session.catalogue().groups()[static_cast<std::size_t>(record.group)];
@@ -67,7 +54,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       ask_sensors(session, selection, pose_latency_s, record);
       judge(record);
     }
-    const std::vector<std::size_t> failed = weakest(selection, result.records, means_of_others(session, selection, result.rest));
+    const std::vector<std::size_t> failed = weakest(selection, result.records, result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
     if (failed.empty()) return result;
     std::vector<int> groups;
     for (const std::size_t i : failed) {

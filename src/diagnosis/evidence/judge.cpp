@@ -9,16 +9,19 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// Fitted by scripts/prove/fit_judge.py; the table of decisions says on what.
 struct Feature {
   std::string_view name;
   double weight;
 };
-constexpr double intercept = -13.0;
-constexpr std::array<Feature, 15> features = {{{"gain", 3.0}, {"surrogate", 1.5}, {"material", 1.5}, {"flights", 1.5}, {"flights_alike", 1.0},
-                                               {"regimes_alike", 1.5}, {"held_out", 1.5}, {"rollout_100ms", 0.5}, {"rollout_500ms", 1.5},
-                                               {"rival", 0.5}, {"explained", 1.5}, {"commands", 0.5}, {"force_and_moment", 1.0}, {"stable", 1.0},
-                                               {"sensors", 4.0}}};
+// Fitted on the records of 99 trials of the independent reality (seed 21000, air from calm to ten times as rough; 20 of them with physics that
+// no catalogue holds), of three real flights whose physics is published, and of one trial with a giant delay, whose second-order errors look
+// like effects: 74 true names and 22 wrong ones; ridge about a first guess. Of the names from 0.8 on 95 % are true there, of those
+// between 0.5 and 0.8 73 %. Data that nobody here made are few among these: the probabilities of real flights are less certain than they say.
+constexpr double intercept = -22.8;
+constexpr std::array<Feature, 15> features = {{{"gain", 4.8}, {"surrogate", 2.9}, {"material", 1.7}, {"flights", 1.0}, {"flights_alike", 0.0},
+                                               {"regimes_alike", 0.0}, {"held_out", 1.9}, {"rollout_100ms", 0.65}, {"rollout_500ms", 0.0},
+                                               {"rival", 1.65}, {"explained", 1.2}, {"commands", 1.3}, {"force_and_moment", 2.3},
+                                               {"stable", 1.3}, {"sensors", 6.0}}};
 using Values = std::array<double, features.size()>;
 
 double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0.0, 1.0); }
@@ -26,7 +29,7 @@ double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0
 // each rises with what speaks for the name, and is bounded, so that no single one decides alone
 Values values_of(const Evidence& e) {
   Values f{};
-  f[0] = unit(std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 2.0);
+  f[0] = unit(std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 1.3)   // 10 to 200;
   // a signature that moving does not change has no such null
   f[1] = e.surrogates.movable ? unit(-std::log10(e.surrogates.p_value) / std::log10(200.0)) : 0.5;
   f[2] = unit(std::isinf(e.size_in_tolerances) ? 1.0 : std::log2(std::max(e.size_in_tolerances, 1.0)) / 2.0);

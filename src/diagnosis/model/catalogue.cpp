@@ -44,6 +44,13 @@ class RotorSetter final : public ParameterVisitor {
   int rotor_;
 };
 
+// whether a vehicle's own effect is this group: of a rotor's effect, that rotor's
+bool is_of(const EffectSpec& spec, const Group& group) {
+  if (spec.type != group.row->name) return false;
+  const auto rotor = std::find_if(spec.values.begin(), spec.values.end(), [](const auto& value) { return value.first == "rotor"; });
+  return group.rotor == 0 || (rotor != spec.values.end() && rotor->second == std::to_string(group.rotor));
+}
+
 // found in the disturbance's spectrum
 bool has_no_column(std::string_view name) { return name == "gust"; }
 constexpr std::pair<Need, std::string_view> lacking[] = {
@@ -84,7 +91,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     group.row = &row;
     group.rotor = rotor;
     group.nominal = std::any_of(vehicle.effects.begin(), vehicle.effects.end(),
-                                [&](const EffectSpec& spec) { return spec.type == row.name; });
+                                [&](const EffectSpec& spec) { return is_of(spec, group); });
     group.candidate = row.diagnosable && !has_no_column(row.name) && why_left_out(row).empty();
     if (!group.candidate && !group.nominal) return;
     if (row.name == "gust" || row.name == "measurement_noise") return;
@@ -186,7 +193,7 @@ std::string Catalogue::why_left_out(const EffectRow& row) const {
 std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
   std::unique_ptr<Effect> effect;
   for (const EffectSpec& spec : vehicle_.effects)
-    if (spec.type == group.row->name) effect = std::move(make_effects({spec}).front().effect);
+    if (is_of(spec, group)) effect = std::move(make_effects({spec}).front().effect);
   if (!effect) effect = group.row->make();
   if (group.rotor > 0) {
     RotorSetter setter(group.rotor);

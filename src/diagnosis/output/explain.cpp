@@ -70,6 +70,14 @@ void explain(const Session& session, const Selection& selection, const Challenge
     effect.says = group.row->says;
     effect.gain = finding.gain;
     effect.parameters = values_of(catalogue, selection, group, -1);
+    if (session.reference()) {
+      effect.total = effect.parameters;
+      Selection nominal;
+      nominal.value = catalogue.nominal(), nominal.deviation = Eigen::VectorXd::Zero(catalogue.size());
+      const std::vector<NamedValue> before = values_of(catalogue, nominal, group, -1);
+      for (std::size_t p = 0; p < before.size(); ++p)
+        if (before[p].name == effect.parameters[p].name && before[p].name != "rotor") effect.parameters[p].value -= before[p].value;
+    }
     if (group.row->per_flight)
       for (std::size_t f = 0; f < session.flights().size(); ++f)
         effect.per_flight.emplace_back(session.flights()[f].label, values_of(catalogue, selection, group, static_cast<int>(f)));
@@ -166,12 +174,21 @@ std::string augmented_toml(const Diagnosis& diagnosis) {
   const auto write = [&](const std::vector<EffectFinding>& effects, std::string_view remark) {
     for (const EffectFinding& effect : effects) {
       text += fmt::format("\n[[effect]]{}\ntype = \"{}\"\n", remark, effect.effect);
-      for (const NamedValue& value : effect.parameters) {
+      for (const NamedValue& value : effect.total.empty() ? effect.parameters : effect.total) {
         if (value.name == "rotor") text += fmt::format("rotor = {:.0f}\n", value.value);
         else text += fmt::format("{} = {}  # {}, sd {:.2g}\n", value.name, config::shortest(value.value), value.unit, value.deviation);
       }
     }
   };
+  // what changed since stands for what the reference flights showed of it
+  std::vector<EffectFinding> reference;
+  const auto rotor_of = [](const EffectFinding& e) { return e.parameters.empty() || e.parameters.front().name != "rotor" ? 0.0 : e.parameters.front().value; };
+  const auto changed = [&](const std::vector<EffectFinding>& found, const EffectFinding& old) {
+    return std::any_of(found.begin(), found.end(), [&](const EffectFinding& e) { return e.effect == old.effect && rotor_of(e) == rotor_of(old); });
+  };
+  for (const EffectFinding& old : diagnosis.reference_effects)
+    if (!changed(diagnosis.effects, old) && !changed(diagnosis.calibration, old)) reference.push_back(old);
+  write(reference, "  # in the reference flights");
   write(diagnosis.effects, "");
   write(diagnosis.calibration, "  # calibration, below its reporting tolerance");
   text += diagnosis.residual_toml;

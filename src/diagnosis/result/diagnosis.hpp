@@ -42,6 +42,7 @@ struct Diagnosis {
   std::vector<FlightUse> flights;
   std::vector<Mismatch> mismatch;
   std::vector<EffectFinding> effects;
+  std::vector<EffectFinding> reference_effects;   // what the reference flights show against the vehicle file
   std::vector<EffectFinding> suspected;      // more likely than not, and not proved
   std::vector<Evidence> evidence;            // of every candidate that was judged
   std::vector<EffectFinding> calibration;    // below their reporting tolerance

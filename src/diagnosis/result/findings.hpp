@@ -44,6 +44,7 @@ struct EffectFinding {
   std::string says;
   double confidence = 0.0;
   std::vector<NamedValue> parameters;
+  std::vector<NamedValue> total;   // against the vehicle file, where `parameters` is a change against reference flights; empty: the same
   std::vector<std::pair<std::string, std::vector<NamedValue>>> per_flight;   // file → values
   std::vector<std::string> classmates;   // itself included
   std::vector<ConfusableEffect> confusable;

@@ -25,6 +25,7 @@ ordered_json effects(const std::vector<EffectFinding>& findings) {
   for (const EffectFinding& f : findings) {
     ordered_json one = {{"effect", f.effect}, {"place", f.place}, {"confidence", number(f.confidence)}, {"says", f.says}};
     one["parameters"] = values(f.parameters);
+    if (!f.total.empty()) one["total"] = values(f.total);
     if (!f.per_flight.empty()) {
       one["per_flight"] = ordered_json::object();
       for (const auto& [file, named] : f.per_flight) one["per_flight"][file] = values(named);
@@ -88,6 +89,7 @@ ordered_json to_json(const Diagnosis& d) {
                                {"rms", number(m.rms)}, {"noise_rms", number(m.noise_rms)}, {"unit", m.unit}, {"where", where}});
   }
   out["effects"] = effects(d.effects);
+  if (!d.reference_effects.empty()) out["reference_effects"] = effects(d.reference_effects);
   out["suspected"] = effects(d.suspected);
   out["calibration"] = effects(d.calibration);
   if (!d.residual_model.is_null()) out["residual_model"] = d.residual_model;

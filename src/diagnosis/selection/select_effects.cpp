@@ -89,7 +89,7 @@ class Selector {
   Grams absolute(const Eigen::VectorXd& value) {
     Grams grams = s_.grams();
     grams.shift((value - catalogue_.nominal()).cwiseQuotient(natural_));
-    return grams;
+    return s_.reference() ? beside_reference(catalogue_, *s_.reference(), std::move(grams)) : grams;
   }
 
   // what a further effect must gain; where the model was linearised anew about what was found, a large effect leaves no

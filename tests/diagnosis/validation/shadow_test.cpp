@@ -1,5 +1,5 @@
 // Names beside physics that no catalogue holds, and logs that were smoothed before they were written.
-#include "diagnosis/validation/shadow.hpp"
+#include "diagnosis/diagnose.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,6 @@
 
 #include "diagnosis/validation/regimes.hpp"
 #include "support/trials.hpp"
-#include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
@@ -47,36 +46,6 @@ TEST(Shadow, LatePoseStandsWhereGyroAndAttitudesTellIt) {
   ASSERT_THAT(d.effects, ElementsAre(Field(&EffectFinding::effect, "pose_delay"))) << to_json(d).dump(1);
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.015, 0.002);
   EXPECT_EQ(d.verdict, Verdict::partly_explained);
-}
-
-// even, and worth more than all that is left: it would stand, unless the sensors by themselves say that the pose is not late
-TEST(Shadow, LatePoseStandsOrFallsByWhatGyroAndAttitudesTell) {
-  const TemporaryFolder folder;
-  const FlightLog log = read_flight_log(test::fly_trial(folder, settings("")).fit.front());
-  const VehicleModel vehicle = read_vehicle(log.meta.vehicle, log.path);
-  const Session session({prepare_flight(log, vehicle, {})}, vehicle, 1);
-  Selection selection;
-  selection.noise_nominal = selection.noise_selected = session.noise;
-  for (double& variance : selection.noise_nominal.variance) variance *= 100.0;
-  Remainder rest;
-  rest.alarms.push_back({"omnibus", "something", 0.1, {}});
-  rest.omnibus_gain = 10.0;
-  const auto stands = [&](std::optional<double> told_s) {
-    Diagnosis d;
-    EffectFinding late;
-    late.effect = "pose_delay";
-    late.parameters = {{"delay", "s", 0.02, 0.001}};
-    late.gain = 1000.0;
-    late.astray = 0.0;
-    d.effects.push_back(late);
-    withdraw_shadows(session, selection, rest, 0.0, "", [&] { return told_s; }, d);
-    EXPECT_EQ(d.effects.size() + d.rejected.size(), 1U);
-    return d.rejected.empty();
-  };
-  EXPECT_TRUE(stands(std::nullopt));
-  EXPECT_TRUE(stands(0.015));
-  EXPECT_FALSE(stands(0.0));
-  EXPECT_FALSE(stands(0.005));
 }
 
 TEST(Shadow, EvenMeansAlikeInEveryRegime) {

@@ -1,0 +1,28 @@
+// Numbers that other flights tell already, with the error that they have there.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/estimation/gram.hpp"
+#include "diagnosis/model/catalogue.hpp"
+
+namespace gustlab::diagnosis {
+
+// Information about columns that all flights share (label of the group, parameter), in their natural units.
+struct Reference {
+  std::vector<std::pair<std::string, int>> column;
+  Eigen::MatrixXd information;
+};
+
+// Of Gram matrices, counted from the nominal vehicle: the shared columns that these flights hold, all that is free of one flight
+// projected out.
+Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std::vector<int>& biases);
+
+// What flights say of a change beside numbers that are known only as surely as the reference says: their errors are columns of their own
+// that fit both, eliminated. With A of these flights and H of the reference, A − A (A + H)⁻¹ A is left of the information.
+Grams beside_reference(const Catalogue& catalogue, const Reference& reference, Grams grams);
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,43 @@
+#include "diagnosis/selection/reference_fit.hpp"
+
+#include "config/toml.hpp"
+#include "diagnosis/selection/found_effects.hpp"
+#include "diagnosis/selection/select_effects.hpp"
+
+namespace gustlab::diagnosis {
+
+ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::vector<FlightData>& own_rate, const VehicleModel& vehicle, int jobs) {
+  Session session(flights, vehicle, jobs, own_rate);
+  const Selection selection = select_effects(session, {});
+  const Catalogue& catalogue = session.catalogue();
+  const std::vector<EffectSpec> all = effects_found(catalogue, selection);
+  ReferenceFit fit{vehicle, {}, {}};
+  std::vector<EffectSpec> shared;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Group& group = catalogue.groups()[static_cast<std::size_t>(selection.findings[i].group)];
+    if (group.row->per_flight || is_history(group.row->name)) continue;
+    shared.push_back(all[i]);
+    EffectFinding& effect = fit.effects.emplace_back();
+    effect.effect = group.row->name;
+    effect.place = to_string(group.row->place);
+    effect.says = group.row->says;
+    effect.confidence = selection.findings[i].inclusion;
+    effect.gain = selection.findings[i].gain;
+    effect.classmates = {effect.effect};
+    effect.parameters = values_of(catalogue, selection, group, -1);
+  }
+  fit.vehicle.effects = config::merge_effects(vehicle.effects, shared);
+
+  // about what was found, under the noise that was left then
+  std::vector<FlightData> again = flights, again_own_rate = own_rate;
+  for (auto* some : {&again, &again_own_rate})
+    for (FlightData& flight : *some) flight.vehicle.effects = fit.vehicle.effects;
+  Session about(std::move(again), fit.vehicle, jobs, std::move(again_own_rate));
+  about.noise = selection.noise_selected;
+  about.linearise(about.catalogue().nominal(), about.all_columns());
+  about.take_weights(session);
+  fit.known = reference_of(about.catalogue(), about.grams(), about.biases());
+  return fit;
+}
+
+}  // namespace gustlab::diagnosis

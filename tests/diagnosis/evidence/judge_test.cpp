@@ -1,0 +1,82 @@
+// The judge: a probability from a record, monotone in all that speaks for a name.
+#include "diagnosis/evidence/judge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+namespace gustlab::diagnosis {
+namespace {
+
+Evidence strong() {
+  Evidence e;
+  e.gain = 2000.0;
+  e.held_out_gain = 600.0, e.held_out_expected = 650.0;
+  e.surrogates = {1.1, 0.005, true};
+  e.clustered_inflation = 1.3;
+  e.flights = {{"a", false, 1.0, 0.05}, {"b", false, 1.1, 0.05}, {"held out", true, 0.95, 0.05}};
+  e.spread_flights = 0.05, e.spread_regimes = 0.1;
+  e.size_in_tolerances = 5.0, e.inclusion = 1.0;
+  e.horizon_s = {0.1, 0.5, 1.0}, e.recovered = {0.2, 0.3, 0.3}, e.recovered_z = {5.0, 8.0, 8.0};
+  return e;
+}
+
+double probability(Evidence e) {
+  judge(e);
+  return e.probability;
+}
+
+TEST(Judge, NamesWhatEverythingSpeaksFor) { EXPECT_GT(probability(strong()), named_from); }
+
+TEST(Judge, RejectsAnEmptyRecord) { EXPECT_LT(probability(Evidence{}), suspected_from); }
+
+TEST(Judge, NothingThatSpeaksAgainstRaisesTheProbability) {
+  const std::vector<std::function<void(Evidence&)>> worse = {
+      [](Evidence& e) { e.gain = 30.0; },
+      [](Evidence& e) { e.surrogates.inflation = 60.0; },
+      [](Evidence& e) { e.surrogates.p_value = 0.5; },
+      [](Evidence& e) { e.clustered_inflation = 80.0; },
+      [](Evidence& e) { e.flights[1] = {"b", false, -0.2, 0.1}; },
+      [](Evidence& e) { e.spread_flights = 0.8; },
+      [](Evidence& e) { e.spread_regimes = 0.9; },
+      [](Evidence& e) { e.held_out_gain = -300.0; },
+      [](Evidence& e) { e.recovered_z = {-3.0, -3.0, -3.0}; },
+      [](Evidence& e) { e.size_in_tolerances = 1.3; },
+      [](Evidence& e) { e.inclusion = 0.2; },
+      [](Evidence& e) { e.unexplained_gain = 20000.0; },
+      [](Evidence& e) { e.unpredicted_commands = 5000.0; },
+      [](Evidence& e) { e.force_excess = 0.9, e.force_excess_sd = 0.1; },
+      [](Evidence& e) { e.sensors_share = 0.0; },
+      [](Evidence& e) { e.at_bound = true; }};
+  for (std::size_t i = 0; i < worse.size(); ++i) {
+    Evidence e = strong();
+    worse[i](e);
+    EXPECT_LE(probability(e), probability(strong())) << "change " << i;
+  }
+}
+
+TEST(Judge, NumbersThatCannotBeSaidDoNotDecide) {
+  Evidence e = strong();
+  e.size_in_tolerances = std::numeric_limits<double>::infinity();
+  e.recovered_z = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(), 0.0};
+  EXPECT_GE(probability(e), 0.0);
+  EXPECT_LE(probability(e), 1.0);
+}
+
+// a late pose stands or falls with gyro and attitudes, whatever the forces are
+TEST(Judge, ALatePoseThatTheSensorsRefuteIsNotNamed) {
+  Evidence e = strong();
+  e.sensors_share = 0.0;
+  EXPECT_LT(probability(e), named_from);
+}
+
+TEST(Evidence, CountsFlightsForAndAgainst) {
+  Evidence e;
+  e.flights = {{"a", false, 1.0, 0.1}, {"b", false, 0.6, 0.5}, {"c", false, 0.0, 0.3}, {"d", false, 0.1, 0.6}};
+  EXPECT_EQ(e.flights_for(), 1);
+  EXPECT_EQ(e.flights_against(), 1);
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
