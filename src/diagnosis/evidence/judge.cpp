@@ -29,7 +29,7 @@ double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0
 // each rises with what speaks for the name, and is bounded, so that no single one decides alone
 Values values_of(const Evidence& e) {
   Values f{};
-  f[0] = unit(std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 1.3)   // 10 to 200;
+  f[0] = unit(std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 1.3);   // 10 to 200
   // a signature that moving does not change has no such null
   f[1] = e.surrogates.movable ? unit(-std::log10(e.surrogates.p_value) / std::log10(200.0)) : 0.5;
   f[2] = unit(std::isinf(e.size_in_tolerances) ? 1.0 : std::log2(std::max(e.size_in_tolerances, 1.0)) / 2.0);
