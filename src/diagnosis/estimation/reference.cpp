@@ -7,7 +7,12 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double loose = 1e-6;   // prior information of a column that the reference flights do not show, in natural units
+constexpr double prior = 1.0;   // information on a number that the reference flights do not show: the file is right to its natural size
+
+// numbers that a vehicle has: not those of one flight, and no history that a scan of these flights found
+bool is_shared(const Catalogue& catalogue, const Column& column) {
+  return column.group >= 0 && column.flight < 0 && !is_history(catalogue.groups()[static_cast<std::size_t>(column.group)].row->name);
+}
 
 std::pair<std::string, int> name_of(const Catalogue& catalogue, const Column& column) {
   return {catalogue.groups()[static_cast<std::size_t>(column.group)].label, column.parameter};
@@ -20,11 +25,8 @@ Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std
   Reference reference;
   for (int c = 0; c < catalogue.size(); ++c) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    if (column.group < 0) continue;
-    if (column.flight >= 0) {
-      free.push_back(c);
-      continue;
-    }
+    if (column.group >= 0 && column.flight >= 0) free.push_back(c);
+    if (!is_shared(catalogue, column)) continue;
     shared.push_back(c);
     reference.column.push_back(name_of(catalogue, column));
   }
@@ -37,7 +39,7 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
   std::vector<Eigen::Index> at;
   for (int c = 0; c < catalogue.size(); ++c) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    if (column.group < 0 || column.flight >= 0) continue;
+    if (!is_shared(catalogue, column)) continue;
     const auto found = std::find(reference.column.begin(), reference.column.end(), name_of(catalogue, column));
     if (found == reference.column.end()) continue;
     known.push_back(c);
@@ -46,7 +48,7 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
   if (known.empty()) return grams;
   const Eigen::MatrixXd total = grams.total();
   Eigen::MatrixXd H = reference.information(at, at);
-  H.diagonal().array() += loose;
+  H.diagonal().array() += prior;
   const Eigen::MatrixXd sum = total(known, known) + H;
   const Eigen::VectorXd scale = sum.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd unit = scale.asDiagonal() * sum * scale.asDiagonal();

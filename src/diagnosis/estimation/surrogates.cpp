@@ -33,8 +33,11 @@ std::vector<std::vector<Part>> beside_known(const RowSeries& series, const std::
       gram += free.transpose() * free;
       cross += free.transpose() * pick(rows, own);
     }
-  gram.diagonal().array() += 1e-10 * (gram.diagonal().array().maxCoeff() + 1e-300);
-  const Eigen::MatrixXd on_known = k > 0 ? Eigen::MatrixXd(gram.ldlt().solve(cross)) : Eigen::MatrixXd(0, o);
+  Eigen::MatrixXd on_known(k, o);
+  if (k > 0) {
+    gram.diagonal().array() += 1e-10 * (gram.diagonal().maxCoeff() + 1e-300);
+    on_known = gram.ldlt().solve(cross);
+  }
   std::vector<std::vector<Part>> parts;
   for (const auto& flight : series) {
     auto& of_flight = parts.emplace_back();

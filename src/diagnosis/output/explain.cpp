@@ -70,7 +70,7 @@ void explain(const Session& session, const Selection& selection, const Challenge
     effect.says = group.row->says;
     effect.gain = finding.gain;
     effect.parameters = values_of(catalogue, selection, group, -1);
-    if (session.reference()) {
+    if (session.reference() && !is_history(group.row->name)) {
       effect.total = effect.parameters;
       Selection nominal;
       nominal.value = catalogue.nominal(), nominal.deviation = Eigen::VectorXd::Zero(catalogue.size());

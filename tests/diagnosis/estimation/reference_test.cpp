@@ -1,0 +1,70 @@
+// Changes against numbers that other flights tell: against the dense solution with all unknowns.
+#include "diagnosis/estimation/reference.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "gustlab/random.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+Eigen::MatrixXd rows_of(int count, int columns, std::uint32_t replicate) {
+  const RandomStream random(11, replicate, "reference_test");
+  Eigen::MatrixXd rows(count, columns);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < columns; ++j) rows(i, j) = random.normal4(static_cast<std::uint64_t>(i * columns + j))[0];
+  return rows;
+}
+
+Grams one_block(const Eigen::MatrixXd& rows) {
+  Grams grams;
+  grams.columns = static_cast<int>(rows.cols()) - 1;
+  grams.block = {rows.transpose() * rows};
+  grams.flight = {0}, grams.time_s = {0.0}, grams.cluster = {0}, grams.clusters = 1, grams.rows = static_cast<double>(rows.rows());
+  return grams;
+}
+
+// z = Φ (change + error), error known from other rows: minimised over the error as well
+TEST(Reference, ChangesAreThoseOfTheJointSolution) {
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1, {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const int size = catalogue.size();
+  const Eigen::MatrixXd here = rows_of(400, size + 1, 1), there = rows_of(300, size + 1, 2);
+  const Grams normal = one_block(there);
+  const Reference reference = reference_of(catalogue, normal, {});
+  const Grams changed = beside_reference(catalogue, reference, one_block(here));
+
+  // the columns that both share, each with an error of its own, which the information of the reference (and a prior of one) holds
+  std::vector<int> shared;
+  for (int c = 0; c < size; ++c)
+    if (std::any_of(reference.column.begin(), reference.column.end(), [&](const auto& known) {
+          const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+          return column.group >= 0 && column.flight < 0 && known.second == column.parameter &&
+                 known.first == catalogue.groups()[static_cast<std::size_t>(column.group)].label;
+        }))
+      shared.push_back(c);
+  ASSERT_EQ(shared.size(), reference.column.size());
+  const int chosen = shared[3];
+  const auto known = static_cast<Eigen::Index>(shared.size());
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(1 + known, 1 + known);
+  Eigen::VectorXd right(1 + known);
+  Eigen::MatrixXd columns(here.rows(), 1 + known);
+  columns << here.col(chosen), here(Eigen::all, shared);
+  joint = columns.transpose() * columns;
+  joint.bottomRightCorner(known, known) += reference.information + Eigen::MatrixXd::Identity(known, known);
+  right = columns.transpose() * here.col(size);
+  EXPECT_NEAR(solve(changed.total(), {chosen}).coefficient[0], joint.ldlt().solve(right)[0], 1e-6);
+}
+
+TEST(Reference, MuchInformationLeavesTheMatricesAsTheyAre) {
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1, {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const Grams here = one_block(rows_of(400, catalogue.size() + 1, 1));
+  Reference reference = reference_of(catalogue, one_block(rows_of(300, catalogue.size() + 1, 2)), {});
+  reference.information *= 1e9;
+  EXPECT_LT((beside_reference(catalogue, reference, here).total() - here.total()).norm(), 1e-3 * here.total().norm());
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
