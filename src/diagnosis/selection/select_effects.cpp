@@ -71,6 +71,7 @@ class Selector {
 
   // fewer groups, fitted anew
   Selection without(const Selection& before, const std::vector<int>& withdrawn) {
+    withdrawing_ = true;
     Selection result;
     result.noise_nominal = before.noise_nominal;
     result.smoothed_nominal = before.smoothed_nominal;
@@ -213,7 +214,7 @@ class Selector {
       settled = chosen.size() == before || chosen.empty();   // what stays takes over what went
       // what seemed not to pay beside the others may do so once they, and the noise, are right (and may be pruned to the same set
       // again and again)
-      if (settled && visited.size() < most_changes && changes++ < 2 * most_changes) {
+      if (settled && !withdrawing_ && visited.size() < most_changes && changes++ < 2 * most_changes) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, s_.with_biases(chosen)).loss;
         visited.insert(chosen);
@@ -374,7 +375,8 @@ class Selector {
   const SelectionOptions& options_;
   const Catalogue& catalogue_;
   Eigen::VectorXd natural_;
-  bool anew_ = false;   // linearised about what was found
+  bool anew_ = false;         // linearised about what was found
+  bool withdrawing_ = false;  // what was withdrawn must not come back
 };
 
 }  // namespace
