@@ -15,13 +15,6 @@ inline Vector3 limited(const Vector3& value, const Vector3& limit) {
   return {limited(value.x(), limit.x()), limited(value.y(), limit.y()), limited(value.z(), limit.z())};
 }
 
-// shortens the first two components to a length
-inline Vector3 limited_xy(Vector3 value, double length) {
-  const double now = value.head<2>().norm();
-  if (now > length) value.head<2>() *= length / now;
-  return value;
-}
-
 // an angle within (−π, π]
 inline double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * pi); }
 

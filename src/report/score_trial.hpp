@@ -45,7 +45,6 @@ struct ScoredTrial {
   std::vector<std::string> significant;  // channels that the diagnosis reports
   nlohmann::ordered_json fit, oracle;
 
-  bool hides_nothing() const { return kind == "clean" || kind == "scatter"; }
   bool outside() const { return kind == "outside"; }
   bool above_limit() const;  // every concealed effect
   int found() const;         // how many truths have a name

@@ -12,7 +12,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double surely = 9.0;   // twice a log likelihood
+constexpr double surely = 9.0;  // twice a log likelihood
 
 // −2 log likelihood of one flight, its commands read some time later, each with the noise that fits it best
 double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
@@ -48,12 +48,16 @@ std::vector<double> command_offsets(const std::vector<FlightData>& fit, const st
     // a controller that answers sensor noise moves the correlation's peak, not the likelihood's; a lag that all flights share
     // moves both, but then the promptest flight does not refute later commands, either
     const double later_s = *delay[i] - least;
-    const auto gain = [&](const FlightData& flight) { return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, later_s); };
+    const auto gain = [&](const FlightData& flight) {
+      return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, later_s);
+    };
     const double own = gain(*all[i]);
     if (own < 100.0 || gain(*all[promptest]) > -surely) continue;
     offset[i] = later_s;
     findings.push_back({all[i]->label, "u1…uN", "delay", all[i]->start_s, all[i]->start_s + all[i]->duration_s(),
-                        fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: commands are read that much later", 1e3 * offset[i]),
+                        fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: "
+                                    "commands are read that much later",
+                                    1e3 * offset[i]),
                         false, false});
   }
   return offset;

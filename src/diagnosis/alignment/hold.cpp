@@ -4,7 +4,8 @@
 
 namespace gustlab::diagnosis {
 
-bool linear_is_likelier(const VehicleModel& vehicle, int jobs, const std::function<std::vector<FlightData>(bool linear)>& read) {
+bool linear_is_likelier(const VehicleModel& vehicle, int jobs,
+                        const std::function<std::vector<FlightData>(bool linear)>& read) {
   double misfit[2];
   for (const bool linear : {false, true}) {
     Session session(read(linear), vehicle, jobs);
@@ -17,8 +18,11 @@ bool linear_is_likelier(const VehicleModel& vehicle, int jobs, const std::functi
     std::vector<int> causal;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const Column& column = session.catalogue().columns()[static_cast<std::size_t>(columns[i])];
-      const bool way = column.group >= 0 && session.catalogue().groups()[static_cast<std::size_t>(column.group)].row->place == Place::actuation;
-      if (!way || column.admits(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural)) causal.push_back(columns[i]);
+      const bool way =
+          column.group >= 0 &&
+          session.catalogue().groups()[static_cast<std::size_t>(column.group)].row->place == Place::actuation;
+      if (!way || column.admits(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural))
+        causal.push_back(columns[i]);
     }
     if (causal.size() < columns.size()) fit = solve(total, causal, 1e-4);
     misfit[linear] = session.misfit(causal, fit.coefficient);

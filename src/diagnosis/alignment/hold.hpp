@@ -8,6 +8,7 @@
 namespace gustlab::diagnosis {
 
 // `read`: the flights with commands read in one way or the other.
-bool linear_is_likelier(const VehicleModel& vehicle, int jobs, const std::function<std::vector<FlightData>(bool linear)>& read);
+bool linear_is_likelier(const VehicleModel& vehicle, int jobs,
+                        const std::function<std::vector<FlightData>(bool linear)>& read);
 
 }  // namespace gustlab::diagnosis

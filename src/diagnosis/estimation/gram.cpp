@@ -5,11 +5,13 @@
 #include <cmath>
 #include <iterator>
 
+#include "diagnosis/result/decisions.hpp"
+
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double block_s = 0.5;
+using decisions::block_s;
 
 Eigen::MatrixXd pick(const Eigen::MatrixXd& gram, const std::vector<int>& rows, const std::vector<int>& columns) {
   Eigen::MatrixXd part(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()));

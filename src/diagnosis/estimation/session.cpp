@@ -14,7 +14,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-bool any_voltage(const std::vector<FlightData>& flights) {
+bool all_have_voltage(const std::vector<FlightData>& flights) {
   return std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.has_voltage; });
 }
 
@@ -105,7 +105,7 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       vehicle_(vehicle),
       flights_(std::move(flights)),
       catalogue_(vehicle, static_cast<int>(flights_.size()),
-                 {told_by(flights_), any_voltage(flights_), !shooting_flights.empty(),
+                 {told_by(flights_), all_have_voltage(flights_), !shooting_flights.empty(),
                   std::any_of(shooting_flights.begin(), shooting_flights.end(), [](const FlightData& f) { return !f.commands_filtered; })}),
       linear_(flights_.size()),
       value_(catalogue_.nominal()),

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/result/decisions.hpp"
+
 namespace gustlab::diagnosis {
 
 namespace {
 
 // hover: half seconds this slow on average, this far from take-off, landing and gaps
-constexpr double slow_mps = 0.3, slow_vertical_mps = 0.15, margin_s = 1.0, block_s = 0.5;
+constexpr double slow_mps = 0.3, slow_vertical_mps = 0.15, margin_s = 1.0;
+using decisions::block_s;
 constexpr double often_limited = 0.25;  // of hover
 
 }  // namespace

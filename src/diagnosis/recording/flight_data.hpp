@@ -101,7 +101,7 @@ struct FlightData {
   bool commands_filtered = false;       // as all else, or not
   bool read_slower = false;             // than it was logged: neighbouring innovations are then never quite white
   double start_s = 0.0;
-  // seconds by which the pose lags the inertial data in the model of the moment; motion is corrected for it
+  // from the first sample to the last
   double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s - samples.front().time_s; }
 };
 

@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/validation/generic_bases.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double block_s = 0.5;
+using decisions::block_s;
 constexpr Eigen::Index fewest_blocks = 30, first_shift = 4;
 constexpr double ridge = 30.0;   // of columns with unit deviation, in blocks
-// Standard deviations above the moved series.
-constexpr double surely = 4.9;
 
 // how well a basis tells y (two axes): −log of the share of its squares that is left
 struct Projection {
@@ -89,7 +88,7 @@ bool depends_on_state(const Session& session, const std::vector<Smoothed>& smoot
     for (Eigen::Index shift = first_shift; shift + first_shift <= shortest; ++shift) chance.push_back(told(shift));
     const Eigen::Map<const Eigen::VectorXd> moved(chance.data(), static_cast<Eigen::Index>(chance.size()));
     const double sd = std::sqrt((moved.array() - moved.mean()).square().mean());
-    if (told(0) > moved.mean() + surely * sd) return true;
+    if (told(0) > moved.mean() + decisions::surely_dependent * sd) return true;
   }
   return false;
 }

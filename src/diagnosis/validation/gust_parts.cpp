@@ -6,12 +6,13 @@
 #include <cmath>
 
 #include "diagnosis/recording/row_intervals.hpp"
+#include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double surely_a_line = 1e-6, surely_no_mean = 0.999;
+using decisions::surely_a_line, decisions::surely_no_mean;
 constexpr double slowest_periods = 2.0;      // in a flight, of the slowest line that is sought
 constexpr double fastest_radps = 20.0;
 constexpr double bins_apart = 1.5, bins_beside = 8.0;

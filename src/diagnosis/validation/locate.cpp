@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/validation/dependence.hpp"
 #include "diagnosis/validation/generic_bases.hpp"
 
@@ -92,7 +93,7 @@ Blocks blocks(const Session& session, const std::vector<Smoothed>& smoothed) {
   const double hover = vehicle.hover_speed_radps();
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
-    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(0.5 / flight.sample_s)));
+    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(decisions::block_s / flight.sample_s)));
     const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
     for (std::size_t first = length; first + length <= flight.samples.size(); first += length) {
       Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();

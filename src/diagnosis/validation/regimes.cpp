@@ -5,11 +5,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/result/decisions.hpp"
+
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double block_s = 0.5;
+using decisions::block_s;
 constexpr int parts = 3;
 constexpr double few = 4.0, untold = 1.0;  // clusters; a deviation
 
