@@ -2,6 +2,7 @@
 # before a release: clones what is committed into an empty folder and runs the README's two commands there.
 # usage: scripts/clean_room.sh [commit or branch]
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 commit="$(git rev-parse --verify --quiet "${1:-HEAD}^{commit}")" || {

@@ -3,6 +3,7 @@
 # undefined-behaviour sanitizers. What it finds stays in build/fuzz/found; put it, made small, into the corpus with its repair.
 # usage: scripts/fuzz.sh TARGET SECONDS [libFuzzer option...]    needs clang-14 and libclang-rt-14-dev
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 (($# >= 2)) || { sed -n '2,4s/^# //p' "$0" >&2; exit 2; }
 target="$1" seconds="$2"

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Draws one flight: path, tracking error, disturbance and rotor speeds, as PDF, SVG and PNG."""
 
+import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
 import argparse
 import sys
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Draws heat maps of RMSE and P95 over trajectories and controllers, one panel for each sweep, as PDF, SVG and PNG."""
 
+import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
 import argparse
 import sys
 from pathlib import Path

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Draws the paths of several flights over their references, one panel for each trajectory, as PDF, SVG and PNG."""
 
+import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
 import argparse
 import sys
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # sets up, builds and makes the paper's tables and figures. usage: scripts/reproduce.sh [output folder]
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 out="$(realpath -m "${1:-$(dirname "${BASH_SOURCE[0]}")/../out/reproduce}")"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -3,6 +3,7 @@
 # usage: scripts/setup.sh [--test]    (--test adds what only the tests need)
 # as root or as a user with sudo; asks nothing; does nothing the second time.
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 packages=(

@@ -3,6 +3,7 @@
 # bytes with a sweep that no scheduler saw. Stops what it started. Needs root, slurm-wlm and munge; no systemd.
 # usage: scripts/test_slurm.sh    GUSTLAB: another program than the built one; REPLICATES: of each cell
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export GUSTLAB="$(realpath "${GUSTLAB:-build/release/gustlab}")"
 for program in munged slurmctld slurmd; do

@@ -2,6 +2,7 @@
 # joins OUT/shards/1..N into OUT/whole, each [[variant]] into a folder of its own; a shard that is missing is an error.
 # usage: scripts/cluster/merge.sh N OUT    GUSTLAB: another program than the built one
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 here="$(dirname "$(realpath "${BASH_SOURCE[0]}")")"
 gustlab="${GUSTLAB:-$here/../../build/release/gustlab}"
 (($# == 2)) || { sed -n '2,3s/^# //p' "$0" >&2; exit 2; }

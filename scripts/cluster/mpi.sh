@@ -3,6 +3,7 @@
 # usage: scripts/cluster/mpi.sh N EXPERIMENT OUT [mpirun option...]
 # The rank is Open MPI's own: every rank that mpirun starts below Slurm sees SLURM_PROCID 0.
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 here="$(dirname "$(realpath "${BASH_SOURCE[0]}")")"
 (($# >= 3)) || { sed -n '2,3s/^# //p' "$0" >&2; exit 2; }
 parts="$1" experiment="$2" out="$(realpath -m "$3")"

@@ -4,6 +4,7 @@
 # N is said, never asked of the scheduler: a task that Slurm runs again says that there is one task.
 # SIGTERM and SIGUSR1 let the runs in hand end; then it exits with 130, and a task that is started again goes on.
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 here="$(dirname "$(realpath "${BASH_SOURCE[0]}")")"
 gustlab="${GUSTLAB:-$here/../../build/release/gustlab}"
 (($# >= 4)) || { sed -n '2,3s/^# //p' "$0" >&2; exit 2; }

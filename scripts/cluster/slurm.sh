@@ -3,6 +3,7 @@
 # usage: scripts/cluster/slurm.sh N EXPERIMENT OUT [sbatch option...]    GUSTLAB: another program than the built one
 # A minute before its time is up, or when it is preempted, a task ends its runs in hand and is queued again.
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 here="$(dirname "$(realpath "${BASH_SOURCE[0]}")")"
 (($# >= 3)) || { sed -n '2,3s/^# //p' "$0" >&2; exit 2; }
 parts="$1" experiment="$2" out="$(realpath -m "$3")"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # one task of the array job of slurm.sh, which copies this file: the folder of the scripts is an argument
+case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 here="$1" parts="$2" experiment="$3" out="$4"
 "$here/shard.sh" "$SLURM_ARRAY_TASK_ID" "$parts" "$experiment" "$out" --jobs "${SLURM_CPUS_ON_NODE:-1}" &
 child=$!

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -55,6 +56,41 @@ class Scripts(unittest.TestCase):
                 self.assertEqual(done.returncode, 2, name)
                 self.assertTrue(done.stderr.startswith(("usage: ", "clean_room: ")), done.stderr)
                 self.assertEqual(os.listdir(elsewhere), [])
+
+    def test_help_says_how_each_is_used_and_does_nothing(self):
+        for script in [*SCRIPTS, *sorted((ROOT / "scripts" / "cluster").glob("*.sh"))]:
+            done = subprocess.run([str(script), "--help"], capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), script.name)
+            self.assertGreater(len(done.stdout), 40, script.name)
+        programs = [path for path in sorted((ROOT / "scripts").rglob("*.py")) if "__main__" in path.read_text(encoding="utf-8")]
+        self.assertGreater(len(programs), 5)
+        for program in programs:
+            done = subprocess.run([sys.executable, str(program), "--help"], capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, program.name + done.stderr)
+            self.assertTrue(done.stdout.startswith("usage: "), program.name)
+
+    def test_figures_are_drawn_in_the_project_environment_whoever_starts_them(self):
+        done = subprocess.run(["/usr/bin/python3", str(ROOT / "scripts" / "plot_flight.py"), "--help"], capture_output=True, text=True,
+                              check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_a_build_tree_of_another_place_is_configured_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tree, tools = Path(folder, "tree"), Path(folder, "tools")
+            (tree / "scripts").mkdir(parents=True)
+            build = tree / "build" / "release"
+            build.mkdir(parents=True)
+            tools.mkdir()
+            shutil.copy(ROOT / "scripts" / "build.sh", tree / "scripts")
+            (tools / "cmake").write_text('#!/bin/sh\necho "$*"\n', encoding="utf-8")
+            (tools / "cmake").chmod(0o755)
+            environment = os.environ | {"PATH": f"{tools}:{os.environ['PATH']}"}
+            for home, configured in ((tree, False), (Path("/elsewhere"), True)):
+                (build / "CMakeCache.txt").write_text(f"CMAKE_HOME_DIRECTORY:INTERNAL={home}\n", encoding="utf-8")
+                (build / "build.ninja").touch()
+                done = subprocess.run([str(tree / "scripts" / "build.sh")], env=environment, capture_output=True, text=True, check=True)
+                self.assertEqual("--preset release --log-level" in done.stdout, configured)
+                self.assertEqual((build / "CMakeCache.txt").exists(), not configured)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,59 @@
+"""schemas/: what the program prints as JSON follows its schema, and every JSON format has one."""
+
+import json
+import os
+import re
+import subprocess
+import unittest
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import jsonschema
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+# formats of files that are not JSON, or that only this program reads again
+OTHERS = {"flight", "vehicle", "experiment", "column-map", "trials", "network", "calibration", "calibrated", "published", "tuning", "score"}
+
+
+def schema(name):
+    return json.loads((ROOT / "schemas" / f"{name}.schema.json").read_text(encoding="utf-8"))
+
+
+class Schemas(unittest.TestCase):
+    def test_each_is_a_schema_of_its_own_version(self):
+        for path in (ROOT / "schemas").glob("*.schema.json"):
+            name = path.name.removesuffix(".schema.json")
+            jsonschema.Draft202012Validator.check_schema(schema(name))
+            self.assertEqual(schema(name)["$id"], f"urn:gustlab:{name}:1")
+
+    def test_every_json_format_has_one(self):
+        found = set()
+        for path in [*(ROOT / "src").rglob("*.cpp"), *(ROOT / "apps").rglob("*.cpp"), *(ROOT / "scripts").rglob("*.py")]:
+            found |= set(re.findall(r'"gustlab-([a-z-]+)/1"', path.read_text(encoding="utf-8")))
+        self.assertEqual({name for name in found - OTHERS if not (ROOT / "schemas" / f"{name}.schema.json").exists()}, set())
+
+    def test_the_example_of_a_diagnosis_follows_it(self):
+        jsonschema.validate(json.loads((ROOT / "tests/report/diagnosis_example.json").read_text(encoding="utf-8")), schema("diagnosis"))
+
+    def test_what_is_printed_follows(self):
+        with TemporaryDirectory() as folder:
+            def gustlab(*arguments):
+                return subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, check=True, timeout=300).stdout
+
+            Path(folder, "e.toml").write_text('format = "gustlab-experiment/1"\nname = "e"\nvehicle = "crazyflie"\ntrajectories = ["lemniscate"]\n'
+                                              'controllers = ["pid"]\nduration_s = 4\n', encoding="utf-8")
+            gustlab("run", "e.toml", "--trajectory", "lemniscate", "--controller", "pid", "--out", "run")
+            gustlab("sweep", "e.toml", "--out", "sweep")
+            for name, text in (
+                ("outcome", Path(folder, "run/outcome.json").read_text(encoding="utf-8")),
+                ("metrics", gustlab("metrics", "run/flight.csv", "--format", "json")),
+                ("table", gustlab("table", "sweep", "--format", "json")),
+                ("replay", gustlab("replay", "run/flight.csv", "--format", "json")),
+            ):
+                with self.subTest(name):
+                    jsonschema.validate(json.loads(text), schema(name))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,79 @@
+"""docs/tutorials: every command works, and the templates of `add your own` compile."""
+
+import os
+import re
+import shutil
+import subprocess
+import unittest
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+
+
+def commands(page):
+    """The shell blocks of a page, in order."""
+    return re.findall(r"^```sh\n(.*?)^```", (ROOT / "docs" / "tutorials" / page).read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+
+
+class Tutorials(unittest.TestCase):
+    def setUp(self):
+        folder = TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        (self.folder / "bin").mkdir()
+        (self.folder / "bin" / "gustlab").symlink_to(PROGRAM)
+
+    def run_page(self, page):
+        """What the blocks print, run one after the other in one folder."""
+        environment = os.environ | {"PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}"}
+        printed = []
+        for block in commands(page):
+            done = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=self.folder, env=environment, capture_output=True, text=True, check=False,
+                                  timeout=900)
+            self.assertEqual(done.returncode, 0, block + done.stderr)
+            printed.append(done.stdout)
+        self.assertGreater(len(printed), 1)
+        return printed
+
+    def test_compare_controllers(self):
+        printed = self.run_page("compare_controllers.md")
+        self.assertEqual(printed[1].count("| crazyflie |"), 6)
+        self.assertTrue((self.folder / "flight" / "flight.csv").exists())
+
+    def test_the_three_doors_lead_somewhere(self):
+        text = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
+        links = re.findall(r"\]\(([^)]+)\)", text)
+        self.assertGreater(len(links), 8)
+        for link in links:
+            self.assertTrue((ROOT / "docs" / link).exists(), link)
+
+
+class AddYourOwn(unittest.TestCase):
+    def add(self, tree, *arguments):
+        return subprocess.run([str(ROOT / "scripts" / "new_plugin.py"), *arguments, "--tree", str(tree)], capture_output=True, text=True, check=False)
+
+    def test_each_template_compiles_with_its_row(self):
+        with TemporaryDirectory() as folder:
+            tree = Path(folder)
+            for name in ("src/controllers", "src/effects", "src/trajectories", "examples"):
+                shutil.copytree(ROOT / name, tree / name)
+            for kind, place in (("controller", "controllers"), ("effect", "effects"), ("trajectory", "trajectories")):
+                done = self.add(tree, kind, f"of_mine_{kind}")
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                for source in (f"of_mine_{kind}.cpp", "registry.cpp"):
+                    subprocess.run(["c++", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Wshadow", "-Werror", f"-I{tree}/src", f"-I{ROOT}/include",
+                                    f"-I{ROOT}/src", "-isystem", "/usr/include/eigen3", str(tree / "src" / place / source)], check=True, timeout=600)
+                self.assertEqual(self.add(tree, kind, f"of_mine_{kind}").returncode, 2)
+
+    def test_wrong_names_are_refused(self):
+        with TemporaryDirectory() as folder:
+            for arguments in (("controller", "My Law"), ("controller", "pid"), ("plant", "mine"), ("effect", "mine", "--says", 'a "b"')):
+                done = self.add(folder if arguments[1] != "pid" else ROOT, *arguments)
+                self.assertEqual(done.returncode, 2, arguments)
+            self.assertEqual(os.listdir(folder), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
