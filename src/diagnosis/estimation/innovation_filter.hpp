@@ -1,4 +1,4 @@
-// The Kalman filter that weighs what the simulator missed, and the EM that learns how noisy the flight was.
+// The Kalman filter that weighs what the simulator missed, and its smoother.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,6 +13,9 @@ namespace gustlab::diagnosis {
 // `extra`: further columns (m pushes per sample), appended before y.
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
                 const std::vector<Pushes>* extra = nullptr);
+
+// −2 log likelihood of a flight without columns whose poses or torques are told.
+double misfit(const LinearFlight& flight, const NoiseModel& noise);
 
 Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise);
 

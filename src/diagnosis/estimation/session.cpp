@@ -273,7 +273,7 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
     std::vector<double> of(models.size() * count), sum(models.size(), 0.0);
     parallel_for(std::ssize(of), jobs_, [&](std::int64_t at) {
       const auto i = static_cast<std::size_t>(at), f = i % count;
-      of[i] = whiten(flights_[f], flights[f], models[i / count]).minus_two_log_likelihood;
+      of[i] = gustlab::diagnosis::misfit(flights[f], models[i / count]);
     });
     for (std::size_t i = 0; i < of.size(); ++i) sum[i / count] += of[i];
     return sum;

@@ -255,9 +255,9 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     std::vector<Acceleration> acceleration;
     std::vector<Vector12> y;
   };
-  const auto evaluate_all = [&](const ForceModel& model, const RotorHistory& history, Column0& result) {
+  const auto evaluate_all = [&](const ForceModel& model, const RotorHistory& history, bool sensors, Column0& result) {
     Evaluator at{model, {}, {}};
-    result.acceleration.resize(n), result.y.resize(n);
+    result.acceleration.resize(n), result.y.resize(sensors ? n : 0);
     std::vector<Vector3> felt_now(n, Vector3::Zero());
     for (std::size_t k = 0; k < n; ++k) {
       const Sample& sample = flight.samples[k];
@@ -275,12 +275,13 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       if (with_force)
         felt_now[k] = at.specific_force(x[k], t, sample.voltage_V, history.at_sample[k], history.acceleration[k * count], modelled);
     }
+    if (!sensors) return;
     felt_now = shown_late(flight, felt_now);
     for (std::size_t k = 0; k < n; ++k)
       result.y[k] = innovation(flight.samples[k], predict_sensors(model, flight, k, x[k], felt_now[k], turning[k]));
   };
   Column0 base, moved;
-  evaluate_all(forces, rotors, base);
+  evaluate_all(forces, rotors, true, base);
   // a wind is felt only with a drag: at no drag it is tried with one of natural size
   const int drag = catalogue.find("rotor_drag"), area = catalogue.find("quadratic_drag");
   const auto strength = [&](int group) {
@@ -316,19 +317,21 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       const int d = catalogue.groups()[static_cast<std::size_t>(drag)].columns.front();
       from[d] = to[d] = catalogue.columns()[static_cast<std::size_t>(d)].natural;
       const ForceModel model = force_model(flight, catalogue, from, flight_index, -1);
-      evaluate_all(model, rotors, companion);
+      evaluate_all(model, rotors, true, companion);
       reference = &companion;
     }
     const ForceModel model = force_model(flight, catalogue, to, flight_index, column.group);
-    const bool moves_rotors = group.row->place == Place::actuation;
-    evaluate_all(model, moves_rotors ? rotor_history(flight, model) : rotors, moved);
+    const Place place = group.row->place;
+    // forces alone change what an accelerometer shows, and no other sensor
+    const bool sensors = with_force || place == Place::body || place == Place::measurement;
+    evaluate_all(model, place == Place::actuation ? rotor_history(flight, model) : rotors, sensors, moved);
     for (std::size_t k = 0; k < n; ++k) {
       const double unit = column.natural / step;
       Push push;
       push << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
           moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2;
       out.B[k].col(j) = moved_by(unit * push, out.interval_s[k]);
-      out.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
+      if (sensors) out.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
     }
   }
   compare_speeds(flight, flight_index, catalogue, value, out);
