@@ -1,6 +1,7 @@
 """gustlab import: turns logs into flight logs, and says what is in them and what is wrong with them."""
 
 import argparse
+import json
 import sys
 from pathlib import Path
 
@@ -8,7 +9,7 @@ from .column_map import load_map
 from .from_recording import import_recording
 from .from_table import import_table
 from .kinds import kind_of, reader_of
-from .outcome import as_json, as_text
+from .outcome import FORMAT, as_document, as_json, as_text
 from .problems import DATA, IO, USAGE, ImportFailure
 from .vehicle_file import read_vehicle
 from .write_log import csv_text, write_all
@@ -60,7 +61,7 @@ def run(argv: list) -> int:
         else:
             outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
     if not options.quiet:
-        print(as_json(outcomes) if options.format == "json" else as_text(outcomes, options.verbose), end="")
+        print(as_json(as_document(outcomes)) if options.format == "json" else as_text(outcomes, options.verbose), end="")
     # one unusable recording holds all back: a set of flights with a silent hole would be worse
     code = refusals(outcomes, options.keep_unusable)
     if options.out is not None and (code == 0 or column_map is None):
@@ -84,13 +85,42 @@ def refusals(outcomes: list, keep_unusable: bool) -> int:
 
 
 def write(folder: Path, outcomes: list) -> None:
+    """Adds to what earlier imports wrote there, replaces what is imported again, and nothing that others wrote."""
     files = {}
     for one in outcomes:
         for name, flight, sidecar in one.flights:
             files[name + ".csv"] = csv_text(flight).encode("utf-8")
             files[name + ".meta.toml"] = sidecar.encode("utf-8")
-    files["import.json"] = as_json(outcomes).encode("utf-8")
+    document, before = as_document(outcomes), former_import(folder)
+    ours = {name for log in before for flight in log["flights"] for name in _names(flight)}
+    for name in sorted(set(files) - ours):
+        if (folder / name).exists():
+            raise ImportFailure(f"{folder / name}: is there already, and no import wrote it; give another --out", USAGE)
+    again = {one.file for one in outcomes}
+    document["logs"] = [log for log in before if log["file"] not in again] + document["logs"]
+    stale = {name for log in before if log["file"] in again for flight in log["flights"] for name in _names(flight)} - set(files)
+    files["import.json"] = as_json(document).encode("utf-8")
     write_all(folder, files)
+    for name in stale:
+        (folder / name).unlink(missing_ok=True)
+
+
+def _names(flight: dict) -> tuple:
+    return flight["log"], flight["log"].removesuffix(".csv") + ".meta.toml"
+
+
+def former_import(folder: Path) -> list:
+    """The logs of an import.json that stands there already."""
+    path = folder / "import.json"
+    if not path.exists():
+        return []
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        if document["format"] == FORMAT:
+            return [{**log, "flights": list(log["flights"])} for log in document["logs"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    raise ImportFailure(f"{path}: is there already, and no import wrote it; give another --out", USAGE)
 
 
 def main(argv=None) -> int:

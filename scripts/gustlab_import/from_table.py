@@ -34,7 +34,8 @@ def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options)
     flight = convert(table, column_map)
     inspect(flight, column_map, table, options.from_s, options.to_s, options.whole)
     usable = all(f.severity != "error" for f in flight.findings)
-    top = {"vehicle": reference, "actuator": column_map.get("actuator", "kind"), "source": column_map.get("", "source", "recording"),
+    top = {"vehicle": reference, "actuator": column_map.get("actuator", "kind"),
+           "source": column_map.get("", "source", "recording"),
            "hold": column_map.get("", "hold", "unknown"), "notes": column_map.get("", "notes", "")}
     origin = {"file": flight.file, "sha256": table.sha256, "map": column_map.name, "published": column_map.get("", "published", ""),
               "rows_read": flight.rows, "source_time_of_zero_s": flight.start_s, "usable": usable,

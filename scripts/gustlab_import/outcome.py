@@ -10,6 +10,7 @@ from .flight import Flight
 from .limits import can_tell, rate
 from .streams import QUANTITIES
 
+FORMAT = "gustlab-import/1"
 MARK = {"note": "note   ", "warning": "WARNING", "error": "ERROR  "}
 
 
@@ -43,11 +44,11 @@ def rates(flight: Flight) -> dict:
 
 
 def as_document(outcomes: list) -> dict:
-    return {"format": "gustlab-import/1", "logs": [_log(one) for one in outcomes]}
+    return {"format": FORMAT, "logs": [_log(one) for one in outcomes]}
 
 
-def as_json(outcomes: list) -> str:
-    return json.dumps(as_document(outcomes), indent=2, ensure_ascii=False) + "\n"
+def as_json(document: dict) -> str:
+    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
 
 
 def _log(one: Outcome) -> dict:

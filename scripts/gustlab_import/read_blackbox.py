@@ -65,7 +65,7 @@ def _recording(name: str, data: bytes, log, sessions: int) -> Recording:
         out.put("specific_force", stream(FORCE, time_s, force, "accSmooth"))
     motors = [field for field in names if field.startswith("motor[")]
     if len(motors) >= 3:
-        low, high = PULSE if np.nanmax(column[motors[0]]) > 0 and float(config.get("motorOutput", [0, 2000])[0]) > 900 else DSHOT
+        low, high = PULSE if float(config.get("motorOutput", [0, 2000])[0]) > 900 else DSHOT
         u = np.clip((np.column_stack([column[m] for m in motors]) - low) / (high - low), 0.0, 1.0)
         out.put("u", stream([f"u{k + 1}" for k in range(len(motors))], time_s, u, f"motor, {low:g} to {high:g}"))
         if len(motors) != 4:

@@ -12,17 +12,20 @@ from .tables import Table, read_bytes
 
 POSES = {"geometry_msgs/msg/PoseStamped": "pose", "geometry_msgs/msg/PoseWithCovarianceStamped": "pose.pose",
          "nav_msgs/msg/Odometry": "pose.pose", "geometry_msgs/msg/TransformStamped": "transform"}
-MOTORS = {"mav_msgs/msg/Actuators": ("angular_velocities", "rotor_speed", 1.0), "px4_msgs/msg/ActuatorMotors": ("control", "throttle", 1.0),
-          "mavros_msgs/msg/RCOut": ("channels", "pulse", 1.0)}
-SETTINGS = {"rate": "record the motor commands (mav_msgs/Actuators, px4_msgs/ActuatorMotors or mavros_msgs/RCOut) at the controller's rate",
+# message -> (field, what it holds)
+MOTORS = {"mav_msgs/msg/Actuators": ("angular_velocities", "rotor_speed"),
+          "px4_msgs/msg/ActuatorMotors": ("control", "throttle"), "mavros_msgs/msg/RCOut": ("channels", "pulse")}
+SETTINGS = {"rate": "record the motor commands (mav_msgs/Actuators, px4_msgs/ActuatorMotors or mavros_msgs/RCOut) at the "
+                    "controller's rate",
             "battery": "record sensor_msgs/BatteryState", "pose": "record nav_msgs/Odometry or geometry_msgs/PoseStamped"}
 
 
 def read_ros(path: Path) -> Recording:
     bag = _Bag(path)
     out = Recording(path.name, bag.sha256, "ros-bag", bag.kind, "unknown", end_s=bag.end_s, settings=SETTINGS)
-    out.topics = [(f"{name} ({bag.types[name].replace('/msg/', '/')})", len(times), 1.0 / float(np.median(np.diff(times))) if len(times) > 2 and
-                   np.median(np.diff(times)) > 0 else 0.0) for name, (times, _) in sorted(bag.topics.items())]
+    for name, (times, _) in sorted(bag.topics.items()):
+        step = float(np.median(np.diff(times))) if len(times) > 2 else 0.0
+        out.topics.append((f"{name} ({bag.types[name].replace('/msg/', '/')})", len(times), 1.0 / step if step > 0.0 else 0.0))
     wanted = {}
     for name in sorted(bag.topics, key=lambda n: -len(bag.topics[n][0])):
         wanted.setdefault(bag.types[name], name)   # of several topics of a type the fastest
@@ -49,7 +52,7 @@ def read_ros(path: Path) -> Recording:
 
 
 def _motors(out: Recording, bag: "_Bag", wanted: dict) -> None:
-    for kind, (field, unit, _) in MOTORS.items():
+    for kind, (field, unit) in MOTORS.items():
         if name := wanted.get(kind):
             times, messages = bag.topics[name]
             values = np.array([list(getattr(m, field))[:8] for m in messages], dtype=float)

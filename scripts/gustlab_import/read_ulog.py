@@ -115,8 +115,8 @@ class _Reader:
         """Rotors from CA_ROTOR*, or from the numbering of the airframe that SYS_AUTOSTART names."""
         p, count = self.parameters, int(self.parameters.get("CA_ROTOR_COUNT", 0))
         if 3 <= count <= MAX_ROTORS and any(p.get(f"CA_ROTOR{k}_PX") for k in range(count)):
-            return [Rotor(round(p[f"CA_ROTOR{k}_PX"], 6), round(-p[f"CA_ROTOR{k}_PY"], 6), 1 if p[f"CA_ROTOR{k}_KM"] > 0 else -1)
-                    for k in range(count)]
+            of = lambda key, k: float(p.get(f"CA_ROTOR{k}_{key}", 0.0))  # noqa: E731
+            return [Rotor(round(of("PX", k), 6), round(-of("PY", k), 6), 1 if of("KM", k) > 0 else -1) for k in range(count)]
         group = int(p.get("SYS_AUTOSTART", 0)) // 1000
         name = {4: "quadrotor x", 5: "quadrotor +", 6: "hexarotor x", 7: "hexarotor +", 8: "octorotor x",
                 9: "octorotor +"}.get(group) or {2: "quadrotor x", 13: "hexarotor x", 14: "octorotor x"}.get(system)
@@ -140,8 +140,8 @@ class _Reader:
                                             "vehicle_attitude[0]"))
         if position is None:
             return
-        for name, columns, keys, valid in (("position", POSITION, "xyz", "{}_valid"), ("velocity", VELOCITY, "vx vy vz", "v_{}_valid")):
-            values = np.column_stack([position[key] for key in (keys.split() if " " in keys else keys)]).astype(float)
+        for name, columns, keys, valid in (("position", POSITION, "x y z", "{}_valid"), ("velocity", VELOCITY, "vx vy vz", "v_{}_valid")):
+            values = np.column_stack([position[key] for key in keys.split()]).astype(float)
             horizontal, vertical = (position.get(valid.format(axis)) for axis in ("xy", "z"))
             if horizontal is not None:
                 values[horizontal == 0, :2] = np.nan
@@ -165,7 +165,8 @@ class _Reader:
             for k in np.flatnonzero(np.diff(position[counter].astype(int)) != 0) + 1:
                 size = float(np.hypot.reduce([position[key][k] for key in deltas]))
                 if abs(size) > limit:
-                    self.out.breaks.append((float(time_s[k]), f"the estimator was reset ({counter[:-14]} by {abs(size):.2f} {unit})"))
+                    what = counter.removesuffix("_reset_counter")
+                    self.out.breaks.append((float(time_s[k]), f"the estimator was reset ({what} by {abs(size):.2f} {unit})"))
 
     def inertial(self) -> None:
         """Both from sensor_combined, whose samples are means over the interval before them; the rate that the loops used is
@@ -210,7 +211,7 @@ class _Reader:
         motors = stream(names, self.seconds(data["timestamp"]), u, source)
         self.out.put("u", motors)
         torque, thrust = self.get("vehicle_torque_setpoint"), self.get("vehicle_thrust_setpoint")
-        if motors is None or torque is None or thrust is None or "timestamp_sample" not in data or "timestamp_sample" not in torque:
+        if motors is None or any(topic is None or "timestamp_sample" not in topic for topic in (torque, thrust, data)):
             return
         both, a, b = np.intersect1d(torque["timestamp_sample"], thrust["timestamp_sample"], return_indices=True)
         asked = np.column_stack([torque[f"xyz[{k}]"][a] for k in range(3)] + [thrust["xyz[2]"][b]]).astype(float)

@@ -127,6 +127,20 @@ class PX4(ImportCase):
         self.assertEqual([(f["from_s"], f["to_s"]) for f in entry["flights"]], [(2.0, 12.0), (14.0, 28.0)])
         self.assertIn("gap: no sample for 2.0 s", [part["why"] for part in entry["refused"]])
 
+    def test_a_reset_of_the_estimator_cuts_a_flight(self):
+        _, entry, _ = self.take(px4_flight(synthetic(), reset_s=9.0))
+        self.assertEqual([(round(f["from_s"], 1), round(f["to_s"], 1)) for f in entry["flights"]], [(3.0, 9.0), (9.0, 17.0)])
+        self.assertIn("the estimator was reset (z by 0.70 m)", [part["why"] for part in entry["refused"]])
+
+    def test_a_height_that_contradicts_its_velocity_is_cut(self):
+        truth = synthetic()
+        truth["p"][:, 2] += 4.0 * np.clip(truth["time_s"] - 9.0, 0.0, 1.0)
+        _, entry, _ = self.take(px4_flight(truth))
+        self.assertEqual(len(entry["flights"]), 2)
+        self.assertLess(entry["flights"][0]["to_s"], 9.0)
+        self.assertGreater(entry["flights"][1]["from_s"], 10.0)
+        self.assertTrue([part for part in entry["refused"] if "the height contradicts its velocity by 4.0 m" in part["why"]])
+
     def test_what_cannot_be_told_names_the_setting(self):
         _, log, _ = self.take(px4_flight(synthetic()))
         lag = next(limit for limit in log["cannot_tell"] if limit["effect"] == "motor_lag")
@@ -149,6 +163,36 @@ class PX4(ImportCase):
                       "cannot tell motor_lag", "refused: 0.00 to 2.00 s: disarmed"):
             self.assertIn(words, out)
         self.assertFalse(self.out.exists())
+
+
+class OutputFolder(ImportCase):
+    def log(self, name: str, *more):
+        return self.run_import(self.write(name, px4_flight(synthetic(**dict(more))).bytes()), "--out", self.out, "-q")
+
+    def test_imports_add_up(self):
+        self.log("a.ulg")
+        self.log("b.ulg")
+        document = json.loads((self.out / "import.json").read_text())
+        self.assertEqual([log["file"] for log in document["logs"]], ["a.ulg", "b.ulg"])
+        self.assertEqual(len(list(self.out.glob("*.csv"))), 2)
+
+    def test_what_is_imported_again_is_replaced_whole(self):
+        two = px4_flight(synthetic(30.0), armed=(1.0, 29.0), flying=(2.0, 28.0))
+        two.data = [d for d in two.data if not 13_000_000 < d[0] < 15_000_000]
+        self.run_import(self.write("a.ulg", two.bytes()), "--out", self.out)
+        self.assertEqual(sorted(p.name for p in self.out.glob("*.csv")), ["a_1.csv", "a_2.csv"])
+        self.log("a.ulg")
+        self.assertEqual(sorted(p.name for p in self.out.glob("a_*")), ["a_1.csv", "a_1.meta.toml"])
+
+    def test_nothing_of_others_is_replaced(self):
+        self.out.mkdir()
+        for name in ("a_1.csv", "import.json"):
+            with self.subTest(name):
+                (self.out / name).write_text("mine")
+                code, _, err = self.log("a.ulg")
+                self.assertEqual((code, f"{name}: is there already, and no import wrote it" in err), (2, True), err)
+                self.assertEqual([(p.name, p.read_text()) for p in self.out.iterdir()], [(name, "mine")])
+                (self.out / name).unlink()
 
 
 class Damaged(ImportCase):

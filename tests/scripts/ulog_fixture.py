@@ -56,7 +56,8 @@ def stamps(log: ULogFile, time_s) -> np.ndarray:
 MIX = np.array([[-0.7071, 0.7071, 1.0, 1.0], [0.7071, -0.7071, 1.0, 1.0], [0.7071, 0.7071, -1.0, 1.0], [-0.7071, -0.7071, -1.0, 1.0]])
 
 
-def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 17.0), instance: int = 0, rate_hz: int = 250) -> ULogFile:
+def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 17.0), instance: int = 0, rate_hz: int = 250,
+               reset_s: float = None) -> ULogFile:
     """A flight as PX4's default profile logs it.
 
     flight: (n, ...) in z-up world and FLU body at rate_hz: time_s, p, v, q (scalar first), w, a, torque (n, 3; FRD, normalised),
@@ -86,7 +87,8 @@ def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 
                                            "float[3] accelerometer_m_s2": frd(flight["a"])[fast]})
     log.topic("vehicle_attitude", t[pose], {"float[4] q": turned[pose]})
     p, v = ned(flight["p"])[slow], ned(flight["v"])[slow]
-    log.topic("vehicle_local_position", t[slow], {**{f"float {name}": p[:, k] for k, name in enumerate("xyz")},
+    counted = np.zeros(len(p)) if reset_s is None else (t[slow] >= reset_s).astype(float)
+    log.topic("vehicle_local_position", t[slow], {"uint8_t z_reset_counter": counted, "float delta_z": 0.7 * counted, **{f"float {name}": p[:, k] for k, name in enumerate("xyz")},
                                                   **{f"float v{name}": v[:, k] for k, name in enumerate("xyz")}})
     asked = np.column_stack([flight["torque"], flight["thrust"]])
     motors = asked @ MIX.T
