@@ -32,7 +32,7 @@ yaw_frequency_hz = 0.25
 
 TEST(NextFlight, NamesAFlightThatThenSeparatesWhatCouldNotBeTold) {
   const Diagnosis before = diagnose_offset({"hover", "circle"});
-  ASSERT_EQ(before.effects.size(), 1u);
+  ASSERT_EQ(before.effects.size(), 1u) << to_json(before).dump(1);
   // at one heading a tilted sensor and a constant push look alike
   ASSERT_THAT(before.effects[0].classmates, Contains("attitude_offset"));
   ASSERT_THAT(before.effects[0].classmates, Contains("constant_force"));
