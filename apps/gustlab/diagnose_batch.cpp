@@ -22,29 +22,43 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t most_log_bytes = std::size_t{4} << 30;
+
 struct FlightSet {
   std::string name;
   diagnosis::DiagnoseOptions wanted;
 };
 
 // flights and vehicles with a slash or an ending are files, relative to the file that names them
-std::string beside(const std::string& file, const std::string& from) { return (fs::path(from).parent_path() / file).lexically_normal().string(); }
+std::string beside(const std::string& file, const std::string& from) {
+  return (fs::path(from).parent_path() / file).lexically_normal().string();
+}
+
+// a name that is a folder of its own in OUT
+bool is_folder_name(const std::string& name) {
+  return !name.empty() && name.find_first_of("/\\ ") == std::string::npos && !name.starts_with(".");
+}
 
 std::vector<FlightSet> read_sets(const std::string& path, int jobs) {
   config::Table document = config::Table::read_file(path);
-  if (document.need_text("format") != "gustlab-sets/1") document.fail("format", "this is no list of flight sets", "", "write format = \"gustlab-sets/1\"");
+  if (document.need_text("format") != "gustlab-sets/1")
+    document.fail("format", "this is no list of flight sets", "", "write format = \"gustlab-sets/1\"");
   std::vector<FlightSet> sets;
   std::set<std::string> seen;
   for (config::Table& table : document.tables("set")) {
     FlightSet& set = sets.emplace_back();
     set.name = table.need_text("name");
-    if (!seen.insert(set.name).second || set.name.empty() || set.name.find_first_of("/\\ ") != std::string::npos || set.name.starts_with("."))
+    if (!is_folder_name(set.name) || !seen.insert(set.name).second)
       table.fail("name", fmt::format("\"{}\" is no name of a folder of its own", set.name), "", "use another");
-    for (const auto& [key, paths] : {std::pair{"fit", &set.wanted.fit}, {"holdout", &set.wanted.holdout}, {"reference", &set.wanted.reference}})
-      for (const std::string& file : table.texts(key).value_or(std::vector<std::string>{})) paths->push_back(beside(file, path));
-    if (set.wanted.fit.empty()) table.fail("fit", "there is no flight to fit", "", "list flight logs under \"fit\"");
-    if (const auto vehicle = table.text("vehicle")) set.wanted.vehicle = vehicle->ends_with(".toml") ? beside(*vehicle, path) : *vehicle;
-    set.wanted.jobs = jobs;
+    diagnosis::DiagnoseOptions& wanted = set.wanted;
+    for (const auto& [key, paths] :
+         {std::pair{"fit", &wanted.fit}, {"holdout", &wanted.holdout}, {"reference", &wanted.reference}})
+      for (const std::string& file : table.texts(key).value_or(std::vector<std::string>{}))
+        paths->push_back(beside(file, path));
+    if (wanted.fit.empty()) table.fail("fit", "there is no flight to fit", "", "list flight logs under \"fit\"");
+    if (const auto vehicle = table.text("vehicle"))
+      wanted.vehicle = vehicle->ends_with(".toml") ? beside(*vehicle, path) : *vehicle;
+    wanted.jobs = jobs;
   }
   if (sets.empty()) document.fail("set", "there is no [[set]]", "nothing would be diagnosed", "add one");
   document.finish();
@@ -57,9 +71,12 @@ std::string key_of(const FlightSet& set) {
   for (const auto* paths : {&set.wanted.fit, &set.wanted.holdout, &set.wanted.reference}) {
     all += '\n';
     for (const std::string& path : *paths) {
-      const std::string sidecar = sidecar_path(path), vehicle = set.wanted.vehicle.value_or(read_sidecar(sidecar).vehicle);
-      for (const std::string& file : {path, sidecar}) all += sha256(read_file<DataError>(file, std::size_t{4} << 30)) + ' ';
-      all += fs::path(path).filename().string() + ' ' + sha256(read_vehicle(vehicle, set.wanted.vehicle ? "" : sidecar).source_bytes) + '\n';
+      const std::string sidecar = sidecar_path(path);
+      const VehicleModel vehicle =
+          set.wanted.vehicle ? read_vehicle(*set.wanted.vehicle) : read_vehicle(read_sidecar(sidecar).vehicle, sidecar);
+      for (const std::string& bytes : {fs::path(path).filename().string(), read_file<DataError>(path, most_log_bytes),
+                                       read_file<DataError>(sidecar), vehicle.source_bytes})
+        all += sha256(bytes) + '\n';
     }
   }
   return sha256(all);
@@ -71,7 +88,8 @@ struct Said {
   std::vector<std::string> named;
 };
 Said read_said(const std::string& folder) {
-  const auto document = nlohmann::ordered_json::parse(read_file<IoError>((fs::path(folder) / "diagnosis.json").string()));
+  const std::string path = (fs::path(folder) / "diagnosis.json").string();
+  const auto document = nlohmann::ordered_json::parse(read_file<IoError>(path));
   Said said{document.at("verdict").get<std::string>(), {}};
   for (const auto& effect : document.at("effects")) said.named.push_back(effect.at("effect").get<std::string>());
   return said;
@@ -79,7 +97,8 @@ Said read_said(const std::string& folder) {
 
 void print_counts(const char* title, const std::map<std::string, std::size_t>& counts, std::size_t all) {
   fmt::print("\n| {} | sets | of {} |\n|---|--:|--:|\n", title, all);
-  for (const auto& [name, count] : counts) fmt::print("| {} | {} | {:.0f} % |\n", name, count, 100.0 * static_cast<double>(count) / static_cast<double>(all));
+  for (const auto& [name, count] : counts)
+    fmt::print("| {} | {} | {:.0f} % |\n", name, count, 100.0 * static_cast<double>(count) / static_cast<double>(all));
 }
 
 }  // namespace
