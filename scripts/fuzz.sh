@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 (($# >= 2)) || { sed -n '2,4s/^# //p' "$0" >&2; exit 2; }
 target="$1" seconds="$2"
 
-command -v clang++-14 > /dev/null || { echo "fuzz: clang is missing; as root: apt-get install clang-14 libclang-rt-14-dev" >&2; exit 4; }
+command -v clang++-14 > /dev/null || { echo "fuzz: clang is missing; run scripts/setup.sh --cluster" >&2; exit 4; }
 launcher=()
 command -v ccache > /dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 cmake -S tests/fuzz -B build/fuzz -G Ninja --log-level=WARNING -DCMAKE_C_COMPILER=clang-14 -DCMAKE_CXX_COMPILER=clang++-14 "${launcher[@]}"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # installs what gustlab needs: Debian packages, and a Python environment in .venv/ with pinned versions.
-# usage: scripts/setup.sh [--test]    (--test adds what only the tests need)
+# usage: scripts/setup.sh [--test | --cluster]    (--test adds what only the tests need; --cluster what scripts/fuzz.sh,
+# scripts/test_slurm.sh and scripts/cluster/ need)
 # as root or as a user with sudo; asks nothing; does nothing the second time.
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
@@ -16,7 +17,8 @@ requirements=(scripts/requirements.txt)
 case "${1:-}" in
   "") ;;
   --test) requirements+=(scripts/requirements-test.txt) ;;
-  *) echo "usage: scripts/setup.sh [--test]" >&2; exit 2 ;;
+  --cluster) packages+=(clang-14 libclang-rt-14-dev slurm-wlm munge parallel openmpi-bin) ;;
+  *) echo "usage: scripts/setup.sh [--test | --cluster]" >&2; exit 2 ;;
 esac
 
 # Debian packages that are not there yet

@@ -7,7 +7,7 @@ case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; es
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export GUSTLAB="$(realpath "${GUSTLAB:-build/release/gustlab}")"
 for program in munged slurmctld slurmd; do
-  command -v "$program" > /dev/null || { echo "test_slurm: $program is missing; as root: apt-get install slurm-wlm munge" >&2; exit 4; }
+  command -v "$program" > /dev/null || { echo "test_slurm: $program is missing; run scripts/setup.sh --cluster" >&2; exit 4; }
 done
 ((EUID == 0)) || { echo "test_slurm: slurmd runs as root only" >&2; exit 4; }
 

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "diagnosis/diagnose.hpp"
+#include "diagnose.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "report/diagnosis_page.hpp"
@@ -22,11 +22,12 @@ namespace {
 
 struct DiagnoseArguments {
   std::vector<std::string> flights, holdout, reference;
-  std::string vehicle, out;
+  std::string vehicle, out, batch;
   int jobs = default_jobs();
 };
 
-constexpr const char* outputs[] = {"diagnosis.json", "augmented.toml", "report.html"};
+constexpr const char* key_file = "key.txt";  // of a batch
+constexpr const char* outputs[] = {"diagnosis.json", "augmented.toml", "report.html", key_file};
 
 // an existing folder is replaced only when it holds a former diagnosis and nothing else
 void check_out(const std::filesystem::path& out) {
@@ -83,8 +84,8 @@ DiagnosisFigures figures_of(const diagnosis::Diagnosis& result) {
 }
 
 // an unusable flight is set aside, but one that is not there is a slip of the hand
-void check_flights(const DiagnoseArguments& options) {
-  for (const auto* paths : {&options.flights, &options.holdout, &options.reference})
+void check_flights(const diagnosis::DiagnoseOptions& wanted) {
+  for (const auto* paths : {&wanted.fit, &wanted.holdout, &wanted.reference})
     for (const std::string& path : *paths) {
       if (std::count(paths->begin(), paths->end(), path) > 1) throw ConfigError(fmt::format("{}: is given twice", path));
       if (const std::string why = why_unreadable(path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", path, why));
@@ -93,26 +94,19 @@ void check_flights(const DiagnoseArguments& options) {
 
 void run(const DiagnoseArguments& options) {
   interrupted();
-  check_out(options.out);
-  check_folder_can_be_made(options.out);
-  check_flights(options);
+  if (!options.batch.empty()) {
+    if (!options.flights.empty() || !options.holdout.empty() || !options.reference.empty() || !options.vehicle.empty())
+      throw ConfigError("--batch: flights and vehicles are said in its file, not here (leave them out)");
+    return diagnose_batch(options.batch, options.out, options.jobs);
+  }
+  if (options.flights.empty()) throw ConfigError("diagnose: no flight is named (give flight logs, or --batch SETS.toml)");
   diagnosis::DiagnoseOptions wanted;
   wanted.fit = options.flights;
   wanted.holdout = options.holdout;
   wanted.reference = options.reference;
   if (!options.vehicle.empty()) wanted.vehicle = options.vehicle;
   wanted.jobs = options.jobs;
-  const diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
-  for (const diagnosis::LogFinding& finding : result.log_findings)
-    if (finding.sets_flight_aside) spdlog::warn("{}: set aside: {}", finding.file, finding.says);
-  const nlohmann::ordered_json document = diagnosis::to_json(result);
-
-  replace_folder(options.out, [&](const std::filesystem::path& fresh) {
-    write_file((fresh / "diagnosis.json").string(), document.dump(1) + "\n");
-    write_file((fresh / "augmented.toml").string(), result.augmented_toml);
-    write_file((fresh / "report.html").string(), diagnosis_page(document, figures_of(result)));
-  });
-
+  const diagnosis::Diagnosis result = diagnose_into(options.out, wanted);
   fmt::print("{}: {}", result.vehicle, to_string(result.verdict));
   for (const auto& effect : result.effects) {
     fmt::print("\n  {}", effect.effect);
@@ -124,14 +118,38 @@ void run(const DiagnoseArguments& options) {
 
 }  // namespace
 
+std::string diagnosed_key(const std::string& out) {
+  std::string key;
+  return read_into((std::filesystem::path(out) / key_file).string(), key).empty() ? key : "";
+}
+
+diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted, const std::string& key) {
+  check_out(out);
+  check_folder_can_be_made(out);
+  check_flights(wanted);
+  diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
+  for (const diagnosis::LogFinding& finding : result.log_findings)
+    if (finding.sets_flight_aside) spdlog::warn("{}: set aside: {}", finding.file, finding.says);
+  const nlohmann::ordered_json document = diagnosis::to_json(result);
+
+  replace_folder(out, [&](const std::filesystem::path& fresh) {
+    write_file((fresh / "diagnosis.json").string(), document.dump(1) + "\n");
+    write_file((fresh / "augmented.toml").string(), result.augmented_toml);
+    write_file((fresh / "report.html").string(), diagnosis_page(document, figures_of(result)));
+    if (!key.empty()) write_file((fresh / key_file).string(), key);
+  });
+  return result;
+}
+
 void add_diagnose(CLI::App& app) {
   const auto options = std::make_shared<DiagnoseArguments>();
   CLI::App* command = app.add_subcommand("diagnose", "names the physics that the simulation of these flights leaves out");
-  command->add_option("FLIGHT", options->flights, "flight logs of one vehicle, NAME.csv or NAME.csv.gz")->required();
+  command->add_option("FLIGHT", options->flights, "flight logs of one vehicle, NAME.csv or NAME.csv.gz");
   command->add_option("--holdout", options->holdout, "flights to verify on (default: the last one)");
   command->add_option("--reference", options->reference,
                       "normal flights of the same vehicle: without attitude and body rate, mean commands are compared with theirs");
   command->add_option("--vehicle", options->vehicle, "name under models/ or path to a vehicle.toml (default: what the logs say)");
+  command->add_option("--batch", options->batch, "TOML with [[set]] tables, each with name, fit, holdout, reference, vehicle: each into OUT/NAME");
   command->add_option("--out", options->out, "folder for diagnosis.json, augmented.toml and report.html")->required();
   add_jobs(*command, options->jobs);
   command->callback([options] { run(*options); });

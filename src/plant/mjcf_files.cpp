@@ -32,9 +32,10 @@ struct Limit {
   std::string_view element, attribute;  // empty: every one
   double most;
 };
-constexpr Limit limits[] = {{"replicate", "count", 1e5}, {"hfield", "nrow", 4096},    {"hfield", "ncol", 4096}, {"texture", "width", 4096},
-                            {"texture", "height", 4096}, {"camera", "resolution", 4096}, {"mesh", "params", 1000}, {"numeric", "size", 1e5},
-                            {"size", "memory", 1e9},     {"size", "", 1e5}};
+constexpr Limit limits[] = {{"replicate", "count", 1e5},     {"hfield", "nrow", 4096},    {"hfield", "ncol", 4096},
+                            {"texture", "width", 4096},      {"texture", "height", 4096}, {"mesh", "params", 1000},
+                            {"camera", "resolution", 4096},  {"numeric", "size", 1e5},    {"size", "memory", 1e9},
+                            {"size", "", 1e5}};
 // one rigid body has none of these, and some of them are made of thousands of parts
 constexpr std::string_view refused[] = {"composite", "flexcomp", "flex", "deformable", "skin"};
 
@@ -45,9 +46,12 @@ std::vector<double> numbers_of(const char* text) {
   for (char* end = nullptr;; text = end) {
     const double value = std::strtod(text, &end);
     if (end == text) return numbers;
-    const std::size_t letter = *end ? letters.find(static_cast<char>(std::toupper(static_cast<unsigned char>(*end)))) : std::string_view::npos;
-    numbers.push_back(letter == std::string_view::npos ? value : std::ldexp(value, 10 * (static_cast<int>(letter) + 1)));
-    if (letter != std::string_view::npos) ++end;
+    numbers.push_back(value);
+    const auto unit = static_cast<char>(std::toupper(static_cast<unsigned char>(*end)));
+    const std::size_t letter = letters.find(unit);
+    if (unit == '\0' || letter == std::string_view::npos) continue;
+    numbers.back() = std::ldexp(value, 10 * (static_cast<int>(letter) + 1));
+    ++end;
   }
 }
 
@@ -135,16 +139,22 @@ class Reader {
   void expand(const XMLElement& element, double times, Model& model) {
     const std::string_view name = element.Name();
     const int line = element.GetLineNum();
-    if (name == "include") fail(model.name, line, "<include> is not read (a vehicle's MJCF is one file) paste the other file into it");
+    if (name == "include")
+      fail(model.name, line, "<include> is not read (a vehicle's MJCF is one file) paste the other file into it");
     if (std::find(std::begin(refused), std::end(refused), name) != std::end(refused))
       fail(model.name, line, fmt::format("<{}> is not read (a vehicle is one rigid body) leave it out", name));
-    for (const XMLAttribute* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next()) check(element, *attribute, model);
+    for (const XMLAttribute* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next())
+      check(element, *attribute, model);
     if (name == "replicate") times *= std::max(0.0, element.DoubleAttribute("count", 1.0));
     model.elements += times;
     if (name == "attach")
-      if (const auto found = model.attached.find(text_of(element, "model")); found != model.attached.end()) model.elements += times * found->second;
-    if (model.elements > most_elements) fail(model.name, line, fmt::format("more than {:g} elements (with <replicate> and <attach>) use fewer", most_elements));
-    for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) expand(*child, times, model);
+      if (const auto found = model.attached.find(text_of(element, "model")); found != model.attached.end())
+        model.elements += times * found->second;
+    if (model.elements > most_elements)
+      fail(model.name, line,
+           fmt::format("more than {:g} elements (with <replicate> and <attach>) use fewer", most_elements));
+    for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
+      expand(*child, times, model);
   }
 
   void check(const XMLElement& element, const XMLAttribute& attribute, const Model& model) {
@@ -155,7 +165,8 @@ class Reader {
     if (limit != std::end(limits))
       for (const double value : numbers_of(attribute.Value()))
         if (!(value <= limit->most))
-          fail(model.name, attribute.GetLineNum(), fmt::format("\"{}\" of <{}> is {} (a vehicle has at most {:g})", name, of, attribute.Value(), limit->most));
+          fail(model.name, attribute.GetLineNum(),
+               fmt::format("\"{}\" of <{}> is {} (a vehicle has at most {:g})", name, of, attribute.Value(), limit->most));
     if (name.starts_with("file") && of != "model") add_asset(attribute, model);
   }
 
@@ -166,7 +177,8 @@ class Reader {
     bool found = false;
     std::set<std::string> places;
     for (const fs::path& folder : model.folders)
-      for (const fs::path& name : {file, file.filename()}) places.insert(contained(here / folder / name, model.name, attribute.GetLineNum()));
+      for (const fs::path& name : {file, file.filename()})
+        places.insert(contained(here / folder / name, model.name, attribute.GetLineNum()));
     for (const std::string& place : places) {
       std::error_code error;
       if (!fs::is_regular_file(folder_ / place, error)) continue;
@@ -174,7 +186,9 @@ class Reader {
       if (!files.bytes.contains(place)) files.bytes[place] = read_file<ConfigError>((folder_ / place).string());
       check_picture(files.bytes[place], attribute, model);
     }
-    if (!found) fail(model.name, attribute.GetLineNum(), fmt::format("there is no file \"{}\" in the vehicle's folder", file.string()));
+    if (!found)
+      fail(model.name, attribute.GetLineNum(),
+           fmt::format("there is no file \"{}\" in the vehicle's folder", file.string()));
   }
 
   // a PNG says its size in its first bytes, big-endian; a small file can be a large picture
@@ -183,7 +197,9 @@ class Reader {
     for (const std::size_t at : {16U, 20U}) {
       unsigned long size = 0;
       for (std::size_t i = at; i < at + 4; ++i) size = size << 8 | static_cast<unsigned char>(bytes[i]);
-      if (size > 4096) fail(model.name, attribute.GetLineNum(), fmt::format("the picture \"{}\" is {} wide or high (at most 4096)", attribute.Value(), size));
+      if (size > 4096)
+        fail(model.name, attribute.GetLineNum(),
+             fmt::format("the picture \"{}\" is {} wide or high (at most 4096)", attribute.Value(), size));
     }
   }
 

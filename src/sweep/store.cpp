@@ -72,7 +72,7 @@ RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(pat
   Statement tables = database_.prepare("SELECT count(*), total(name IN ('provenance', 'plan', 'flown')) FROM sqlite_master "
                                        "WHERE type = 'table'");
   tables.step();
-  if (tables.integer(0) == 0 && mode == Database::Mode::create) return;
+  if (tables.integer(0) == 0) return;
   if (tables.integer(1) != 3) throw DataError(fmt::format("{}: not a result store of this program", path));
   Statement all = database_.prepare("SELECT name, value FROM provenance");
   while (all.step()) provenance_[all.text(0)] = all.text(1);

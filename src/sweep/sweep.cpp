@@ -38,7 +38,9 @@ std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   if (!fs::is_regular_file(path))
     throw DataError(fmt::format("{}: no results here (runs.sqlite is missing) make them with `gustlab sweep EXPERIMENT --out {}`", folder, folder));
   note_input(path);
-  return std::make_unique<RunStore>(path, Database::Mode::read);
+  auto store = std::make_unique<RunStore>(path, Database::Mode::read);
+  if (store->provenance().empty()) throw DataError(fmt::format("{}: not a result store of this program (it is empty: a sweep ended before its first run) go on with --resume", path));
+  return store;
 }
 
 // row by row: memory does not grow with the number of runs
@@ -113,10 +115,19 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   SweepReport report;
   std::vector<RunSpec> runs = plan(experiment);
   const Provenance here = provenance_of(experiment, options.shard);
-  // what is refused is not opened for writing, which would change it
-  if (fs::exists(path) && fs::file_size(path) > 0)
-    if (const RunStore there(path, Database::Mode::read); !there.provenance().empty()) check_same_sweep(path, there.provenance(), here);
+  const auto check = [&](const RunStore& there) {
+    if (!there.provenance().empty()) check_same_sweep(path, there.provenance(), here);
+  };
+  // to open a store for writing changes it: one that was closed well is asked before. One with a log beside it is not, because
+  // only a writer can take the log in where memory is not shared (a network file system)
+  if (fs::exists(path) && !fs::exists(path + "-wal")) check(RunStore(path, Database::Mode::read));
   RunStore store(path, Database::Mode::create);
+  try {
+    check(store);
+  } catch (const UserError&) {
+    store.close();  // without a log beside it
+    throw;
+  }
   if (store.provenance().empty()) {
     store.begin(here, experiment, runs);
   } else {

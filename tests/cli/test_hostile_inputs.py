@@ -183,6 +183,20 @@ class Stores(Commands):
         self.refuse(2, "another experiment", "sweep", "e.toml", "--out", "s", "--resume", "--seed", "9")
         self.refuse(2, "is of shard", "sweep", "e.toml", "--out", "s", "--resume", "--shard", "1/2")
 
+    def test_a_store_that_was_killed_at_birth_is_gone_on_with(self):
+        self.call("sweep", "e.toml", "--out", "whole")
+        (self.folder / "s").mkdir()
+        for journal in ("DELETE", "WAL"):
+            shutil.rmtree(self.folder / "s")
+            (self.folder / "s").mkdir()
+            database = sqlite3.connect(self.folder / "s" / "runs.sqlite")
+            database.execute(f"PRAGMA journal_mode = {journal}")
+            database.execute("PRAGMA user_version = 0")
+            database.close()
+            self.refuse(3, "not a result store", "table", "s")
+            self.call("sweep", "e.toml", "--out", "s", "--resume")
+            self.assertEqual((self.folder / "s" / "runs.csv").read_bytes(), (self.folder / "whole" / "runs.csv").read_bytes())
+
     def test_a_baseline_with_figures_of_no_flight_is_exit_3(self):
         self.call("sweep", "e.toml", "--out", "s")
         self.call("gate", "s", "--baseline", "b.csv", "--update")

@@ -102,6 +102,24 @@ class Sweeps(Commands):
             self.assertGreaterEqual(self.count(out / "runs.sqlite"), done)
             self.assertEqual(self.runs("killed"), self.runs("whole"))
 
+    def test_a_merge_that_is_killed_can_be_made_again(self):
+        for part in (1, 2):
+            self.sweep(f"part{part}", "--shard", f"{part}/2", "--set", "replicates=400", "--set", "duration_s=0.1")
+        self.call("merge", "part1", "part2", "--out", "whole")
+        moments = random.Random(4)
+        for _ in range(KILLS):
+            shutil.rmtree(self.folder / "killed", ignore_errors=True)
+            process = self.start("merge", "part1", "part2", "--out", "killed")
+            try:
+                process.communicate(timeout=moments.uniform(0.0, 0.1))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
+            # where there is a store, it is whole
+            if not (self.folder / "killed" / "runs.sqlite").exists():
+                self.call("merge", "part1", "part2", "--out", "killed")
+            self.assertEqual(self.runs("killed"), self.runs("whole"))
+
     def count(self, path):
         if not path.exists():
             return 0

@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "config/toml.hpp"
+#include "diagnose.hpp"
+#include "flight_log/sidecar.hpp"
+#include "gustlab/build_info.hpp"
+#include "gustlab/errors.hpp"
+#include "util/files.hpp"
+#include "util/interrupt.hpp"
+#include "util/sha256.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_log_bytes = std::size_t{4} << 30;
+
+struct FlightSet {
+  std::string name;
+  diagnosis::DiagnoseOptions wanted;
+};
+
+// flights and vehicles with a slash or an ending are files, relative to the file that names them
+std::string beside(const std::string& file, const std::string& from) {
+  return (fs::path(from).parent_path() / file).lexically_normal().string();
+}
+
+// a name that is a folder of its own in OUT
+bool is_folder_name(const std::string& name) {
+  return !name.empty() && name.find_first_of("/\\ ") == std::string::npos && !name.starts_with(".");
+}
+
+std::vector<FlightSet> read_sets(const std::string& path, int jobs) {
+  config::Table document = config::Table::read_file(path);
+  if (document.need_text("format") != "gustlab-sets/1")
+    document.fail("format", "this is no list of flight sets", "", "write format = \"gustlab-sets/1\"");
+  std::vector<FlightSet> sets;
+  std::set<std::string> seen;
+  for (config::Table& table : document.tables("set")) {
+    FlightSet& set = sets.emplace_back();
+    set.name = table.need_text("name");
+    if (!is_folder_name(set.name) || !seen.insert(set.name).second)
+      table.fail("name", fmt::format("\"{}\" is no name of a folder of its own", set.name), "", "use another");
+    diagnosis::DiagnoseOptions& wanted = set.wanted;
+    for (const auto& [key, paths] :
+         {std::pair{"fit", &wanted.fit}, {"holdout", &wanted.holdout}, {"reference", &wanted.reference}})
+      for (const std::string& file : table.texts(key).value_or(std::vector<std::string>{}))
+        paths->push_back(beside(file, path));
+    if (wanted.fit.empty()) table.fail("fit", "there is no flight to fit", "", "list flight logs under \"fit\"");
+    if (const auto vehicle = table.text("vehicle"))
+      wanted.vehicle = vehicle->ends_with(".toml") ? beside(*vehicle, path) : *vehicle;
+    wanted.jobs = jobs;
+  }
+  if (sets.empty()) document.fail("set", "there is no [[set]]", "nothing would be diagnosed", "add one");
+  document.finish();
+  return sets;
+}
+
+// everything that can change a diagnosis
+std::string key_of(const FlightSet& set) {
+  std::string all(build_info().commit);
+  for (const auto* paths : {&set.wanted.fit, &set.wanted.holdout, &set.wanted.reference}) {
+    all += '\n';
+    for (const std::string& path : *paths) {
+      const std::string sidecar = sidecar_path(path);
+      const VehicleModel vehicle =
+          set.wanted.vehicle ? read_vehicle(*set.wanted.vehicle) : read_vehicle(read_sidecar(sidecar).vehicle, sidecar);
+      for (const std::string& bytes : {fs::path(path).filename().string(), read_file<DataError>(path, most_log_bytes),
+                                       read_file<DataError>(sidecar), vehicle.source_bytes})
+        all += sha256(bytes) + '\n';
+    }
+  }
+  return sha256(all);
+}
+
+// what a diagnosis says in one line
+struct Said {
+  std::string verdict;
+  std::vector<std::string> named;
+};
+Said read_said(const std::string& folder) {
+  const std::string path = (fs::path(folder) / "diagnosis.json").string();
+  const auto document = nlohmann::ordered_json::parse(read_file<IoError>(path));
+  Said said{document.at("verdict").get<std::string>(), {}};
+  for (const auto& effect : document.at("effects")) said.named.push_back(effect.at("effect").get<std::string>());
+  return said;
+}
+
+void print_counts(const char* title, const std::map<std::string, std::size_t>& counts, std::size_t all) {
+  fmt::print("\n| {} | sets | of {} |\n|---|--:|--:|\n", title, all);
+  for (const auto& [name, count] : counts)
+    fmt::print("| {} | {} | {:.0f} % |\n", name, count, 100.0 * static_cast<double>(count) / static_cast<double>(all));
+}
+
+}  // namespace
+
+void diagnose_batch(const std::string& sets_path, const std::string& out, int jobs) {
+  const std::vector<FlightSet> sets = read_sets(sets_path, jobs);
+  check_folder_can_be_made(out);
+  std::map<std::string, std::size_t> verdicts, names;
+  for (const FlightSet& set : sets) {
+    throw_if_interrupted();
+    const std::string folder = (fs::path(out) / set.name).string();
+    Said said{"unusable", {}};
+    try {
+      const std::string key = key_of(set);
+      if (diagnosed_key(folder) != key) diagnose_into(folder, set.wanted, key);
+      said = read_said(folder);
+    } catch (const DataError& error) {
+      spdlog::warn("{}: {}", set.name, error.what());
+    }
+    fmt::print("{}: {}{}{}\n", set.name, said.verdict, said.named.empty() ? "" : " ", fmt::join(said.named, ", "));
+    ++verdicts[said.verdict];
+    for (const std::string& name : std::set<std::string>(said.named.begin(), said.named.end())) ++names[name];
+  }
+  print_counts("verdict", verdicts, sets.size());
+  print_counts("named", names, sets.size());
+  if (verdicts["unusable"] == sets.size()) throw DataError(fmt::format("{}: no set has a usable flight", sets_path));
+}
+
+}  // namespace gustlab

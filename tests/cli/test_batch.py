@@ -1,0 +1,117 @@
+"""`gustlab diagnose --batch`: one line a set, a table of the fleet, and a batch that was killed goes on."""
+
+import os
+import random
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+# moments at which a batch is killed; the target `kills` takes 20
+KILLS = int(os.environ.get("GUSTLAB_KILLS", "2"))
+
+TRIALS = """
+format = "gustlab-trials/1"
+name = "t"
+vehicle = "crazyflie"
+controllers = ["pid"]
+trajectories = ["circle"]
+fit = ["circle", "circle"]
+holdout = ["circle"]
+seed = 1
+duration_s = 4.0
+[[trial]]
+name = "one"
+[[trial]]
+name = "two"
+"""
+
+SETS = """format = "gustlab-sets/1"
+[[set]]
+name = "first"
+fit = ["trials/one/fit_1.csv", "trials/one/fit_2.csv"]
+holdout = ["trials/one/holdout_1.csv"]
+[[set]]
+name = "broken"
+fit = ["trials/broken.csv"]
+vehicle = "crazyflie"
+[[set]]
+name = "second"
+fit = ["trials/two/fit_1.csv", "trials/two/fit_2.csv"]
+"""
+
+
+class Batch(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        (self.folder / "t.toml").write_text(TRIALS)
+        (self.folder / "sets.toml").write_text(SETS)
+        self.call("conceal", "t.toml", "--out", "trials", "--answers", "answers.jsonl")
+        (self.folder / "trials" / "broken.csv").write_text("time_s,px\n0,0\n")
+        shutil.copy(self.folder / "trials" / "one" / "fit_1.meta.toml", self.folder / "trials" / "broken.meta.toml")
+
+    def call(self, *arguments, code=0):
+        done = subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done.stdout, done.stderr
+
+    def batch(self, out="out", code=0):
+        return self.call("diagnose", "--batch", "sets.toml", "--out", out, code=code)
+
+    def files(self, out="out"):
+        return {str(path.relative_to(self.folder / out)): path.read_bytes() for path in sorted((self.folder / out).rglob("*")) if path.is_file()}
+
+    def test_each_set_is_a_line_and_the_fleet_a_table(self):
+        out, err = self.batch()
+        lines = out.splitlines()
+        self.assertEqual([line.split(":")[0] for line in lines[:3]], ["first", "broken", "second"])
+        self.assertEqual(lines[1], "broken: unusable")
+        self.assertIn("broken.csv:1:1", err)
+        self.assertIn("| verdict | sets | of 3 |", lines)
+        self.assertIn("| unusable | 1 | 33 % |", lines)
+        self.call("diagnose", "trials/one/fit_1.csv", "trials/one/fit_2.csv", "--holdout", "trials/one/holdout_1.csv", "--out", "alone")
+        self.assertEqual((self.folder / "alone" / "diagnosis.json").read_bytes(), self.files()["first/diagnosis.json"])
+
+    def test_what_is_done_is_not_done_again_and_what_changed_is(self):
+        out, _ = self.batch()
+        times = {path: path.stat().st_mtime_ns for path in (self.folder / "out").rglob("*.json")}
+        self.assertEqual(self.batch()[0], out)
+        self.assertEqual(times, {path: path.stat().st_mtime_ns for path in (self.folder / "out").rglob("*.json")})
+        sidecar = self.folder / "trials" / "two" / "fit_1.meta.toml"
+        sidecar.write_text(sidecar.read_text().replace('notes = ""', 'notes = "changed"'))
+        self.batch()
+        changed = {path.parent.name for path in (self.folder / "out").rglob("*.json") if path.stat().st_mtime_ns != times[path]}
+        self.assertEqual(changed, {"second"})
+
+    def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(self):
+        self.batch("whole")
+        moments = random.Random(7)
+        for _ in range(KILLS):
+            shutil.rmtree(self.folder / "killed", ignore_errors=True)
+            process = subprocess.Popen([PROGRAM, "diagnose", "--batch", "sets.toml", "--out", "killed"], cwd=self.folder,
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            try:
+                process.wait(timeout=moments.uniform(0.0, 2.0))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+            self.batch("killed")
+            whole = self.files("whole")
+            self.assertEqual({name: self.files("killed")[name] for name in whole}, whole)
+
+    def test_mistakes(self):
+        for text, says in ((SETS.replace('"second"', '"first"'), '"first" is no name of a folder of its own'),
+                           (SETS.replace('"first"', '"../first"'), "no name of a folder"),
+                           (SETS.replace("holdout", "holdouts"), 'unknown key "holdouts"'),
+                           ('format = "gustlab-sets/1"\n', "there is no [[set]]")):
+            (self.folder / "sets.toml").write_text(text)
+            self.assertIn(says, self.batch(code=2)[1])
+            self.assertFalse((self.folder / "out").exists())
+        self.assertIn("no flight is named", self.call("diagnose", "--out", "out", code=2)[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
