@@ -42,6 +42,8 @@ class Draft {
     Rng trial(request.seed, index, kWhat);
     setting_ = draw_setting(request, trial);
     Rng rng = redraws == 0 ? trial : Rng(request.seed, index_, kWhat);
+    // not everything flies in rough air, close to the ground for one
+    if (request.roughness && redraws > 0) setting_ = draw_setting(request, rng);
     trial_.vehicle = nominal_vehicle(setting_.large, rng.chance(0.25) || setting_.needs(Need::drag));
     trial_.columns.velocity = rng.chance(0.8);
     trial_.columns.accel = rng.chance(0.35) || setting_.needs(Need::accel);
