@@ -87,6 +87,34 @@ def read_runs(folder):
     return rows
 
 
+FIXED = ("experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,"
+         "key,rotor_sd_radps,rotor_rate_radps2").split(",")
+
+
+def axes_of(rows):
+    """the names of the axes of a sweep: the columns that every runs.csv does not have"""
+    return [name for name in rows[0] if name not in FIXED]
+
+
+def number(text):
+    """a value of an axis as a number, else its text"""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def read_axes(folder, names, metric):
+    """rows of a sweep that has these axes and this metric"""
+    rows = read_runs(folder)
+    for name in names:
+        if name not in axes_of(rows):
+            raise DataError(f"{folder}: no axis {name} (it has {', '.join(axes_of(rows)) or 'none'})")
+    if metric not in rows[0]:
+        raise DataError(f"{folder}: no column {metric} (it has {', '.join(FIXED[7:12])})")
+    return rows
+
+
 def save(figure, stem):
     """writes stem.pdf, stem.svg and stem.png without dates or versions"""
     stem = Path(stem)

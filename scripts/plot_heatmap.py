@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws heat maps of RMSE and P95 over trajectories and controllers, one panel for each sweep, as PDF, SVG and PNG."""
+"""Draws heat maps of RMSE and P95 over trajectories and controllers, one panel for each sweep; or over two axes of one sweep, one
+panel for each controller and trajectory. As PDF, SVG and PNG."""
 
 import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
 import argparse
@@ -12,11 +13,11 @@ import gustlab_figures as figures
 from gustlab_figures import plt
 
 
-def cells(rows, column):
-    """per (controller, trajectory) in order of appearance: values of all runs in m, and how many were completed"""
+def cells(rows, column, down, across):
+    """per (down, across), columns of runs.csv, in order of appearance: values of all runs in m, and which were completed"""
     table = {}
     for row in rows:
-        values, completed = table.setdefault((row["controller"], row["trajectory"]), ([], []))
+        values, completed = table.setdefault((row[down], row[across]), ([], []))
         values.append(float(row[column] or "nan"))
         completed.append(row["outcome"] == "completed")
     return table
@@ -33,20 +34,22 @@ def label(values, completed):
     return text if all(completed) else text + f"\n{sum(completed)}/{len(completed)}"
 
 
-def draw_panel(axis, rows, column):
-    table = cells(rows, column)
-    controllers = list(dict.fromkeys(controller for controller, _ in table))
-    trajectories = list(dict.fromkeys(trajectory for _, trajectory in table))
-    means = np.full((len(controllers), len(trajectories)), np.nan)
-    for (controller, trajectory), (values, _) in table.items():
-        means[controllers.index(controller), trajectories.index(trajectory)] = np.mean(values)
-    image = axis.imshow(means, cmap="Blues", vmin=0, vmax=np.nanmax(means) if np.isfinite(means).any() else 1, aspect="auto")
-    for (controller, trajectory), cell in table.items():
-        y, x = controllers.index(controller), trajectories.index(trajectory)
+def draw_panel(axis, rows, column, down="controller", across="trajectory", most=None):
+    """most: where the colours end, m; the largest mean of the panel when None"""
+    table = cells(rows, column, down, across)
+    downs = list(dict.fromkeys(first for first, _ in table))
+    acrosses = list(dict.fromkeys(second for _, second in table))
+    means = np.full((len(downs), len(acrosses)), np.nan)
+    for (first, second), (values, _) in table.items():
+        means[downs.index(first), acrosses.index(second)] = np.mean(values)
+    largest = np.nanmax(means) if np.isfinite(means).any() else 1
+    image = axis.imshow(means, cmap="Blues", vmin=0, vmax=largest if most is None else most, aspect="auto")
+    for (first, second), cell in table.items():
+        y, x = downs.index(first), acrosses.index(second)
         dark = np.isfinite(means[y, x]) and image.norm(means[y, x]) > 0.6
         axis.text(x, y, label(*cell), ha="center", va="center", fontsize=6, color="white" if dark else "black")
-    axis.set_xticks(range(len(trajectories)), trajectories)
-    axis.set_yticks(range(len(controllers)), controllers)
+    axis.set_xticks(range(len(acrosses)), acrosses)
+    axis.set_yticks(range(len(downs)), downs)
     runs = sorted({len(values) for values, _ in table.values()})
     axis.set_title(f"{rows[0]['experiment']} ({rows[0]['vehicle']}), N = {' or '.join(map(str, runs))}")
     axis.grid(False)
@@ -54,21 +57,51 @@ def draw_panel(axis, rows, column):
     return image
 
 
-def draw(options):
+NOTE = ("mean ± sample standard deviation of N runs; completed/N where some were not, whose errors count up to their end;"
+        " –: over before the settling was")
+
+
+def draw_axes(options, column, name):
+    """one panel for each controller and trajectory over two axes, one scale of colours for all"""
+    rows = figures.read_axes(options.sweeps[0], [options.x, options.y], column)
+    panels = {}
+    for row in rows:
+        panels.setdefault((row["controller"], row["trajectory"]), []).append(row)
+    tables = [cells(panel, column, options.y, options.x) for panel in panels.values()]
+    most = max((np.mean(values) for table in tables for values, _ in table.values() if np.isfinite(values).all()), default=1)
+    height = 1.2 + 0.4 * len({row[options.y] for row in rows})
+    figure, axes = plt.subplots(1, len(panels), figsize=(2.8 * len(panels), height), squeeze=False)
+    for axis, ((controller, trajectory), panel) in zip(axes[0], panels.items()):
+        image = draw_panel(axis, panel, column, options.y, options.x, most)
+        axis.set_title(f"{controller}, {trajectory}")
+        axis.set(xlabel=options.x, ylabel=options.y)
+    figure.colorbar(image, ax=axes[0].tolist(), label=f"mean {name.upper()} XY / m")
+    figure.supxlabel(NOTE, fontsize=6)
+    figures.save(figure, Path(options.out) / f"heatmap_{name}")
+
+
+def draw_sweeps(options, column, name):
     sweeps = [figures.read_runs(folder) for folder in options.sweeps]
+    height = 1.2 + 0.5 * max(len({row["controller"] for row in rows}) for rows in sweeps)
+    figure, axes = plt.subplots(1, len(sweeps), figsize=(3.4 * len(sweeps), height), squeeze=False)
+    for axis, rows in zip(axes[0], sweeps):
+        figure.colorbar(draw_panel(axis, rows, column), ax=axis, label=f"mean {name.upper()} XY / m")
+    figure.supxlabel(NOTE, fontsize=6)
+    figures.save(figure, Path(options.out) / f"heatmap_{name}")
+
+
+def draw(options):
+    if (options.x is None) != (options.y is None) or (options.x and len(options.sweeps) > 1):
+        raise figures.DataError("--x and --y belong together, and to one sweep (a heat map has two axes)")
     for column, name in (("rmse_xy_m", "rmse"), ("p95_xy_m", "p95")):
-        height = 1.2 + 0.5 * max(len({row["controller"] for row in rows}) for rows in sweeps)
-        figure, axes = plt.subplots(1, len(sweeps), figsize=(3.4 * len(sweeps), height), squeeze=False)
-        for axis, rows in zip(axes[0], sweeps):
-            figure.colorbar(draw_panel(axis, rows, column), ax=axis, label=f"mean {name.upper()} XY / m")
-        figure.supxlabel("mean ± sample standard deviation of N runs; completed/N where some were not, whose errors count up to their end;"
-                         " –: over before the settling was", fontsize=6)
-        figures.save(figure, Path(options.out) / f"heatmap_{name}")
+        (draw_axes if options.x else draw_sweeps)(options, column, name)
 
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("sweeps", nargs="+", help="folders that `gustlab sweep` or `gustlab merge` wrote")
+    parser.add_argument("--x", metavar="AXIS", help="of one sweep with [[axis]] tables: across")
+    parser.add_argument("--y", metavar="AXIS", help="down")
     parser.add_argument("--out", required=True, metavar="DIR", help="writes DIR/heatmap_rmse.* and DIR/heatmap_p95.*")
     return figures.main(draw, parser, arguments)
 

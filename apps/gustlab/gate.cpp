@@ -16,14 +16,18 @@ namespace {
 
 struct GateArguments {
   std::string folder, baseline, junit, summary;
+  std::string fails_by = "margin,test";
   bool update = false;
-  GateTolerance tolerance;
+  GateRule rule;
 };
 
 void gate_command(const GateArguments& options) {
   const Results results = read_results(options.folder);
   if (options.update) return write_file(options.baseline, to_csv(results.rows));
-  const GateReport report = gate(results.rows, read_results_csv(options.baseline), options.tolerance);
+  GateRule rule = options.rule;
+  rule.by_margin = options.fails_by != "test";
+  rule.by_test = options.fails_by != "margin";
+  const GateReport report = gate(results.rows, read_results_csv(options.baseline), rule);
   const std::string summary = to_markdown(report);
   for (const std::string& path : {options.junit, options.summary})
     if (!path.empty()) check_file_can_be_written(path);
@@ -37,17 +41,22 @@ void gate_command(const GateArguments& options) {
 
 void add_gate(CLI::App& app) {
   const auto options = std::make_shared<GateArguments>();
-  CLI::App* command = app.add_subcommand("gate", "compares a sweep with a baseline, run by run; exit 1 when it is worse");
+  CLI::App* command = app.add_subcommand("gate", "compares a sweep with a baseline, cell by cell in pairs; exit 1 when one is worse");
   command->add_option("DIR", options->folder, "folder of a finished sweep")->required();
-  command->add_option("--baseline", options->baseline, "a runs.csv of the same plan")->required();
+  command->add_option("--baseline", options->baseline, "a runs.csv of the same experiment")->required();
   command->add_flag("--update", options->update, "makes the sweep the baseline");
-  command->add_option("--absolute", options->tolerance.absolute_m, "rise of an error that is allowed, m")
+  command->add_option("--fails-by", options->fails_by, "what fails a cell: margin (its mean error rose beyond it), test (it rose significantly) or both")
+      ->check(CLI::IsMember({"margin", "test", "margin,test"}))
+      ->capture_default_str();
+  command->add_option("--margin", options->rule.margin, "rise of a mean error that is allowed, as a share of the baseline's")
       ->check(not_negative())
       ->capture_default_str();
-  command->add_option("--relative", options->tolerance.relative, "share of the baseline that is allowed as well")
-      ->check(not_negative())
+  command->add_option("--level", options->rule.level, "p below which a rise is significant, over all tests together (Holm)")
+      ->check(number_up_to(1.0))
       ->capture_default_str();
-  command->add_option("--junit", options->junit, "writes JUnit XML");
+  command->add_option("--floor", options->rule.floor_m, "rise of a mean error that never fails, m")->check(not_negative())->capture_default_str();
+  command->add_flag("--allow-extra", options->rule.allow_extra, "leaves out runs that the baseline does not have");
+  command->add_option("--junit", options->junit, "writes JUnit XML, one test for each cell");
   command->add_option("--summary", options->summary, "writes the Markdown that is printed");
   command->callback([options] { gate_command(*options); });
 }

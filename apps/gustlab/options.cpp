@@ -24,8 +24,8 @@ std::vector<std::string> ExperimentOptions::overrides() const {
 
 Experiment ExperimentOptions::read() const { return read_experiment(find_experiment(experiment), overrides()); }
 
-std::vector<Experiment> ExperimentOptions::read_variants() const {
-  return gustlab::read_variants(find_experiment(experiment), overrides());
+std::vector<Experiment> ExperimentOptions::read_variants(const std::vector<std::string>& only) const {
+  return gustlab::read_variants(find_experiment(experiment), overrides(), only);
 }
 
 namespace {

@@ -18,8 +18,8 @@ struct ExperimentOptions {
 
   void add_to(CLI::App& command);
   Experiment read() const;
-  // one experiment for each [[variant]]; without any, the experiment itself
-  std::vector<Experiment> read_variants() const;
+  // one experiment for each [[variant]] and point of its axes, or for each of `only`; without any, the experiment itself
+  std::vector<Experiment> read_variants(const std::vector<std::string>& only = {}) const;
   // --set and --seed as overrides
   std::vector<std::string> overrides() const;
 };

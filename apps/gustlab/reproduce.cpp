@@ -45,6 +45,9 @@ struct Report {
   }
 };
 
+// what still air lacks; a constant force stays, which is a vehicle's own as well
+bool is_wind(std::string_view effect) { return effect == "gust" || effect == "fans" || effect == "steady_wind"; }
+
 // flies what the folder does not hold yet
 std::vector<ResultRow> fly_table(const Experiment& experiment, const std::string& folder, int jobs) {
   const std::atomic<bool>& stop = interrupted();
@@ -57,14 +60,24 @@ std::vector<ResultRow> fly_table(const Experiment& experiment, const std::string
 
 void write(Report& report, const Published& published, const std::vector<Calibration>& calibrations, int jobs) {
   const fs::path out(report.folder);
-  for (std::size_t i = 0; i < report.tables.size(); ++i)
-    report.tables[i].rows = fly_table(report.experiments[i], (out / report.tables[i].experiment).string(), jobs);
+  for (std::size_t i = 0; i < report.tables.size(); ++i) {
+    Experiment& experiment = report.experiments[i];
+    OurTable& table = report.tables[i];
+    table.rows = fly_table(experiment, (out / table.experiment).string(), jobs);
+    table.arcs = arcs_of(experiment);
+    std::erase_if(experiment.effects, [](const EffectSpec& spec) { return is_wind(spec.type); });
+    table.still = fly_table(experiment, (out / (table.experiment + ".still_air")).string(), jobs);
+  }
 
   const Reproduction reproduction = reproduce(published, report.tables, [&](const PublishedRow& row, std::size_t metric) {
     if (row.table == proxy_table) return Use::proxy;
-    for (const Calibration& calibration : calibrations)
-      if (calibration.table == row.table && calibration.fits(row.trajectory, row.controller, metric)) return Use::fitted;
-    return Use::predicted;
+    for (const Calibration& calibration : calibrations) {
+      if (calibration.table != row.table) continue;
+      if (calibration.fits(row.trajectory, row.controller, metric)) return Use::fitted;
+      if (const KnownCell* known = calibration.find_known(row.trajectory, row.controller, metric))
+        return known->by_construction ? Use::by_construction : Use::after_seeing;
+    }
+    return Use::blind;
   });
   const std::string markdown = to_markdown(reproduction, report.tables);
   make_folder((out / "figures").string());

@@ -38,17 +38,8 @@ std::size_t find_choice(const std::vector<Choice>& choices, const std::string& n
   not_there(option, name, known);
 }
 
-Experiment find_variant(const std::vector<Experiment>& variants, const std::string& name) {
-  std::vector<std::string> known;
-  for (const Experiment& variant : variants) {
-    if (variant.variant == name) return variant;
-    if (!variant.variant.empty()) known.push_back(variant.variant);
-  }
-  not_there("--variant", name, known);
-}
-
 void run_command(const RunArguments& options) {
-  const Experiment experiment = options.variant.empty() ? options.experiment.read() : find_variant(options.experiment.read_variants(), options.variant);
+  const Experiment experiment = options.variant.empty() ? options.experiment.read() : options.experiment.read_variants({options.variant}).front();
   RunSpec wanted;
   wanted.trajectory = find_choice(experiment.trajectories, options.trajectory, "--trajectory");
   wanted.controller = find_choice(experiment.controllers, options.controller, "--controller");

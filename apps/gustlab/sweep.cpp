@@ -21,6 +21,7 @@ struct SweepArguments {
   ExperimentOptions experiment;
   int jobs = default_jobs();
   std::string out, shard = "1/1";
+  std::vector<std::string> variants;
   bool resume = false, dry_run = false, logs = false;
 };
 
@@ -56,7 +57,8 @@ void sweep_into(const std::string& out, const Experiment& experiment, const Shar
 
 void sweep_command(const SweepArguments& options) {
   const Shard shard = read_shard(options.shard);
-  const std::vector<Experiment> variants = options.experiment.read_variants();
+  const std::vector<Experiment> variants = options.experiment.read_variants(options.variants);
+  for (const Experiment& variant : variants) check_axis_names(variant);
   if (options.dry_run) {
     fmt::print("{}trajectory,controller,replicate,key\n", variants.front().variant.empty() ? "" : "variant,");
     for (const Experiment& variant : variants) print_plan(variant, shard);
@@ -65,15 +67,18 @@ void sweep_command(const SweepArguments& options) {
   if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results) or use --dry-run");
 
   for (const Experiment& variant : variants) sweep_into(variant_folder(options.out, variant), variant, shard, options);
+  if (!variants.front().variant.empty() && options.variants.empty()) write_combined(options.out);
 }
 
 }  // namespace
 
 void add_sweep(CLI::App& app) {
   const auto options = std::make_shared<SweepArguments>();
-  CLI::App* command = app.add_subcommand("sweep", "flies every run of an experiment into OUT/runs.sqlite and OUT/runs.csv, of each [[variant]] into OUT/VARIANT");
+  CLI::App* command = app.add_subcommand("sweep", "flies every run of an experiment into OUT/runs.sqlite and OUT/runs.csv, of each variant into OUT/VARIANT");
   options->experiment.add_to(*command);
   command->add_option("--out", options->out, "folder of the results");
+  command->add_option("--variant", options->variants, "flies these only: a [[variant]], or a point of the grid of its [[axis]] tables")
+      ->allow_extra_args(false);
   command->add_option("--shard", options->shard, "flies every N-th run, from the i-th on; join with `gustlab merge`")
       ->type_name("i/N")
       ->capture_default_str();

@@ -17,6 +17,8 @@ class Trajectory : public Parameterized {
   virtual Reference at(double time_s) const = 0;
   // Length of the manoeuvre; 0: no natural end, the experiment's duration decides.
   virtual double duration_s() const { return 0.0; }
+  // Time of one lap from the start; of what ends, of the whole. 0: it has none.
+  virtual double lap_s() const { return duration_s(); }
   // Where the vehicle starts: by default at rest on the reference, hovering.
   virtual Vector3 start_position_W_m() const { return at(0.0).position_W_m; }
 };

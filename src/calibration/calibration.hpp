@@ -49,14 +49,23 @@ struct CalibrationStage {
   std::vector<OpenParameter> parameters;
 };
 
+// A cell that no stage looks at and that is no blind prediction all the same.
+struct KnownCell {
+  std::string trajectory, controller;
+  std::size_t metric;
+  bool by_construction;  // else: a choice was made after it had been seen
+};
+
 struct Calibration {
   std::string table;
   std::int64_t first_replicate = 1001, replicates = 10;
   std::vector<CalibrationStage> stages;
+  std::vector<KnownCell> known{};  // [[known]]
   std::string first_where = {}, count_where = {};  // file:line:col of the replicates
 
   // whether a stage looks at the cell
   bool fits(std::string_view trajectory, std::string_view controller, std::size_t metric) const;
+  const KnownCell* find_known(std::string_view trajectory, std::string_view controller, std::size_t metric) const;
 };
 
 // `experiment.toml` → `experiment.calibration.toml`, whether it is there or not.

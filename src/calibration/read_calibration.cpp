@@ -60,7 +60,24 @@ CalibrationStage read_stage(Table& table) {
   return stage;
 }
 
+// [[known]]: cells, and why they are no blind predictions
+void read_known(Table& table, std::vector<KnownCell>& known) {
+  const std::string because = table.need_text("because");
+  if (because != "by construction" && because != "chosen after seeing")
+    table.fail("because", fmt::format("\"{}\" is no reason", because), "", "write \"by construction\" or \"chosen after seeing\"");
+  for (const std::string& trajectory : need_texts(table, "trajectories"))
+    for (const std::string& controller : need_texts(table, "controllers"))
+      for (const std::string& metric : need_texts(table, "metrics"))
+        known.push_back({trajectory, controller, find_published_metric(metric, table.where("metrics")), because == "by construction"});
+}
+
 }  // namespace
+
+const KnownCell* Calibration::find_known(std::string_view trajectory, std::string_view controller, std::size_t metric) const {
+  for (const KnownCell& cell : known)
+    if (cell.trajectory == trajectory && cell.controller == controller && cell.metric == metric) return &cell;
+  return nullptr;
+}
 
 bool Calibration::fits(std::string_view trajectory, std::string_view controller, std::size_t metric) const {
   for (const CalibrationStage& stage : stages)
@@ -84,6 +101,7 @@ Calibration read_calibration(const std::string& path) {
   calibration.first_where = document.where(document.has("first_replicate") ? "first_replicate" : "");
   calibration.count_where = document.where(document.has("replicates") ? "replicates" : "");
   for (Table& table : document.tables("stage")) calibration.stages.push_back(read_stage(table));
+  for (Table& table : document.tables("known")) read_known(table, calibration.known);
   document.finish();
   return calibration;
 }

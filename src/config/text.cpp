@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 
 #include "config/toml.hpp"
@@ -29,7 +30,14 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string suggest(std::string_view mistyped, const std::vector<std::string>& known) {
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(), [](unsigned char c) { return std::tolower(c); });
+  return result;
+}
+
+std::string suggest(std::string_view typed, const std::vector<std::string>& known) {
+  const std::string mistyped = lower(typed);
   std::string nearest;
   std::size_t best = std::max<std::size_t>(2, mistyped.size() / 3) + 1;
   for (const std::string& name : known) {

@@ -6,6 +6,9 @@
 
 namespace gustlab::config {
 
+// ASCII letters in lower case.
+std::string lower(std::string_view text);
+
 // A TOML basic string, quotes included.
 std::string quoted(std::string_view text);
 // Text of others for a terminal: control characters as \xNN, so that none of them is obeyed.

@@ -111,6 +111,38 @@ toml::table parse_text(std::string_view text, const std::string& path) {
   }
 }
 
+toml::table parse_override(const std::string& text) {
+  const std::string where = std::string(command_line) + text;
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw ConfigError(fmt::format("{}: not an override (there is no key before an equals sign) write --set key=value", where));
+  check_depth(text, where);
+  try {
+    return toml::parse(text, where);
+  } catch (const toml::parse_error&) {
+    // a bare word is a string
+    return parse_text(text.substr(0, equals + 1) + config::quoted(text.substr(equals + 1)), where);
+  }
+}
+
+void add_leaves(const toml::table& table, const std::string& prefix, std::vector<std::string>& keys) {
+  for (const auto& [key, value] : table) {
+    const std::string name = prefix + std::string(key.str());
+    if (const toml::table* inner = value.as_table(); inner != nullptr && !inner->empty()) add_leaves(*inner, name + ".", keys);
+    else keys.push_back(name);
+  }
+}
+
+// "a, b" → a and b
+std::vector<std::string> split_words(std::string_view text) {
+  std::vector<std::string> words(1);
+  for (const char c : text) {
+    if (c == ',') words.emplace_back();
+    else if (c != ' ') words.back() += c;
+  }
+  return words;
+}
+
 // moves what an override says into the document; in an array of tables a name means the table with that type
 void merge(toml::table& into, toml::table&& from, const std::string& path) {
   for (auto&& [key, value] : from) {
@@ -170,22 +202,7 @@ Table Table::parse(std::string_view text, const std::string& path, const std::ve
   result.node_->document = std::make_shared<toml::table>(parse_text(text, path));
   result.node_->table = result.node_->document.get();
   result.node_->path = path;
-  for (const std::string& override_text : overrides) {
-    const std::string where = std::string(command_line) + override_text;
-    const std::size_t equals = override_text.find('=');
-    if (equals == std::string::npos || equals == 0)
-      throw ConfigError(
-          fmt::format("{}: not an override (there is no key before an equals sign) write --set key=value", where));
-    toml::table parsed;
-    check_depth(override_text, where);
-    try {
-      parsed = toml::parse(override_text, where);
-    } catch (const toml::parse_error&) {
-      // a bare word is a string
-      parsed = parse_text(override_text.substr(0, equals + 1) + config::quoted(override_text.substr(equals + 1)), where);
-    }
-    merge(*result.node_->table, std::move(parsed), path);
-  }
+  for (const std::string& override_text : overrides) merge(*result.node_->table, parse_override(override_text), path);
   return result;
 }
 
@@ -276,6 +293,7 @@ std::optional<std::vector<double>> Table::numbers(std::string_view key) {
 std::optional<std::vector<std::string>> Table::texts(std::string_view key) {
   toml::node* node = node_->ask(key);
   if (node == nullptr) return std::nullopt;
+  if (const auto path = node->source().path; node->is_string() && path && path->starts_with(command_line)) return split_words(**node->as_string());
   GUSTLAB_EXPECT(node, node->is_array(), key, "an array of strings");
   std::vector<std::string> values;
   for (const toml::node& item : *node->as_array()) {
@@ -328,12 +346,27 @@ std::vector<Table> Table::tables(std::string_view key) {
   return result;
 }
 
+std::optional<std::vector<std::string>> Table::literals(std::string_view key) {
+  toml::node* node = node_->ask(key);
+  if (node == nullptr) return std::nullopt;
+  GUSTLAB_EXPECT(node, node->is_array(), key, "an array");
+  std::vector<std::string> values;
+  for (const toml::node& item : *node->as_array()) values.push_back(literal_text(item));
+  return values;
+}
+
 #undef GUSTLAB_EXPECT
 
 std::optional<std::string> Table::literal(std::string_view key) {
   const toml::node* node = node_->ask(key);
   if (node == nullptr) return std::nullopt;
   return literal_text(*node);
+}
+
+std::vector<std::string> override_keys(const std::string& override_text) {
+  std::vector<std::string> keys;
+  add_leaves(parse_override(override_text), "", keys);
+  return keys;
 }
 
 double Table::need_number(std::string_view key) {

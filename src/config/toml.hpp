@@ -37,12 +37,15 @@ class Table {
   std::optional<bool> flag(std::string_view key);
   std::optional<std::string> text(std::string_view key);
   std::optional<std::vector<double>> numbers(std::string_view key);
+  // an override may also say them as a,b,c
   std::optional<std::vector<std::string>> texts(std::string_view key);
   std::optional<std::vector<std::vector<double>>> number_rows(std::string_view key);  // [[1, 2], [3, 4]]
   std::optional<Table> table(std::string_view key);
   std::vector<Table> tables(std::string_view key);     // array of tables; empty when absent
   // the value as a TOML literal, whatever it is
   std::optional<std::string> literal(std::string_view key);
+  // of an array, entry by entry
+  std::optional<std::vector<std::string>> literals(std::string_view key);
 
   // as above, with a message when absent
   double need_number(std::string_view key);
@@ -88,6 +91,9 @@ EffectSpec read_spec(Table& table, const std::string& type);
 std::vector<EffectSpec> read_effects(Table& document);
 // Later specs replace earlier ones of the same type; the same type twice in one list is an error (rotor_loss: same rotor).
 std::vector<EffectSpec> merge_effects(const std::vector<EffectSpec>& base, const std::vector<EffectSpec>& over);
+
+// The dotted keys that an override sets: `effect.gust={sigma_xy=1, on_s=2}` sets two. Throws ConfigError when it is none.
+std::vector<std::string> override_keys(const std::string& override_text);
 
 // The known name nearest to a mistyped one, as `did you mean "…"?`, or empty.
 std::string suggest(std::string_view mistyped, const std::vector<std::string>& known);

@@ -39,6 +39,7 @@ std::unique_ptr<Effect> make_pose_delay();
 std::unique_ptr<Effect> make_imu_lever();
 std::unique_ptr<Effect> make_gyro_scale();
 std::unique_ptr<Effect> make_measurement_noise();
+std::unique_ptr<Effect> make_estimator_delay();
 std::unique_ptr<Effect> make_sindy_residual();
 std::unique_ptr<Effect> make_recorded_loop();
 

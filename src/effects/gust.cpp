@@ -3,12 +3,15 @@
 // The paper's wind (arXiv 2603.08863, "Wind disturbance injection"): dg = θ(μ − g) dt + σ dW by Euler–Maruyama;
 // F_raw = mean + amplitude sin(2π f t + phase) + g while t mod (T_on + T_off) < T_on; otherwise noise and sinusoid are zero
 // and g decays to μ at rate θ. Then ‖F‖ is clamped, then ‖ΔF‖ per second. sigma = σ/√(2θ), correlation_time = 1/θ.
+// `strength` multiplies all of it, limits too. A fixed gust is the same in every run, whatever its seed; a run may begin anywhere in the
+// first `start_spread` seconds of it, as flights do that an operator starts beside a simulation that runs.
 // The process has its own clock and is held between ticks; its increments are a function of the tick alone. The torque is
 // a second process of the same times, about the centre of mass in body axes.
 #include <algorithm>
 #include <cmath>
 
 #include "effects/effects.hpp"
+#include "gustlab/errors.hpp"
 
 namespace gustlab {
 
@@ -34,6 +37,9 @@ class Gust final : public Effect {
                                   double min = -std::numeric_limits<double>::infinity()) {
       visitor.number(name, value, {.unit = unit, .help = help, .min = min, .natural = 0.0});
     };
+    extra("strength", strength_, "-", "multiplies every force and torque, limits and their rates too; 0: still air", 0.0);
+    visitor.text("realisation", realisation_, {.help = "seeded: every replicate has its own gust; fixed: all runs have the same"});
+    extra("start_spread", start_spread_s_, "s", "fixed: a run begins anywhere in the first of so many seconds, drawn per run", 0.0);
     extra("on_s", on_s_, "s", "length of a burst", 1e-3);
     extra("off_s", off_s_, "s", "length of the pause between bursts; 0: none", 0.0);
     visitor.flag("random_phase", random_phase_, {.help = "schedule and sinusoid start anywhere, drawn per run"});
@@ -56,39 +62,36 @@ class Gust final : public Effect {
   }
 
   void prepare(const VehicleModel&, double, const RandomStream& stream) override {
-    stream_ = stream;
-    const auto draw = stream.uniform4(0, phase_lane);
+    if (realisation_ != "seeded" && realisation_ != "fixed")
+      throw ParameterError("realisation", "realisation = \"" + realisation_ + "\" is unknown (which gusts runs meet) use seeded or fixed");
+    const bool fixed = realisation_ == "fixed";
+    if (start_spread_s_ > 0.0 && !fixed) throw ParameterError("start_spread", "start_spread needs realisation = \"fixed\" (a seeded gust has no common start)");
+    stream_ = fixed ? RandomStream(0, 1, "fixed gust") : stream;
+    const auto draw = stream_.uniform4(0, phase_lane);
     schedule_offset_s_ = random_phase_ ? draw[0] * (on_s_ + off_s_) : 0.0;
     line_phase_rad_ = random_phase_ ? draw[1] * 2.0 * pi : 0.0;
+    first_tick_ = std::floor(stream.uniform4(0, start_lane)[0] * start_spread_s_ * rate_Hz_);
     const Vector3 sigma_N(sigma_xy_N_, sigma_xy_N_, sigma_z_N_);
-    force_ = {sigma_N.cwiseProduct(sigma_factor_), drift_W_N_, limit_N_, rate_limit_Nps_};
-    torque_ = {{torque_sigma_xy_Nm_, torque_sigma_xy_Nm_, torque_sigma_z_Nm_}, Vector3::Zero(), torque_limit_Nm_,
-               torque_rate_limit_Nmps_};
+    force_ = {strength_ * sigma_N.cwiseProduct(sigma_factor_), strength_ * drift_W_N_, strength_ * limit_N_, strength_ * rate_limit_Nps_};
+    torque_ = {strength_ * Vector3(torque_sigma_xy_Nm_, torque_sigma_xy_Nm_, torque_sigma_z_Nm_), Vector3::Zero(), strength_ * torque_limit_Nm_,
+               strength_ * torque_rate_limit_Nmps_};
   }
 
   int state_size() const override { return 2 + 4 * 3; }
 
   void reset_state(std::span<double> state) const override {
     std::fill(state.begin(), state.end(), 0.0);
-    part(state, random_force) = drift_W_N_;
+    part(state, random_force) = force_.drift;
     emit(state, 0.0);
+    while (state[1] < first_tick_) next_tick(state);
   }
 
   void advance(const Flow&, const RotorSet&, const Wrench&, double step_s, std::span<double> state) const override {
     double& steps = state[0];
-    double& tick = state[1];
     steps += 1.0;
     // a tick that falls on the end of this step is due, whatever rounding says
-    const double due = std::floor(steps * step_s * rate_Hz_ + 1e-6);
-    while (tick < due) {
-      const bool on = is_on(tick / rate_Hz_);
-      const auto counter = static_cast<std::uint64_t>(tick);
-      part(state, random_force) = next(part(state, random_force), force_, on, stream_.normal4(counter, force_lane));
-      if (!torque_.sigma.isZero(0.0))
-        part(state, random_torque) = next(part(state, random_torque), torque_, on, stream_.normal4(counter, torque_lane));
-      tick += 1.0;
-      emit(state, tick / rate_Hz_);
-    }
+    const double due = first_tick_ + std::floor(steps * step_s * rate_Hz_ + 1e-6);
+    while (state[1] < due) next_tick(state);
   }
 
   void wrench(const Flow& flow, const RotorSet&, std::span<const double> state, Wrench& total) const override {
@@ -105,7 +108,7 @@ class Gust final : public Effect {
   };
   // where the state's vectors begin; before them are steps and ticks
   enum Part : std::size_t { random_force = 2, applied_force = 5, random_torque = 8, applied_torque = 11 };
-  static constexpr std::uint32_t force_lane = 0, torque_lane = 1, phase_lane = 2;
+  static constexpr std::uint32_t force_lane = 0, torque_lane = 1, phase_lane = 2, start_lane = 3;
 
   static Eigen::Map<Vector3> part(std::span<double> state, Part begin) {
     return Eigen::Map<Vector3>(state.data() + begin);
@@ -117,6 +120,17 @@ class Gust final : public Effect {
   bool is_on(double time_s) const {
     // ticks on a boundary belong to what begins there
     return std::fmod(time_s + schedule_offset_s_ + 1e-9, on_s_ + off_s_) < on_s_;
+  }
+
+  void next_tick(std::span<double> state) const {
+    double& tick = state[1];
+    const bool on = is_on(tick / rate_Hz_);
+    const auto counter = static_cast<std::uint64_t>(tick);
+    part(state, random_force) = next(part(state, random_force), force_, on, stream_.normal4(counter, force_lane));
+    if (!torque_.sigma.isZero(0.0))
+      part(state, random_torque) = next(part(state, random_torque), torque_, on, stream_.normal4(counter, torque_lane));
+    tick += 1.0;
+    emit(state, tick / rate_Hz_);
   }
 
   // Euler–Maruyama over one tick, with σ = sigma √(2θ)
@@ -136,11 +150,11 @@ class Gust final : public Effect {
 
   // what the tick at this time applies until the next
   void emit(std::span<double> state, double time_s) const {
-    Vector3 raw = mean_W_N_ + part(state, random_force);
+    Vector3 raw = strength_ * mean_W_N_ + part(state, random_force);
     if (is_on(time_s)) {
       const double angle = line_frequency_radps_ * time_s + line_phase_rad_;
       const Vector3 line(std::sin(angle), std::sin(angle + phase_rad_), std::sin(angle));
-      raw += line_amplitude_N_ * line_factor_.cwiseProduct(line);
+      raw += strength_ * line_amplitude_N_ * line_factor_.cwiseProduct(line);
     }
     part(state, applied_force) = limited(raw, part(state, applied_force), force_);
     part(state, applied_torque) = limited(part(state, random_torque), part(state, applied_torque), torque_);
@@ -148,6 +162,9 @@ class Gust final : public Effect {
 
   double sigma_xy_N_ = 0.0, sigma_z_N_ = 0.0, correlation_time_s_ = 1.0;
   double line_amplitude_N_ = 0.0, line_frequency_radps_ = 1.0, phase_rad_ = 0.0;
+  double strength_ = 1.0;
+  std::string realisation_ = "seeded";
+  double start_spread_s_ = 0.0;
   double on_s_ = 1.0, off_s_ = 0.0;
   bool random_phase_ = false;
   double limit_N_ = 0.0, rate_limit_Nps_ = 0.0;
@@ -158,7 +175,7 @@ class Gust final : public Effect {
 
   RandomStream stream_;
   Process force_, torque_;
-  double schedule_offset_s_ = 0.0, line_phase_rad_ = 0.0;
+  double schedule_offset_s_ = 0.0, line_phase_rad_ = 0.0, first_tick_ = 0.0;
 };
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "metrics/tracking_error.hpp"
 
@@ -43,7 +42,7 @@ Summary summarize(std::span<const double> values) {
 
 TTest t_test(double difference, double standard_error, double dof) {
   TTest test{difference, nan, dof, nan};
-  if (!(dof > 0.0)) return test;
+  if (!(dof > 0.0) || std::isnan(difference) || std::isnan(standard_error)) return test;
   if (standard_error == 0.0) {
     test.t = difference == 0.0 ? 0.0 : std::copysign(std::numeric_limits<double>::infinity(), difference);
     test.p_value = difference == 0.0 ? 1.0 : 0.0;
@@ -71,6 +70,28 @@ TTest paired_test(std::span<const double> a, std::span<const double> b) {
   if (summary.n < 2) return {summary.mean, nan, nan, nan};
   const auto n = static_cast<double>(summary.n);
   return t_test(summary.mean, summary.sd / std::sqrt(n), n - 1.0);
+}
+
+Interval paired_interval(std::span<const double> a, std::span<const double> b, double confidence) {
+  const Summary summary = summarize(finite_differences(a, b));
+  if (summary.n < 2) return {nan, nan};
+  const auto n = static_cast<double>(summary.n);
+  const double half = boost::math::quantile(boost::math::students_t(n - 1.0), 0.5 + 0.5 * confidence) * summary.sd / std::sqrt(n);
+  return {summary.mean - half, summary.mean + half};
+}
+
+std::vector<double> holm(std::span<const double> p_values) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < p_values.size(); ++i)
+    if (!std::isnan(p_values[i])) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
+  std::vector<double> adjusted(p_values.size(), nan);
+  double most = 0.0;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    most = std::max(most, std::min(1.0, static_cast<double>(order.size() - rank) * p_values[order[rank]]));
+    adjusted[order[rank]] = most;
+  }
+  return adjusted;
 }
 
 Interval wilson_interval(std::size_t successes, std::size_t trials, double confidence) {

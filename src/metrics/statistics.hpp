@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "gustlab/random.hpp"
 
@@ -29,12 +30,16 @@ struct TTest {
   double dof;
   double p_value;
 };
-// From a difference and its standard error.
+// From a difference and its standard error; undefined where one of them is.
 TTest t_test(double difference, double standard_error, double dof);
 // Unequal variances (Welch, Biometrika 34, 1947), from moments, so that published ones can be used.
 TTest welch_test(const Summary& a, const Summary& b);
 // a[i] and b[i] met the same gust. Pairs with a NaN do not count. Precondition: equal lengths.
 TTest paired_test(std::span<const double> a, std::span<const double> b);
+// Student's interval of the mean of a[i] − b[i]; NaN when there are fewer than two pairs.
+Interval paired_interval(std::span<const double> a, std::span<const double> b, double confidence);
+// p-values as they count where many tests are made at once (Holm, Scand. J. Stat. 6, 1979). NaN stays, and is no test.
+std::vector<double> holm(std::span<const double> p_values);
 
 // Of a proportion (Wilson, JASA 22, 1927). [0, 1] when there was no trial.
 Interval wilson_interval(std::size_t successes, std::size_t trials, double confidence = 0.95);

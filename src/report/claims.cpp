@@ -13,6 +13,7 @@ namespace gustlab {
 namespace {
 
 constexpr double level = 0.05;
+constexpr double only_rounding = 1e9;  // differences that are so many of their standard errors are all alike
 constexpr double far_outside = 3.0;  // a runaway's largest error, in those of the median run
 
 std::string_view title(std::size_t metric) { return tracking_metrics[metric].title; }
@@ -91,7 +92,8 @@ class Judge {
     const TTest test = claim.kind == ClaimKind::steadier ? scatter_test(a, b)
                        : paired                          ? paired_test(a, b)
                                                          : welch_test(summarize(a), summarize(b));
-    judged.p_value = test.p_value;
+    // without scatter there is an order and nothing to test
+    judged.p_value = std::abs(test.t) > only_rounding ? JudgedClaim{}.p_value : test.p_value;
     judged.verdict = verdict_of(test);
     if (claim.kind == ClaimKind::steadier) judged.claim = fmt::format("{}: {} scatters less than {}", where, claim.first.controller, claim.second.controller);
     if (claim.kind == ClaimKind::reduced) {
@@ -146,12 +148,14 @@ class Judge {
         return c.table == claim.second.table && c.trajectory == first.trajectory && c.controller == first.controller && c.metric == first.metric;
       });
       if (second == cells_.end() || (first.trajectory == claim.except_trajectory && first.metric == claim.except_metric)) continue;
-      if (judged == out.end()) judged = out.insert(out.end(), {says, claim.first.table, Verdict::pass, 0.0, 0, 0.0});
+      if (judged == out.end()) judged = out.insert(out.end(), {says, claim.first.table, Verdict::pass, -1.0, 0, 0.0});
       const TTest test = welch_test(first.ours, second->ours);
       // the weakest link speaks for all
-      judged->p_value = std::max(judged->p_value, test.p_value);
+      if (!(test.p_value <= judged->p_value)) {
+        judged->p_value = test.p_value;
+        judged->n = first.ours.n + second->ours.n;
+      }
       judged->paper_p_value = std::max(judged->paper_p_value, welch_test(first.paper, second->paper).p_value);
-      judged->n += first.ours.n + second->ours.n;
       const Verdict verdict = verdict_of(test);
       if (verdict == Verdict::fail || judged->verdict == Verdict::pass) judged->verdict = verdict;
     }

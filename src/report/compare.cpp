@@ -5,25 +5,28 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
 
 namespace {
 
-constexpr double least_completed = 0.95, most_growth = 2.0;
+constexpr double least_held = 0.95;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 bool holds(const ComparedController& controller) {
-  return static_cast<double>(controller.completed) >= least_completed * static_cast<double>(controller.total);
+  return static_cast<double>(controller.held) >= least_held * static_cast<double>(controller.total);
 }
 
 // errors per controller, in one order of the runs; NaN where a run was not completed
 struct Errors {
   std::vector<std::string> names, runs;
-  std::vector<std::vector<double>> rmse_m;
+  std::vector<std::int64_t> gusts;  // of each run: its replicate
+  std::vector<std::vector<double>> rmse_m, rotor_sd_radps, rotor_rate_radps2;
 };
 Errors errors_of(const Results& results) {
   Errors errors;
@@ -32,11 +35,15 @@ Errors errors_of(const Results& results) {
     const auto at = static_cast<std::size_t>(std::find(errors.names.begin(), errors.names.end(), row.controller) - errors.names.begin());
     if (at == errors.names.size()) {
       errors.names.push_back(row.controller);
-      errors.rmse_m.emplace_back();
+      for (auto* values : {&errors.rmse_m, &errors.rotor_sd_radps, &errors.rotor_rate_radps2}) values->emplace_back();
       runs.emplace_back();
     }
-    errors.rmse_m[at].push_back(row.outcome == Outcome::completed ? row.rmse_xy_m : nan);
+    const bool completed = row.outcome == Outcome::completed;
+    errors.rmse_m[at].push_back(completed ? row.rmse_xy_m : nan);
+    errors.rotor_sd_radps[at].push_back(completed ? row.rotor_sd_radps : nan);
+    errors.rotor_rate_radps2[at].push_back(completed ? row.rotor_rate_radps2 : nan);
     runs[at].push_back(fmt::format("{} {}", row.trajectory, row.replicate));
+    if (at == 0) errors.gusts.push_back(row.replicate);
   }
   for (const auto& other : runs)
     if (other != runs.front()) throw DataError(results.rows.front().experiment + ": its controllers did not fly the same runs (a comparison is paired)");
@@ -44,7 +51,19 @@ Errors errors_of(const Results& results) {
   return errors;
 }
 
-ComparedVariant compare_one(const std::string& name, const Errors& errors) {
+// means over the trajectories that met a gust, one for each gust: what a bootstrap may resample. NaN where one was not completed.
+std::vector<double> by_gust(const std::vector<double>& values, const std::vector<std::int64_t>& gusts) {
+  std::map<std::int64_t, std::pair<double, double>> sums;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sums[gusts[i]].first += values[i];
+    sums[gusts[i]].second += 1.0;
+  }
+  std::vector<double> means;
+  for (const auto& [gust, sum] : sums) means.push_back(sum.first / sum.second);
+  return means;
+}
+
+ComparedVariant compare_one(const std::string& name, const Errors& errors, double limit_m) {
   ComparedVariant variant{name, 0, {}};
   for (std::size_t c = 0; c < errors.names.size(); ++c) {
     ComparedController controller;
@@ -52,13 +71,17 @@ ComparedVariant compare_one(const std::string& name, const Errors& errors) {
     controller.name = errors.names[c];
     controller.completed = summary.n;
     controller.total = errors.runs.size();
-    controller.completion = wilson_interval(summary.n, controller.total);
+    controller.held = static_cast<std::size_t>(std::count_if(errors.rmse_m[c].begin(), errors.rmse_m[c].end(), [&](double rmse_m) { return rmse_m <= limit_m; }));
+    controller.held_share = wilson_interval(controller.held, controller.total);
+    controller.broken = !holds(controller);
     controller.rmse_m = summary.mean;
+    controller.rotor_sd_radps = summarize(errors.rotor_sd_radps[c]).mean;
+    controller.rotor_rate_radps2 = summarize(errors.rotor_rate_radps2[c]).mean;
     variant.controllers.push_back(controller);
   }
   const auto better = [](const ComparedController& a, const ComparedController& b) {
     if (holds(a) != holds(b)) return holds(a);
-    if (!holds(a) && a.completed != b.completed) return a.completed > b.completed;
+    if (!holds(a) && a.held != b.held) return a.held > b.held;
     return a.rmse_m < b.rmse_m;
   };
   variant.best = static_cast<std::size_t>(std::min_element(variant.controllers.begin(), variant.controllers.end(), better) - variant.controllers.begin());
@@ -66,7 +89,8 @@ ComparedVariant compare_one(const std::string& name, const Errors& errors) {
     ComparedController& controller = variant.controllers[c];
     controller.behind_m = paired_test(errors.rmse_m[c], errors.rmse_m[variant.best]).difference;
     // the same resamples for every pair
-    controller.behind = paired_bootstrap(errors.rmse_m[c], errors.rmse_m[variant.best], RandomStream(1, 0, "compare"));
+    controller.behind = paired_bootstrap(by_gust(errors.rmse_m[c], errors.gusts), by_gust(errors.rmse_m[variant.best], errors.gusts),
+                                         RandomStream(1, 0, "compare"));
     controller.as_good_as_best = c == variant.best || (holds(controller) == holds(variant.controllers[variant.best]) && controller.behind.low <= 0.0);
   }
   return variant;
@@ -75,14 +99,14 @@ ComparedVariant compare_one(const std::string& name, const Errors& errors) {
 std::string cell(const ComparedController& controller, bool best) {
   std::string text = std::isnan(controller.rmse_m) ? "–" : fmt::format("{:.3f}", controller.rmse_m);
   if (best) text = "**" + text + "**";
-  if (controller.completed < controller.total) text += fmt::format(" ({}/{})", controller.completed, controller.total);
+  if (controller.held < controller.total) text += fmt::format(" ({}/{})", controller.held, controller.total);
   if (controller.broken) text += " †";
   return text;
 }
 
 }  // namespace
 
-std::vector<ComparedVariant> compare(std::span<const NamedResults> variants) {
+std::vector<ComparedVariant> compare(std::span<const NamedResults> variants, double limit_m) {
   std::vector<ComparedVariant> compared;
   Errors first;
   for (const auto& [name, results] : variants) {
@@ -90,16 +114,12 @@ std::vector<ComparedVariant> compare(std::span<const NamedResults> variants) {
     if (compared.empty()) first = errors;
     if (errors.names != first.names || errors.runs != first.runs)
       throw DataError(fmt::format("{} and {} do not have the same controllers and runs (a comparison is paired)", variants.front().name, name));
-    ComparedVariant& variant = compared.emplace_back(compare_one(name, errors));
-    for (std::size_t c = 0; c < variant.controllers.size(); ++c) {
-      ComparedController& controller = variant.controllers[c];
-      controller.broken = !holds(controller) || controller.rmse_m > most_growth * compared.front().controllers[c].rmse_m;
-    }
+    compared.push_back(compare_one(name, errors, limit_m));
   }
   return compared;
 }
 
-std::string to_markdown(std::span<const ComparedVariant> variants) {
+std::string to_markdown(std::span<const ComparedVariant> variants, double limit_m) {
   const std::vector<ComparedController>& columns = variants.front().controllers;
   std::string text = "| variant |";
   for (const ComparedController& controller : columns) text += fmt::format(" {} |", controller.name);
@@ -120,29 +140,32 @@ std::string to_markdown(std::span<const ComparedVariant> variants) {
     text += fmt::format(" {} |", fmt::join(good, ", "));
     text += next == nullptr ? " – |" : fmt::format(" {}: {:.4f} [{:.4f}, {:.4f}] |", next->name, next->behind_m, next->behind.low, next->behind.high);
   }
-  text += fmt::format("\n\nMean planar RMSE in m over the runs that were completed, of {} in each cell, the same gusts for all; completed/all where a run "
-                      "was not. In brackets the 95 % interval of the paired difference (bootstrap). † broken: fewer than 95 % completed, or more than "
-                      "twice its own error in {}.\n\n| controller | best in | breaks in |\n|---|---|---|\n", columns.front().total, variants.front().name);
+  text += fmt::format("\n\nMean planar RMSE in m over the runs that were completed, of {} in each cell, the same gusts for all; held/all where a run "
+                      "was not held: a run is held when it reaches its end with a planar RMSE of at most {} m. In brackets the 95 % interval of the "
+                      "paired difference (bootstrap over gusts, each with all its trajectories). † broken: fewer than 95 % of the runs are held.\n\n"
+                      "| controller | rotor speeds in {}, rad/s | their rate, rad/s² | best in | breaks in |\n|---|--:|--:|---|---|\n",
+                      columns.front().total, config::shortest(limit_m), variants.front().name);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     std::vector<std::string> best, broken;
     for (const ComparedVariant& variant : variants) {
       if (variant.controllers[c].as_good_as_best) best.push_back(variant.name);
       if (variant.controllers[c].broken) broken.push_back(variant.name);
     }
-    text += fmt::format("| {} | {} | {} |\n", columns[c].name, best.empty() ? "–" : fmt::format("{}", fmt::join(best, ", ")),
+    text += fmt::format("| {} | {:.0f} | {:.0f} | {} | {} |\n", columns[c].name, columns[c].rotor_sd_radps, columns[c].rotor_rate_radps2, best.empty() ? "–" : fmt::format("{}", fmt::join(best, ", ")),
                         broken.empty() ? "–" : fmt::format("{}", fmt::join(broken, ", ")));
   }
   return text;
 }
 
-std::string to_json(std::span<const ComparedVariant> variants) {
-  nlohmann::ordered_json json{{"format", "gustlab-comparison/1"}, {"variants", nlohmann::ordered_json::array()}};
+std::string to_json(std::span<const ComparedVariant> variants, double limit_m) {
+  nlohmann::ordered_json json{{"format", "gustlab-comparison/2"}, {"limit_m", limit_m}, {"variants", nlohmann::ordered_json::array()}};
   const auto number = [](double value) { return std::isnan(value) ? nlohmann::ordered_json() : nlohmann::ordered_json(value); };
   for (const ComparedVariant& variant : variants) {
     nlohmann::ordered_json entry{{"variant", variant.name}, {"best", variant.controllers[variant.best].name}};
     for (const ComparedController& c : variant.controllers)
-      entry["controllers"].push_back({{"controller", c.name}, {"completed", c.completed}, {"total", c.total},
-                                      {"completion_95", {c.completion.low, c.completion.high}}, {"rmse_xy_m", number(c.rmse_m)},
+      entry["controllers"].push_back({{"controller", c.name}, {"completed", c.completed}, {"held", c.held}, {"total", c.total},
+                                      {"held_95", {c.held_share.low, c.held_share.high}}, {"rmse_xy_m", number(c.rmse_m)},
+                                      {"rotor_sd_radps", number(c.rotor_sd_radps)}, {"rotor_rate_radps2", number(c.rotor_rate_radps2)},
                                       {"behind_best_m", number(c.behind_m)}, {"behind_best_95", {number(c.behind.low), number(c.behind.high)}},
                                       {"as_good_as_best", c.as_good_as_best}, {"broken", c.broken}});
     json["variants"].push_back(entry);

@@ -10,20 +10,22 @@
 
 namespace gustlab {
 
-// A controller in one variant. Errors are planar root mean squares in m, over the runs that it completed.
+// A controller in one variant. Errors are planar root mean squares in m, over the runs that it completed. A run is held when it
+// was completed with an error up to the limit.
 struct ComparedController {
   std::string name;
-  std::size_t completed = 0, total = 0;
-  Interval completion{};          // 95 %, Wilson
+  std::size_t completed = 0, held = 0, total = 0;
+  Interval held_share{};          // 95 %, Wilson
   double rmse_m = 0.0;            // NaN when no run was completed
+  double rotor_sd_radps = 0.0, rotor_rate_radps2 = 0.0;  // mean effort over the same runs
   double behind_m = 0.0;          // mean of its error less the best one's, in the runs that both completed
   Interval behind{};              // 95 %, paired bootstrap over these runs
-  bool broken = false;            // fewer than 95 % completed, or twice its own error in the first variant
+  bool broken = false;            // fewer than 95 % held
   bool as_good_as_best = false;   // the best itself, or not told from it: the interval holds zero
 };
 struct ComparedVariant {
   std::string name;
-  std::size_t best = 0;  // the least error of those that completed 95 %; where nobody did, whoever completed most
+  std::size_t best = 0;  // the least error of those that held 95 %; where nobody did, whoever held most
   std::vector<ComparedController> controllers;
 };
 
@@ -31,11 +33,11 @@ struct NamedResults {
   std::string name;
   Results results;
 };
-// Every controller flew every variant in the same gusts; the first variant is what the others differ from. Throws DataError
-// when the runs differ.
-std::vector<ComparedVariant> compare(std::span<const NamedResults> variants);
+// Every controller flew every variant in the same gusts. A gust is a replicate: intervals resample gusts with all trajectories
+// that met them. Throws DataError when the runs differ.
+std::vector<ComparedVariant> compare(std::span<const NamedResults> variants, double limit_m);
 
-std::string to_markdown(std::span<const ComparedVariant> variants);
-std::string to_json(std::span<const ComparedVariant> variants);
+std::string to_markdown(std::span<const ComparedVariant> variants, double limit_m);
+std::string to_json(std::span<const ComparedVariant> variants, double limit_m);
 
 }  // namespace gustlab

@@ -5,56 +5,107 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
-#include "report/tables.hpp"
+#include "gustlab/errors.hpp"
 
 namespace gustlab {
 
 namespace {
 
-std::string cell_of(const ResultRow& row) { return fmt::format("{} {} {}", row.vehicle, row.trajectory, row.controller); }
+constexpr std::size_t most_listed = 20;  // failures in the summary
+constexpr double significant = 0.05;     // of one cell's improvement, which decides nothing
 
-using Identity = std::pair<std::string, std::int64_t>;
-Identity identity(const ResultRow& row) { return {cell_of(row), row.replicate}; }
+using CellName = std::pair<std::string, std::string>;
+CellName cell_of(const ResultRow& row) { return {row.experiment, fmt::format("{} {} {}", row.vehicle, row.trajectory, row.controller)}; }
 
-std::string judge(const ResultRow& now, const ResultRow& before, const GateTolerance& tolerance) {
-  const bool completed = now.outcome == Outcome::completed;
-  if (before.outcome != Outcome::completed) return "";
-  if (!completed) return fmt::format("was completed, now {} at {:.3f} s", to_string(now.outcome), now.duration_s);
-  std::string failure;
-  for (const Metric& metric : tracking_metrics) {
-    const double is = now.*metric.value, was = before.*metric.value;
-    const double allowed = std::max(tolerance.absolute_m, tolerance.relative * was);
-    // an error that is no longer a number fails too
-    if (is - was <= allowed || (std::isnan(is) && std::isnan(was))) continue;
-    failure += fmt::format("{}{} {:.4f} m, was {:.4f} m, allowed {:.4f} m", failure.empty() ? "" : "; ", metric.title, is, was, was + allowed);
-  }
-  return failure;
+using Identity = std::pair<CellName, std::int64_t>;
+using RowsById = std::map<Identity, const ResultRow*>;
+RowsById by_identity(const std::vector<ResultRow>& rows) {
+  RowsById known;
+  for (const ResultRow& row : rows) known[{cell_of(row), row.replicate}] = &row;
+  return known;
 }
 
-// mean paired difference of the planar RMSE of each cell, with its interval
-std::string describe_changes(const std::map<Identity, const ResultRow*>& now, const std::vector<ResultRow>& baseline) {
-  std::vector<std::string> order;
-  std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> pairs;
-  std::map<std::string, bool> configuration_changed;
-  for (const ResultRow& before : baseline) {
-    const auto found = now.find(identity(before));
-    if (found == now.end()) continue;
-    const std::string cell = cell_of(before);
-    if (pairs.find(cell) == pairs.end()) order.push_back(cell);
-    pairs[cell].first.push_back(found->second->rmse_xy_m);
-    pairs[cell].second.push_back(before.rmse_xy_m);
-    configuration_changed[cell] |= found->second->key != before.key;
+std::string experiments_of(const std::vector<ResultRow>& rows) {
+  std::set<std::string> names;
+  for (const ResultRow& row : rows) names.insert(row.experiment);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void check_same_experiment(const RowsById& now_rows, const std::vector<ResultRow>& now, const std::vector<ResultRow>& baseline) {
+  const bool known = std::any_of(baseline.begin(), baseline.end(), [&](const ResultRow& row) {
+    return now_rows.lower_bound({cell_of(row), 0}) != now_rows.end() && now_rows.lower_bound({cell_of(row), 0})->first.first == cell_of(row);
+  });
+  if (!known)
+    throw DataError(fmt::format("wrong baseline: it is of {}, the sweep of {} (they have no cell in common) give the baseline of this experiment, "
+                                "or make one with --update", experiments_of(baseline), experiments_of(now)));
+}
+
+// the runs of a cell that both completed, by metric
+struct Pairs {
+  std::array<std::vector<double>, tracking_metrics.size()> now, before;
+};
+
+void add_pair(const ResultRow& now, const ResultRow& before, Pairs& pairs, GateCell& cell) {
+  cell.configuration_changed |= now.key != before.key;
+  if (before.outcome != Outcome::completed) return;
+  if (now.outcome != Outcome::completed) {
+    cell.failures.push_back(fmt::format("replicate {} was completed, now {} at {:.3f} s", now.replicate, to_string(now.outcome), now.duration_s));
+    return;
   }
-  std::string text = "| cell | N | RMSE before [m] | RMSE now [m] | paired change [m] | p | configuration |\n|---|--:|--:|--:|--:|--:|---|\n";
-  for (const std::string& cell : order) {
-    const auto& [is, was] = pairs[cell];
-    const TTest test = paired_test(is, was);
-    text += fmt::format("| {} | {} | {:.4f} | {:.4f} | {:+.4f} | {} | {} |\n", cell, is.size(), summarize(was).mean, summarize(is).mean,
-                        test.difference, std::isnan(test.p_value) ? "–" : fmt::format("{:.2g}", test.p_value),
-                        configuration_changed[cell] ? "changed" : "same");
+  ++cell.pairs;
+  for (std::size_t i = 0; i < tracking_metrics.size(); ++i) {
+    const double is = now.*tracking_metrics[i].value, was = before.*tracking_metrics[i].value;
+    if (std::isnan(is) && !std::isnan(was))
+      cell.failures.push_back(fmt::format("replicate {}: {} is no longer a number", now.replicate, tracking_metrics[i].title));
+    pairs.now[i].push_back(is);
+    pairs.before[i].push_back(was);
   }
-  return text;
+}
+
+GateChange change_of(const std::vector<double>& now, const std::vector<double>& before) {
+  const TTest test = paired_test(now, before);
+  const double half = 0.5 * test.p_value;
+  return {summarize(before).mean, summarize(now).mean, test.difference, paired_interval(now, before, 0.90),
+          test.difference > 0.0 ? half : 1.0 - half, test.difference < 0.0 ? half : 1.0 - half};
+}
+
+std::string verdict_of(const GateCell& cell, double margin) {
+  if (!cell.failures.empty()) return "**worse**";
+  const GateChange& rmse = cell.changes[0];
+  const double allowed = margin * rmse.before_m;
+  if (rmse.p_better < significant && rmse.change_m < 0.0) return "improved";
+  return rmse.interval_m.low >= -allowed && rmse.interval_m.high <= allowed ? "equivalent" : "cannot tell";
+}
+
+// which metrics of which cells rose too far or significantly
+void judge(std::vector<GateCell>& cells, const GateRule& rule) {
+  std::vector<double> p_values;
+  for (const GateCell& cell : cells)
+    for (const GateChange& change : cell.changes) p_values.push_back(change.p_worse);
+  const std::vector<double> adjusted = holm(p_values);
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    for (std::size_t i = 0; i < tracking_metrics.size(); ++i) {
+      const GateChange& change = cells[c].changes[i];
+      const double p = adjusted[c * tracking_metrics.size() + i];
+      const bool too_far = rule.by_margin && change.change_m > rule.margin * change.before_m, surely = rule.by_test && p < rule.level;
+      if (!(change.change_m > rule.floor_m) || !(too_far || surely)) continue;
+      cells[c].failures.push_back(fmt::format("{} {:.4f} m, was {:.4f} m: {:+.1f} %{}{}", tracking_metrics[i].title, change.now_m, change.before_m,
+                                              100.0 * change.change_m / change.before_m, too_far ? ", beyond the margin" : "",
+                                              surely ? fmt::format(", significant (p = {:.2g})", p) : ""));
+    }
+    cells[c].verdict = verdict_of(cells[c], rule.margin);
+  }
+}
+
+std::string rule_text(const GateRule& rule) {
+  std::vector<std::string> parts;
+  if (rule.by_margin) parts.push_back(fmt::format("by more than {:.3g} %", 100.0 * rule.margin));
+  if (rule.by_test) parts.push_back(fmt::format("significantly (paired t-test, p < {:.3g} over all tests after Holm)", rule.level));
+  const std::string rises = parts.empty() ? "" : fmt::format("whose mean error rose {}, or ", fmt::join(parts, " or "));
+  return fmt::format("Fails: a cell {}with a run that is no longer completed or missing{}. equivalent: the 90 % interval of the change is within "
+                     "±{:.3g} %.", rises, rule.allow_extra ? "" : ", or that the baseline does not have", 100.0 * rule.margin);
 }
 
 std::string xml_text(std::string_view plain) {
@@ -69,46 +120,85 @@ std::string xml_text(std::string_view plain) {
   return text;
 }
 
+std::string change_row(const GateCell& cell) {
+  const GateChange& rmse = cell.changes[0];
+  const std::string name = fmt::format("| {} | {} |", cell.cell, cell.pairs);
+  if (cell.pairs == 0) return fmt::format("{} – | – | – | – | {} | – |\n", name, cell.verdict);
+  const auto percent = [&](double value_m) { return 100.0 * value_m / rmse.before_m; };
+  const std::string interval = std::isnan(rmse.interval_m.low) ? "–" : fmt::format("{:+.2f} to {:+.2f}", percent(rmse.interval_m.low), percent(rmse.interval_m.high));
+  return fmt::format("{} {:.4f} | {:.4f} | {:+.2f} | {} | {} | {} |\n", name, rmse.before_m, rmse.now_m, percent(rmse.change_m), interval, cell.verdict,
+                     cell.configuration_changed ? "changed" : "same");
+}
+
 }  // namespace
 
 std::size_t GateReport::failures() const {
-  return static_cast<std::size_t>(std::count_if(cases.begin(), cases.end(), [](const GateCase& one) { return !one.failure.empty(); }));
+  return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [](const GateCell& cell) { return !cell.failures.empty(); }));
 }
 
-GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>& baseline, const GateTolerance& tolerance) {
-  std::map<Identity, const ResultRow*> rows;
-  for (const ResultRow& row : now) rows[identity(row)] = &row;
-  GateReport report;
-  report.changes = describe_changes(rows, baseline);
+GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>& baseline, const GateRule& rule) {
+  RowsById rows = by_identity(now);
+  check_same_experiment(rows, now, baseline);
+  GateReport report{rule, baseline.size(), {}};
+  std::vector<Pairs> pairs;
+  std::map<CellName, std::size_t> places;
+  const auto place_of = [&](const ResultRow& row) {
+    const auto [place, is_new] = places.try_emplace(cell_of(row), report.cells.size());
+    if (is_new) {
+      report.cells.push_back({row.experiment, cell_of(row).second});
+      pairs.emplace_back();
+    }
+    return place->second;
+  };
   for (const ResultRow& before : baseline) {
-    const auto found = rows.find(identity(before));
-    const std::string failure = found == rows.end() ? "missing: the baseline has this run" : judge(*found->second, before, tolerance);
-    report.cases.push_back({cell_of(before), before.replicate, failure});
-    if (found != rows.end()) rows.erase(found);
+    const std::size_t place = place_of(before);
+    const auto found = rows.find({cell_of(before), before.replicate});
+    if (found == rows.end()) {
+      report.cells[place].failures.push_back(fmt::format("replicate {} is missing: the baseline has it", before.replicate));
+      continue;
+    }
+    add_pair(*found->second, before, pairs[place], report.cells[place]);
+    rows.erase(found);
   }
   // in plan order, not the map's
   for (const ResultRow& row : now)
-    if (rows.count(identity(row)) > 0) report.cases.push_back({cell_of(row), row.replicate, "extra: the baseline does not have this run"});
+    if (!rule.allow_extra && rows.count({cell_of(row), row.replicate}) > 0)
+      report.cells[place_of(row)].failures.push_back(fmt::format("replicate {} is extra: the baseline does not have it", row.replicate));
+  for (std::size_t c = 0; c < pairs.size(); ++c)
+    for (std::size_t i = 0; i < tracking_metrics.size(); ++i) report.cells[c].changes[i] = change_of(pairs[c].now[i], pairs[c].before[i]);
+  judge(report.cells, rule);
   return report;
 }
 
 std::string to_junit(const GateReport& report) {
   std::string text = fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"gustlab gate\" tests=\"{}\" failures=\"{}\">\n",
-                                 report.cases.size(), report.failures());
-  for (const GateCase& one : report.cases) {
-    text += fmt::format("  <testcase classname=\"{}\" name=\"replicate {}\"", xml_text(one.cell), one.replicate);
-    text += one.failure.empty() ? "/>\n" : fmt::format("><failure message=\"{}\"/></testcase>\n", xml_text(one.failure));
+                                 report.cells.size(), report.failures());
+  for (const GateCell& cell : report.cells) {
+    text += fmt::format("  <testcase classname=\"{}\" name=\"{}\"", xml_text(cell.experiment), xml_text(cell.cell));
+    text += cell.failures.empty() ? "/>\n"
+                                  : fmt::format("><failure message=\"{}\"/></testcase>\n", xml_text(fmt::format("{}", fmt::join(cell.failures, "; "))));
   }
   return text + "</testsuite>\n";
 }
 
 std::string to_markdown(const GateReport& report) {
-  std::string text = report.failures() == 0 ? fmt::format("**passed**: {} runs within tolerance of the baseline\n\n", report.cases.size())
-                                            : fmt::format("**failed**: {} of {} runs\n\n", report.failures(), report.cases.size());
-  for (const GateCase& one : report.cases)
-    if (!one.failure.empty()) text += fmt::format("- {} replicate {}: {}\n", one.cell, one.replicate, one.failure);
-  if (report.failures() > 0) text += "\n";
-  return text + report.changes;
+  const auto count = [&](std::string_view verdict) {
+    return std::count_if(report.cells.begin(), report.cells.end(), [&](const GateCell& cell) { return cell.verdict == verdict; });
+  };
+  std::string text = fmt::format("{}: {} of {} cells failed, {} improved, {} equivalent, of {} a change cannot be told; {} runs\n\n",
+                                 report.failures() == 0 ? "**passed**" : "**failed**", report.failures(), report.cells.size(), count("improved"),
+                                 count("equivalent"), count("cannot tell"), report.runs);
+  text += rule_text(report.rule) + "\n\n";
+  std::vector<std::string> failures;
+  for (const GateCell& cell : report.cells)
+    for (const std::string& failure : cell.failures) failures.push_back(fmt::format("- {}: {}\n", cell.cell, failure));
+  for (std::size_t i = 0; i < std::min(failures.size(), most_listed); ++i) text += failures[i];
+  if (failures.size() > most_listed) text += fmt::format("- and {} more (--junit has all)\n", failures.size() - most_listed);
+  if (!failures.empty()) text += "\n";
+  text += "| cell | N | RMSE before [m] | RMSE now [m] | paired change [%] | 90 % interval [%] | verdict | configuration |\n"
+          "|---|--:|--:|--:|--:|--:|---|---|\n";
+  for (const GateCell& cell : report.cells) text += change_row(cell);
+  return text;
 }
 
 }  // namespace gustlab

@@ -48,6 +48,13 @@ nlohmann::ordered_json to_json(const DrawnTables::Count& count) {
   return {{"expected", count.expected}, {"low", count.low}, {"high", count.high}};
 }
 
+// of the style sheet
+std::string class_of(Use use) {
+  std::string name(to_string(use));
+  std::replace(name.begin(), name.end(), ' ', '-');
+  return name;
+}
+
 // how many runs stand behind means, over cells
 std::string runs_text(const std::vector<ReproducedCell>& cells, Summary ReproducedCell::*side) {
   if (cells.empty()) return "no runs";
@@ -61,7 +68,9 @@ std::string runs_text(const std::vector<ReproducedCell>& cells, Summary Reproduc
 std::string_view to_string(Use use) {
   switch (use) {
     case Use::fitted: return "fitted";
-    case Use::predicted: return "predicted";
+    case Use::blind: return "predicted blind";
+    case Use::by_construction: return "by construction";
+    case Use::after_seeing: return "chosen after seeing";
     case Use::proxy: return "proxy";
   }
   return "";
@@ -82,6 +91,25 @@ double ReproducedCell::z_score() const {
 }
 
 bool ReproducedCell::within_spread() const { return std::abs(ours.mean - paper.mean) <= paper.sd + 0.5 * rounding_m; }
+
+namespace {
+
+// the cells of the paper that a table of ours flew in still air, and its claims judged there
+void add_still_air(const Published& published, const std::vector<OurTable>& tables, Reproduction& reproduction) {
+  std::vector<OurTable> still = tables;
+  for (OurTable& table : still) table.rows = table.still;
+  if (std::any_of(still.begin(), still.end(), [](const OurTable& table) { return table.rows.empty(); })) return;
+  std::vector<ReproducedCell> cells = reproduction.cells;
+  for (ReproducedCell& cell : cells) {
+    const auto table = std::find_if(still.begin(), still.end(), [&](const OurTable& t) { return t.table == cell.table; });
+    cell.ours = summarize(metric_of(counted_runs(published, *table, cell.trajectory, cell.controller), cell.metric));
+  }
+  for (std::size_t i = 0; i < cells.size(); ++i) reproduction.cells[i].still_m = cells[i].ours.mean;
+  const std::vector<JudgedClaim> judged = judge_claims(published, still, cells);
+  for (std::size_t i = 0; i < judged.size(); ++i) reproduction.claims[i].still = judged[i].verdict;
+}
+
+}  // namespace
 
 Reproduction reproduce(const Published& published, const std::vector<OurTable>& tables,
                        const std::function<Use(const PublishedRow&, std::size_t metric)>& use) {
@@ -105,6 +133,7 @@ Reproduction reproduce(const Published& published, const std::vector<OurTable>& 
     reproduction.cells.insert(reproduction.cells.end(), cells.begin(), cells.end());
   }
   reproduction.claims = judge_claims(published, tables, reproduction.cells);
+  add_still_air(published, tables, reproduction);
   return reproduction;
 }
 
@@ -126,6 +155,8 @@ std::string to_json(const Reproduction& reproduction) {
                              {"ours_sd", number(cell.ours.sd)},
                              {"n", cell.ours.n},
                              {"completed", cell.completed},
+                             {"still_air_mean", number(cell.still_m)},
+                             {"gust_share", number(cell.gust_share())},
                              {"use", to_string(cell.use)},
                              {"ratio", number(cell.ratio())},
                              {"z_score", number(cell.z_score())},
@@ -143,7 +174,9 @@ std::string to_json(const Reproduction& reproduction) {
                               {"verdict", to_string(claim.verdict)},
                               {"p_value", number(claim.p_value)},
                               {"n", claim.n},
-                              {"paper_p_value", number(claim.paper_p_value)}});
+                              {"paper_p_value", number(claim.paper_p_value)},
+                              {"still_air", claim.still ? nlohmann::ordered_json(to_string(*claim.still)) : nlohmann::ordered_json(nullptr)},
+                              {"needs_gust", claim.needs_gust()}});
   json["counts"] = {{"cells", reproduction.cells.size()}, {"within_25_percent", within_25}, {"within_50_percent", within_50}};
   return json.dump(2) + "\n";
 }
@@ -152,7 +185,7 @@ std::string to_svg(const Reproduction& reproduction) {
   svg::Chart chart;
   chart.title = "Mean errors, ours and the paper's; lines: ±25 %";
   chart.x_label = fmt::format("paper, m, {}", runs_text(reproduction.cells, &ReproducedCell::paper));
-  chart.y_label = fmt::format("ours, m, {}: blue fitted, orange predicted, grey proxy", runs_text(reproduction.cells, &ReproducedCell::ours));
+  chart.y_label = fmt::format("ours, m, {}: blue fitted, orange predicted blind, green by construction, red chosen after seeing, grey proxy", runs_text(reproduction.cells, &ReproducedCell::ours));
   chart.log_x = chart.log_y = true;
   chart.width = 720.0;
   chart.height = 480.0;
@@ -163,8 +196,8 @@ std::string to_svg(const Reproduction& reproduction) {
   }
   for (const double factor : {0.75, 1.0, 1.25})
     chart.series.push_back({factor == 1.0 ? "equal" : "band", svg::Mark::line, {low, high}, {factor * low, factor * high}, {}, {}});
-  for (const Use use : {Use::fitted, Use::predicted, Use::proxy}) {
-    svg::Series series{std::string(to_string(use)), svg::Mark::dots, {}, {}, {}, {}};
+  for (const Use use : all_uses) {
+    svg::Series series{class_of(use), svg::Mark::dots, {}, {}, {}, {}};
     for (const ReproducedCell& cell : reproduction.cells)
       if (cell.use == use) {
         series.x.push_back(cell.paper.mean);
@@ -179,7 +212,7 @@ std::string to_svg(const Reproduction& reproduction) {
   text.insert(open + 1,
               "<style>text{font:11px sans-serif;fill:#333}.head{font-weight:bold}.grid{stroke:#ddd}.axis,.tick{stroke:#666}"
               "path{fill:none}.equal{stroke:#333}.band{stroke:#999;stroke-dasharray:4 3}circle{stroke:none}.fitted{fill:#1f77b4}"
-              ".predicted{fill:#ff7f0e}.proxy{fill:#888}</style>");
+              ".predicted-blind{fill:#ff7f0e}.by-construction{fill:#2ca02c}.chosen-after-seeing{fill:#d62728}.proxy{fill:#888}</style>");
   text.insert(4, " xmlns=\"http://www.w3.org/2000/svg\"");
   return text + "\n";
 }

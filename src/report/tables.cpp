@@ -12,42 +12,97 @@ namespace gustlab {
 
 namespace {
 
-std::string caption(const std::vector<TableCell>& cells, double settle_s) {
-  std::size_t fewest = cells.empty() ? 0 : cells.front().total, most = fewest;
-  for (const TableCell& cell : cells) {
-    fewest = std::min(fewest, cell.total);
-    most = std::max(most, cell.total);
+// What the formats share: cells, their names, and which means are the best.
+class Page {
+ public:
+  Page(const Results& results, const TableOptions& options)
+      : cells(aggregate(results.rows)), settle_s(results.settle_s), options_(options), arcs_(results.arcs) {}
+
+  std::string name(const std::string& plain) const {
+    const auto known = options_.names.find(plain);
+    return known == options_.names.end() ? plain : known->second;
   }
-  const std::string runs = fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
-  return fmt::format(
-      "Tracking error in m, planar unless z is named: mean ± sample standard deviation (median) over N = {} runs, samples from {} s on. "
-      "A run that was not completed keeps its errors up to its end.",
-      runs, config::shortest(settle_s));
-}
+
+  // the same table block: one trajectory at one point of the axes
+  static bool together(const TableCell& a, const TableCell& b) {
+    return a.experiment == b.experiment && a.vehicle == b.vehicle && a.trajectory == b.trajectory;
+  }
+  bool is_best(const TableCell& cell, std::size_t metric) const {
+    if (!options_.bold_best) return false;
+    return std::none_of(cells.begin(), cells.end(), [&](const TableCell& other) {
+      return together(other, cell) && other.errors[metric].mean < cell.errors[metric].mean;
+    });
+  }
+
+  std::string caption() const {
+    std::size_t fewest = cells.empty() ? 0 : cells.front().total, most = fewest;
+    for (const TableCell& cell : cells) {
+      fewest = std::min(fewest, cell.total);
+      most = std::max(most, cell.total);
+    }
+    const std::string runs = fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
+    std::string text = fmt::format("Tracking error in m, planar unless z is named: mean ± sample standard deviation{} over N = {} runs, samples from {} s on.",
+                                   options_.format == TableFormat::latex ? "" : " (median)", runs, config::shortest(settle_s));
+    std::string flown;
+    for (const NamedValue& arc : arcs_) flown += fmt::format("{}{} {}", flown.empty() ? "" : "; ", name(arc.name), arc.value);
+    if (!flown.empty()) text += fmt::format(" Flown: {}.", flown);
+    if (std::any_of(cells.begin(), cells.end(), [](const TableCell& cell) { return cell.completed < cell.total; }))
+      text += " A run that was not completed keeps its errors up to its end.";
+    return text;
+  }
+
+  std::vector<TableCell> cells;
+  const double settle_s;
+
+ private:
+  const TableOptions& options_;
+  const std::vector<NamedValue>& arcs_;
+};
+
+std::vector<NamedValue> axes_of(const std::vector<TableCell>& cells) { return cells.empty() ? std::vector<NamedValue>{} : cells.front().axes; }
 
 // nothing of a figure that is not there
 std::string fixed(double value) { return std::isnan(value) ? "–" : fmt::format("{:.3f}", value); }
 
-std::string to_markdown(const std::vector<TableCell>& cells, const std::string& says) {
-  std::string text = "| vehicle | trajectory | controller | completed |";
-  for (const Metric& metric : tracking_metrics) text += fmt::format(" {} |", metric.title);
-  text += "\n|---|---|---|--:|";
-  for (std::size_t i = 0; i < tracking_metrics.size(); ++i) text += "--:|";
-  for (const TableCell& cell : cells) {
-    text += fmt::format("\n| {} | {} | {} | {}/{} |", cell.vehicle, cell.trajectory, cell.controller, cell.completed, cell.total);
-    for (const Summary& error : cell.errors) text += fmt::format(" {} ± {} ({}) |", fixed(error.mean), fixed(error.sd), fixed(error.median));
+std::string to_markdown(const Page& page, const TableOptions& options) {
+  std::string text = "|", rule = "|";
+  for (const NamedValue& axis : axes_of(page.cells)) {
+    text += fmt::format(" {} |", page.name(axis.name));
+    rule += "--:|";
   }
-  return fmt::format("{}\n\n{}\n", text, says);
+  text += " vehicle | trajectory | controller | completed |";
+  rule += "---|---|---|--:|";
+  for (const std::size_t metric : options.columns) {
+    text += fmt::format(" {} |", tracking_metrics[metric].title);
+    rule += "--:|";
+  }
+  text += "\n" + rule;
+  for (const TableCell& cell : page.cells) {
+    text += "\n|";
+    for (const NamedValue& axis : cell.axes) text += fmt::format(" {} |", axis.value);
+    text += fmt::format(" {} | {} | {} | {}/{} |", page.name(cell.vehicle), page.name(cell.trajectory), page.name(cell.controller), cell.completed, cell.total);
+    for (const std::size_t metric : options.columns) {
+      const Summary& error = cell.errors[metric];
+      const std::string stars = page.is_best(cell, metric) ? "**" : "";
+      text += fmt::format(" {}{} ± {}{} ({}) |", stars, fixed(error.mean), fixed(error.sd), stars, fixed(error.median));
+    }
+  }
+  return fmt::format("{}\n\n{}\n", text, page.caption());
 }
 
-std::string to_csv(const std::vector<TableCell>& cells, double settle_s) {
+std::string to_csv(const Page& page, const TableOptions& options) {
   std::string text = "experiment,vehicle,trajectory,controller,settle_s,completed,total";
-  for (const Metric& metric : tracking_metrics) text += fmt::format(",{0}_mean,{0}_sd,{0}_median", metric.name);
+  for (const std::size_t metric : options.columns) text += fmt::format(",{0}_mean,{0}_sd,{0}_median", tracking_metrics[metric].name);
+  for (const NamedValue& axis : axes_of(page.cells)) text += "," + axis.name;
   const auto number = [](double value) { return std::isnan(value) ? "" : config::shortest(value); };
-  for (const TableCell& cell : cells) {
+  for (const TableCell& cell : page.cells) {
     text += fmt::format("\n{},{},{},{},{},{},{}", cell.experiment, cell.vehicle, cell.trajectory, cell.controller,
-                        config::shortest(settle_s), cell.completed, cell.total);
-    for (const Summary& error : cell.errors) text += fmt::format(",{},{},{}", number(error.mean), number(error.sd), number(error.median));
+                        config::shortest(page.settle_s), cell.completed, cell.total);
+    for (const std::size_t metric : options.columns) {
+      const Summary& error = cell.errors[metric];
+      text += fmt::format(",{},{},{}", number(error.mean), number(error.sd), number(error.median));
+    }
+    for (const NamedValue& axis : cell.axes) text += "," + axis.value;
   }
   return text + "\n";
 }
@@ -67,39 +122,53 @@ std::string latex_text(std::string_view plain) {
   return text;
 }
 
-// mean and deviation in one siunitx number
-std::string latex_number(const Summary& error) {
+std::string latex_number(const Summary& error, bool best) {
   if (std::isnan(error.mean)) return "--";
-  if (std::isnan(error.sd)) return fmt::format("\\num{{{:.3f}}}", error.mean);
-  return fmt::format("\\num{{{:.3f} +- {:.3f}}} (\\num{{{:.3f}}})", error.mean, error.sd, error.median);
+  std::string text = fmt::format("{:.3f}", error.mean);
+  if (!std::isnan(error.sd)) text += fmt::format(" $\\pm$ {:.3f}", error.sd);
+  return best ? "\\textbf{" + text + "}" : text;
 }
 
-std::string to_latex(const std::vector<TableCell>& cells, const std::string& says) {
-  std::string text =
-      "% \\usepackage{booktabs,siunitx}\n\\begin{table}\n\\centering\n\\sisetup{separate-uncertainty = true}\n";
-  text += fmt::format("\\caption{{{}}}\n\\begin{{tabular}}{{lllr{}}}\n\\toprule\n", latex_text(says),
-                      std::string(tracking_metrics.size(), 'r'));
-  text += "Vehicle & Trajectory & Controller & Completed";
-  for (const Metric& metric : tracking_metrics) text += fmt::format(" & {}", metric.title);
-  text += " \\\\\n\\midrule\n";
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const TableCell& cell = cells[i];
-    // a rule between trajectories
-    if (i > 0 && cell.trajectory != cells[i - 1].trajectory) text += "\\addlinespace\n";
-    text += fmt::format("{} & {} & {} & {}/{}", latex_text(cell.vehicle), latex_text(cell.trajectory), latex_text(cell.controller),
-                        cell.completed, cell.total);
-    for (const Summary& error : cell.errors) text += fmt::format(" & {}", latex_number(error));
-    text += " \\\\\n";
+// the layout of the paper's own tables: a block for each trajectory, a line for each controller
+std::string to_latex(const Page& page, const TableOptions& options) {
+  const std::vector<NamedValue> axes = axes_of(page.cells);
+  const std::size_t leading = axes.size() + 1, all = leading + 1 + options.columns.size();
+  std::string text = fmt::format("% \\usepackage{{multirow}}\n\\begin{{table*}}[t]\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n\\scriptsize\n",
+                                 latex_text(page.caption()), options.label.empty() ? page.cells.front().experiment.substr(0, page.cells.front().experiment.find('.')) : options.label);
+  text += "\\begin{tabular}{|";
+  for (std::size_t i = 0; i < all; ++i) text += "c|";
+  text += "}\n\\hline\n";
+  for (const NamedValue& axis : axes) text += fmt::format("\\textbf{{{}}} & ", latex_text(page.name(axis.name)));
+  text += "\\textbf{Trajectory} & \\textbf{Control}";
+  std::string units;
+  for (std::size_t i = 0; i < leading; ++i) units += " &";
+  for (const std::size_t metric : options.columns) {
+    text += fmt::format(" & \\textbf{{{}}}", tracking_metrics[metric].latex);
+    units += " & \\textbf{[m]}";
   }
-  return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
+  text += " \\\\\n" + units + " \\\\\n\\hline\n";
+  for (std::size_t i = 0; i < page.cells.size(); ++i) {
+    const TableCell& cell = page.cells[i];
+    const bool begins = i == 0 || !Page::together(cell, page.cells[i - 1]), ends = i + 1 == page.cells.size() || !Page::together(cell, page.cells[i + 1]);
+    std::size_t rows = 0;
+    for (const TableCell& other : page.cells) rows += Page::together(other, cell);
+    for (const NamedValue& axis : cell.axes) text += (begins ? fmt::format("\\multirow{{{}}}{{*}}{{{}}}", rows, latex_text(axis.value)) : "") + " & ";
+    if (begins) text += fmt::format("\\multirow{{{}}}{{*}}{{{}}}", rows, latex_text(page.name(cell.trajectory)));
+    text += " & " + latex_text(page.name(cell.controller));
+    if (cell.completed < cell.total) text += fmt::format(" ({}/{})", cell.completed, cell.total);
+    for (const std::size_t metric : options.columns) text += " & " + latex_number(cell.errors[metric], page.is_best(cell, metric));
+    text += ends ? " \\\\\n\\hline\n" : fmt::format(" \\\\\n\\cline{{{}-{}}}\n", leading + 1, all);
+  }
+  return text + "\\end{tabular}\n\\end{table*}\n";
 }
 
-std::string to_json(const std::vector<TableCell>& cells, const std::string& says, double settle_s) {
-  nlohmann::ordered_json table{{"format", "gustlab-table/1"}, {"caption", says}, {"settle_s", settle_s}};
+std::string to_json(const Page& page) {
+  nlohmann::ordered_json table{{"format", "gustlab-table/1"}, {"caption", page.caption()}, {"settle_s", page.settle_s}};
   table["cells"] = nlohmann::ordered_json::array();
-  for (const TableCell& cell : cells) {
+  for (const TableCell& cell : page.cells) {
     nlohmann::ordered_json entry{{"experiment", cell.experiment}, {"vehicle", cell.vehicle},     {"trajectory", cell.trajectory},
                                  {"controller", cell.controller}, {"completed", cell.completed}, {"total", cell.total}};
+    for (const NamedValue& axis : cell.axes) entry["axes"][axis.name] = axis.value;
     for (std::size_t i = 0; i < tracking_metrics.size(); ++i) {
       const Summary& error = cell.errors[i];
       entry[std::string(tracking_metrics[i].name)] = {{"mean", error.mean}, {"sd", error.sd}, {"median", error.median}, {"n", error.n}};
@@ -119,6 +188,13 @@ std::optional<TableFormat> find_table_format(std::string_view name) {
   return std::nullopt;
 }
 
+std::optional<std::size_t> find_tracking_metric(std::string_view name) {
+  if (name.empty()) return std::nullopt;
+  for (std::size_t i = 0; i < tracking_metrics.size(); ++i)
+    if (tracking_metrics[i].name.starts_with(name)) return i;
+  return std::nullopt;
+}
+
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {
   std::vector<TableCell> cells;
   std::vector<std::array<std::vector<double>, tracking_metrics.size()>> values;
@@ -129,7 +205,7 @@ std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {
     };
     const auto place = static_cast<std::size_t>(std::find_if(cells.begin(), cells.end(), same) - cells.begin());
     if (place == cells.size()) {
-      cells.push_back({row.experiment, row.vehicle, row.trajectory, row.controller, 0, 0, {}});
+      cells.push_back({row.experiment, row.vehicle, row.trajectory, row.controller, row.axes, 0, 0, {}});
       values.emplace_back();
     }
     ++cells[place].total;
@@ -141,14 +217,13 @@ std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {
   return cells;
 }
 
-std::string to_table(const Results& results, TableFormat format) {
-  const std::vector<TableCell> cells = aggregate(results.rows);
-  const std::string says = caption(cells, results.settle_s);
-  switch (format) {
-    case TableFormat::md: return to_markdown(cells, says);
-    case TableFormat::csv: return to_csv(cells, results.settle_s);
-    case TableFormat::latex: return to_latex(cells, says);
-    case TableFormat::json: return to_json(cells, says, results.settle_s);
+std::string to_table(const Results& results, const TableOptions& options) {
+  const Page page(results, options);
+  switch (options.format) {
+    case TableFormat::md: return to_markdown(page, options);
+    case TableFormat::csv: return to_csv(page, options);
+    case TableFormat::latex: return to_latex(page, options);
+    case TableFormat::json: return to_json(page);
   }
   return {};
 }

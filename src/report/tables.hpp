@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,25 +20,36 @@ std::optional<TableFormat> find_table_format(std::string_view name);
 struct Metric {
   std::string_view name;    // of the column in runs.csv
   std::string_view title;
+  std::string_view latex;
   double ResultRow::*value;
 };
 inline constexpr std::array<Metric, 5> tracking_metrics{{
-    {"rmse_xy_m", "RMSE", &ResultRow::rmse_xy_m},
-    {"mae_xy_m", "MAE", &ResultRow::mae_xy_m},
-    {"p95_xy_m", "P95", &ResultRow::p95_xy_m},
-    {"max_xy_m", "Max", &ResultRow::max_xy_m},
-    {"rmse_z_m", "RMSE z", &ResultRow::rmse_z_m},
+    {"rmse_xy_m", "RMSE", "RMSE$_{xy}$", &ResultRow::rmse_xy_m},
+    {"mae_xy_m", "MAE", "MAE$_{xy}$", &ResultRow::mae_xy_m},
+    {"p95_xy_m", "P95", "P95$_{\\|xy\\|}$", &ResultRow::p95_xy_m},
+    {"max_xy_m", "Max", "Max$_{\\|xy\\|}$", &ResultRow::max_xy_m},
+    {"rmse_z_m", "RMSE z", "RMSE$_{z}$", &ResultRow::rmse_z_m},
 }};
+// A metric's place by its name, or the beginning of it: rmse, p95, rmse_z.
+std::optional<std::size_t> find_tracking_metric(std::string_view name);
 
 // All runs of one vehicle, trajectory and controller.
 struct TableCell {
   std::string experiment, vehicle, trajectory, controller;
+  std::vector<NamedValue> axes;
   std::size_t completed = 0, total = 0;
   std::array<Summary, tracking_metrics.size()> errors;  // over all runs, crashed ones too
 };
 // In the order in which the cells first appear.
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows);
 
-std::string to_table(const Results& results, TableFormat format);
+struct TableOptions {
+  TableFormat format = TableFormat::md;
+  std::vector<std::size_t> columns{0, 1, 2, 3, 4};  // of tracking_metrics
+  bool bold_best = false;                           // the least mean of each trajectory (and point of the axes)
+  std::map<std::string, std::string> names{};       // what a vehicle, trajectory, controller or axis is called in the table
+  std::string label{};                              // LaTeX's; empty: the experiment's name
+};
+std::string to_table(const Results& results, const TableOptions& options);
 
 }  // namespace gustlab

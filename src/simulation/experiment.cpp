@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -15,6 +14,7 @@
 #include "gustlab/errors.hpp"
 #include "gustlab/trajectory.hpp"
 #include "simulation/flight.hpp"
+#include "simulation/variants.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
@@ -46,13 +46,6 @@ class ExperimentKeys final : public Parameterized {
     log.visit(visitor);
   }
 };
-
-// names go into CSV cells and file names as they are
-void check_name(const config::Table& table, std::string_view key, const std::string& name) {
-  const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
-  if (name.empty() || !std::all_of(name.begin(), name.end(), plain))
-    table.fail(key, fmt::format("\"{}\" is no name", name), "letters, digits, _, - and . make a name", "");
-}
 
 // parameters of one name in [trajectory.NAME] or [controller.NAME]; `type` is the name unless given
 Choice read_choice(const std::string& name, std::optional<config::Table> table, const std::string& where) {
@@ -88,7 +81,11 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
   for (const auto& row : registry) known.emplace_back(row.name);
   const auto check_type = [&](const Choice& choice) {
     if (std::find(known.begin(), known.end(), choice.spec.type) != known.end()) return;
-    const std::string near = config::suggest(choice.spec.type, known);
+    std::string near = config::suggest(choice.spec.type, known);
+    // a name of the field that is not ours: what a row says of itself may have it
+    for (const auto& row : registry)
+      if (near.empty() && choice.spec.type.size() > 3 && config::lower(row.says).find(config::lower(choice.spec.type)) != std::string::npos)
+        near = fmt::format("did you mean \"{}\"?", row.name);
     throw ConfigError(fmt::format("{}: unknown {} \"{}\" {}", choice.spec.where, kind, choice.spec.type,
                                   near.empty() ? fmt::format("(see `gustlab list {}`)", key) : near));
   };
@@ -109,26 +106,6 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
     for (const std::string& name : tables->keys())
       if (seen.count(name) == 0) check_type(read_choice(name, tables->table(name), tables->where(name)));
   return choices;
-}
-
-// [[variant]]: what it is called, and what it changes
-struct Variant {
-  std::string name;
-  std::vector<std::string> set;
-  bool held_out = false;
-  std::string set_where;  // file:line:col
-};
-std::vector<Variant> read_variant_tables(config::Table& document) {
-  std::vector<Variant> variants;
-  std::set<std::string> seen;
-  for (config::Table& table : document.tables("variant")) {
-    variants.push_back({table.need_text("name"), table.texts("set").value_or(std::vector<std::string>{}),
-                        table.flag("held_out").value_or(false), table.where("set")});
-    check_name(table, "name", variants.back().name);
-    if (!seen.insert(variants.back().name).second)
-      table.fail("name", fmt::format("variant \"{}\" is here twice", variants.back().name), "", "rename one");
-  }
-  return variants;
 }
 
 // what an error says of a setting that a file asks for, as if it stood on the command line; nothing when it is about another
@@ -156,6 +133,29 @@ Included read_included(config::Table& experiment, const std::string& path, std::
   return included;
 }
 
+// leaves the variants of these names, or all when there is none
+void choose(std::vector<Variant>& variants, const std::vector<std::string>& only, const std::string& path) {
+  std::vector<std::string> known;
+  for (const Variant& variant : variants) known.push_back(variant.name);
+  for (const std::string& name : only)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw ConfigError(fmt::format("{}: there is no variant \"{}\" (it has {}) {}", path, name,
+                                    known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")), config::suggest(name, known)));
+  if (!only.empty()) std::erase_if(variants, [&](const Variant& variant) { return std::find(only.begin(), only.end(), variant.name) == only.end(); });
+}
+
+// an override above what a variant sets would make variants alike
+void check_not_lost(const std::vector<std::string>& overrides, const std::vector<Variant>& variants) {
+  for (const std::string& text : overrides)
+    for (const std::string& key : config::override_keys(text))
+      for (const Variant& variant : variants)
+        for (const std::string& setting : variant.set)
+          for (const std::string& own : config::override_keys(setting))
+            if (own == key || own.starts_with(key + ".") || key.starts_with(own + "."))
+              throw ConfigError(fmt::format("--set {}: variant \"{}\" sets {} itself ({}; its value would be lost) fly others with --variant, or change "
+                                            "the file", text, variant.name, own, variant.where));
+}
+
 // a flight of each trajectory and each controller is made once, so that what does not fit shows before anything runs
 void check_flights(const Experiment& experiment, const config::Table& document) {
   RunSpec spec;
@@ -178,6 +178,10 @@ void FlightOptions::visit(ParameterVisitor& visitor) {
                  {.unit = "Hz", .help = "rate at which position, velocity and reference reach the controller; 0: every tick", .min = 0.0});
   visitor.number("offboard_delay_s", offboard_delay_s,
                  {.unit = "s", .help = "age at which position and velocity reach the controller, over the same link", .min = 0.0, .max = 1.0});
+  visitor.number("offboard_jitter_s", offboard_jitter_s,
+                 {.unit = "s", .help = "what a message of the link may be later than that, uniformly; one that is overtaken is dropped", .min = 0.0, .max = 1.0});
+  visitor.number("offboard_dropout", offboard_dropout,
+                 {.unit = "-", .help = "share of the messages that are lost; set points hold then, too", .min = 0.0, .max = 0.99});
   visitor.number("max_error_m", max_error_m, {.unit = "m", .help = "farther from the reference: left_envelope", .min = 0.0});
   visitor.number("max_speed_mps", max_speed_mps, {.unit = "m/s", .help = "faster: left_envelope", .min = 0.0});
 }
@@ -220,10 +224,12 @@ void check_override(const std::string& path, std::vector<std::string> overrides,
   }
 }
 
-std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides) {
+std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides, const std::vector<std::string>& only) {
   config::Table document = config::Table::read_file(path);
-  const std::vector<Variant> variants = read_variant_tables(document);
+  std::vector<Variant> variants = read_variant_tables(document);
+  choose(variants, only, path);
   if (variants.empty()) return {read_experiment(path, overrides)};
+  check_not_lost(overrides, variants);
   std::vector<Experiment> experiments;
   for (const Variant& variant : variants) {
     std::vector<std::string> set = variant.set;
@@ -232,12 +238,14 @@ std::vector<Experiment> read_variants(const std::string& path, const std::vector
       experiments.push_back(read_experiment(path, set));
     } catch (const ConfigError& error) {
       for (const std::string& setting : variant.set)
-        if (const auto said = said_of(setting, error)) throw ConfigError(fmt::format("{}: {}", variant.set_where, *said));
+        if (const auto said = said_of(setting, error)) throw ConfigError(fmt::format("{}: {}", variant.where, *said));
       throw;
     }
     Experiment& experiment = experiments.back();
     experiment.name += "." + variant.name;
     experiment.variant = variant.name;
+    experiment.variant_place = experiments.size() - 1;
+    experiment.axes = variant.axes;
     experiment.held_out = variant.held_out;
   }
   return experiments;

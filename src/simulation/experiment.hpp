@@ -19,6 +19,12 @@ struct Choice {
   EffectSpec spec;  // type in its registry, and parameters
 };
 
+// A value in words: where a variant stands on an axis, how much of a trajectory was flown.
+struct NamedValue {
+  std::string name, value;
+  bool operator==(const NamedValue&) const = default;
+};
+
 // What a flight is besides vehicle, trajectory and controller.
 struct FlightOptions final : Parameterized {
   double duration_s = 0.0;         // 0: as long as the trajectory says
@@ -26,6 +32,8 @@ struct FlightOptions final : Parameterized {
   double settle_s = 0.0;           // samples before it do not count
   double offboard_rate_hz = 0.0;   // position, velocity and reference reach the controller at this rate; 0: every tick
   double offboard_delay_s = 0.0;   // age at which position and velocity reach it
+  double offboard_jitter_s = 0.0;  // what a message may be later than that, drawn for each
+  double offboard_dropout = 0.0;   // share of the messages that are lost, set points with them
   // the envelope, far beyond any flight that is worth a figure
   double max_error_m = 100.0;      // distance from the reference
   double max_speed_mps = 50.0;
@@ -50,7 +58,9 @@ struct Experiment {
   std::int64_t seed = 1;
   FlightOptions flight;
   LogOptions log;
-  std::string variant;             // name of its [[variant]]; empty: it is the experiment as it stands
+  std::string variant;             // name of its [[variant]] or point of its grid; empty: it is the experiment as it stands
+  std::vector<NamedValue> axes;    // "variant" where it is a [[variant]], then the [[axis]] tables in their order
+  std::size_t variant_place = 0;   // among the variants, from 0
   bool held_out = false;           // a variant that training only tests on
   bool speed_is_logged = false;    // concealed trials: see Plant::Options
 };
@@ -68,9 +78,11 @@ std::string to_hex(const std::array<std::uint64_t, 2>& key);
 // Throws ConfigError with file:line:col, also for what would only show in flight: a step that does not divide the
 // controller's period, a trajectory that contradicts itself. `overrides` are `key=value` pairs with dotted keys.
 Experiment read_experiment(const std::string& path, const std::vector<std::string>& overrides = {});
-// The variants of a file: one experiment for each [[variant]], named NAME.VARIANT, in which the overrides of its list `set`
-// hold (and `overrides` above them); without any, the experiment itself. Throws as above.
-std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides = {});
+// The variants of a file: one experiment for each [[variant]] and each point of the grid of its [[axis]] tables, named
+// NAME.VARIANT, in which the variant's settings hold (and `overrides`, which may not be of the same keys); without any, the
+// experiment itself. `only`: the names of those to read, all when empty. Throws as above.
+std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides = {},
+                                      const std::vector<std::string>& only = {});
 // The same from a table that was read already, but for its format; `path` is what relative paths resolve against.
 Experiment make_experiment(config::Table& document, const std::string& path);
 // Whether `setting` could be set above `overrides`, for a file that asks for it at `where`. Throws ConfigError there.
@@ -82,6 +94,8 @@ std::unique_ptr<Parameterized> make_experiment_keys();
 
 // Every run, by trajectory, then controller, then replicate.
 std::vector<RunSpec> plan(const Experiment& experiment);
+// How much of each trajectory a flight flies, for captions: circle: "17.4 s, 2.2 m, 0.32 laps".
+std::vector<NamedValue> arcs_of(const Experiment& experiment);
 // Everything that can change a result of the experiment; equal texts and equal programs give equal bytes.
 std::string resolved_text(const Experiment& experiment);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
@@ -47,26 +48,51 @@ bool is_finite(const RotorCommand& command) {
   return std::isfinite(sum);
 }
 
-// The offboard link: what is measured aboard now, with pose and velocity of the last message that arrived.
+// The offboard link: what is measured aboard now, with pose and velocity of the newest message that arrived, and the set point of
+// the last that was not lost. The first message is there from the start.
 class OffboardLink {
  public:
-  explicit OffboardLink(Flight& flight)
-      : period_(flight.ticks_per_offboard), delay_(flight.offboard_delay_ticks), sent_(flight.link_messages) {}
+  explicit OffboardLink(Flight& flight) : flight_(flight), sent_(flight.link_messages) {}
+
+  void send(const Observation& seen, const Reference& set_point, std::int64_t tick) {
+    if (tick % flight_.ticks_per_offboard != 0) return;
+    const std::int64_t number = tick / flight_.ticks_per_offboard;
+    const FlightOptions& link = flight_.options;
+    const auto [lost, late, unused, unused_too] = flight_.link_stream.uniform4(static_cast<std::uint64_t>(number));
+    const double age_s = number == 0 ? 0.0 : link.offboard_delay_s + late * link.offboard_jitter_s;
+    const bool is_lost = number > 0 && lost < link.offboard_dropout;
+    message(number) = {is_lost ? std::numeric_limits<std::int64_t>::max() : tick + std::llround(age_s / flight_.tick_s), seen.pose_time_s,
+                       seen.position_W_m, seen.velocity_W_mps};
+    if (!is_lost) reference_ = set_point;
+    newest_ = number;
+  }
 
   Observation over(Observation seen, std::int64_t tick) {
-    if (tick % period_ == 0) message(tick) = {seen.pose_time_s, seen.position_W_m, seen.velocity_W_mps};
-    const LinkMessage& arrived = message(std::max<std::int64_t>(0, tick - delay_));
-    seen.pose_time_s = arrived.time_s;
-    seen.position_W_m = arrived.position_W_m;
-    seen.velocity_W_mps = arrived.velocity_W_mps;
+    const auto oldest = std::max<std::int64_t>(0, newest_ + 1 - static_cast<std::int64_t>(sent_.size()));
+    for (std::int64_t number = newest_; number >= oldest; --number) {
+      const LinkMessage& sent = message(number);
+      // an older one that comes in later is of no use
+      if (sent.time_s < arrived_.time_s) break;
+      if (sent.arrival_tick > tick) continue;
+      arrived_ = sent;
+      break;
+    }
+    seen.pose_time_s = arrived_.time_s;
+    seen.position_W_m = arrived_.position_W_m;
+    seen.velocity_W_mps = arrived_.velocity_W_mps;
     return seen;
   }
 
- private:
-  LinkMessage& message(std::int64_t tick) { return sent_[static_cast<std::size_t>(tick / period_) % sent_.size()]; }
+  const Reference& reference() const { return reference_; }
 
-  std::int64_t period_, delay_;
+ private:
+  LinkMessage& message(std::int64_t number) { return sent_[static_cast<std::size_t>(number) % sent_.size()]; }
+
+  Flight& flight_;
   std::vector<LinkMessage>& sent_;
+  std::int64_t newest_ = 0;
+  LinkMessage arrived_{0, -std::numeric_limits<double>::infinity()};
+  Reference reference_;
 };
 
 Plant::Options plant_options(const Experiment& experiment, const RunSpec& spec) {
@@ -103,30 +129,50 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   steps_per_tick = divide("step_s", period_s, options.step_s, period_says, "\"step_s\"");
   if (options.offboard_rate_hz > 0.0)
     ticks_per_offboard = divide("offboard_rate_hz", 1.0 / options.offboard_rate_hz, period_s, "the period of \"offboard_rate_hz\",", period_says);
-  offboard_delay_ticks = std::llround(options.offboard_delay_s / period_s);
-  link_messages.resize(static_cast<std::size_t>(offboard_delay_ticks / ticks_per_offboard) + 2);
+  tick_s = period_s;
+  rotors = static_cast<std::size_t>(experiment.vehicle.rotor_count);
+  link_stream = RandomStream(static_cast<std::uint64_t>(experiment.seed), spec.replicate, "offboard link");
+  const double longest_s = options.offboard_delay_s + options.offboard_jitter_s;
+  link_messages.resize(static_cast<std::size_t>(longest_s / (period_s * static_cast<double>(ticks_per_offboard))) + 3);
   ticks = static_cast<std::int64_t>(std::round(options.duration_s / period_s));
 
   plant.reset(start_state(*trajectory, experiment.vehicle));
   config::at_place(law.spec, [&] { controller->reset({experiment.vehicle, period_s}, plant.observe(true)); });
 }
 
-FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder) {
+std::vector<NamedValue> arcs_of(const Experiment& experiment) {
+  constexpr double interval_s = 0.01;
+  std::vector<NamedValue> arcs;
+  RunSpec spec;
+  for (spec.trajectory = 0; spec.trajectory < experiment.trajectories.size(); ++spec.trajectory) {
+    const Flight flight(experiment, spec);
+    const double duration_s = flight.options.duration_s, lap_s = flight.trajectory->lap_s();
+    double length_m = 0.0;
+    for (std::int64_t k = 0; static_cast<double>(k + 1) * interval_s <= duration_s + 1e-9; ++k)
+      length_m += (flight.trajectory->at(static_cast<double>(k + 1) * interval_s).position_W_m -
+                   flight.trajectory->at(static_cast<double>(k) * interval_s).position_W_m).norm();
+    arcs.push_back({experiment.trajectories[spec.trajectory].name,
+                    fmt::format("{} s, {:.1f} m{}", config::shortest(duration_s), length_m, lap_s > 0.0 ? fmt::format(", {:.2f} laps", duration_s / lap_s) : "")});
+  }
+  return arcs;
+}
+
+FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder, Effort* effort) {
   Plant& plant = flight.plant;
   const bool with_accelerometer = flight.controller->uses_accelerometer() || recorder != nullptr;
   const double max_error_m2 = flight.options.max_error_m * flight.options.max_error_m;
   const double max_speed_m2ps2 = flight.options.max_speed_mps * flight.options.max_speed_mps;
   OffboardLink link(flight);
-  Reference reference;  // as it came over the link last
 
   for (std::int64_t tick = 0; tick < flight.ticks; ++tick) {
     const VehicleState& truth = plant.state();
     const Reference here = flight.trajectory->at(truth.time_s);
     error.add(truth.time_s, truth.position_W_m, here.position_W_m);
+    if (effort != nullptr) effort->add(truth.time_s, {truth.rotor_speed_radps.data(), flight.rotors});
 
     const Observation measured = plant.observe(with_accelerometer);
-    if (tick % flight.ticks_per_offboard == 0) reference = here;
-    const RotorCommand command = flight.controller->update(link.over(measured, tick), reference);
+    link.send(measured, here, tick);
+    const RotorCommand command = flight.controller->update(link.over(measured, tick), link.reference());
     if (!is_finite(command)) return {Outcome::controller_nonfinite, truth.time_s};
     if (recorder != nullptr) recorder->append(flight, measured, here, command);
 
@@ -144,8 +190,9 @@ FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder) {
 RunRecord run(const Experiment& experiment, const RunSpec& spec) {
   Flight flight(experiment, spec);
   TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
-  const FlightEnd end = fly(flight, error, nullptr);
-  return {spec, end.outcome, end.time_s, error.figures()};
+  Effort effort(flight.options.settle_s, flight.tick_s);
+  const FlightEnd end = fly(flight, error, nullptr, &effort);
+  return {spec, end.outcome, end.time_s, error.figures(), effort.figures()};
 }
 
 }  // namespace gustlab

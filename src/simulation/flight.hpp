@@ -8,6 +8,7 @@
 
 #include "gustlab/controller.hpp"
 #include "gustlab/trajectory.hpp"
+#include "metrics/effort.hpp"
 #include "metrics/tracking_error.hpp"
 #include "plant/plant.hpp"
 #include "simulation/experiment.hpp"
@@ -24,12 +25,14 @@ struct RunRecord {
   Outcome outcome = Outcome::completed;
   double duration_s = 0.0;  // flown
   TrackingFigures error;
+  EffortFigures effort;
 };
 
 class FlightRecorder;
 
 // A pose as it was sent over the offboard link.
 struct LinkMessage {
+  std::int64_t arrival_tick = 0;
   double time_s = 0.0;
   Vector3 position_W_m = Vector3::Zero(), velocity_W_mps = Vector3::Zero();
 };
@@ -46,7 +49,9 @@ struct Flight {
   std::int64_t ticks = 0;                  // updates of the controller
   std::int64_t steps_per_tick = 1;         // of the plant
   std::int64_t ticks_per_offboard = 1;     // between two messages of the offboard link
-  std::int64_t offboard_delay_ticks = 0;   // between the sending of a message and its arrival
+  double tick_s = 0.0;                     // between two updates of the controller
+  std::size_t rotors = 0;
+  RandomStream link_stream;                // which messages of the link are lost, and how late the others are
   std::vector<LinkMessage> link_messages;  // ring of those that are under way
 };
 
@@ -55,9 +60,9 @@ struct FlightEnd {
   double time_s;
 };
 
-// Flies a flight that was just made. Contract: time is step × dt, never accumulated; the errors sample every tick
-// up to the one that ends the flight; no heap allocation, with or without a recorder.
-FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder);
+// Flies a flight that was just made. Contract: time is step × dt, never accumulated; errors and effort (where it is asked for) sample
+// every tick up to the one that ends the flight; no heap allocation, with or without a recorder.
+FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder, Effort* effort = nullptr);
 
 // A planned run from start to figures.
 RunRecord run(const Experiment& experiment, const RunSpec& spec);

@@ -77,8 +77,9 @@ LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec) {
   Flight flight(experiment, spec);
   TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
   FlightRecorder recorder(experiment, flight);
-  const FlightEnd end = fly(flight, error, &recorder);
-  return {{spec, end.outcome, end.time_s, error.figures()}, recorder.take()};
+  Effort effort(flight.options.settle_s, flight.tick_s);
+  const FlightEnd end = fly(flight, error, &recorder, &effort);
+  return {{spec, end.outcome, end.time_s, error.figures(), effort.figures()}, recorder.take()};
 }
 
 void write_run_log(FlightLog log, const Experiment& experiment, const std::string& csv_path) {

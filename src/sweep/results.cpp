@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <sstream>
 
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
@@ -16,6 +18,8 @@ namespace {
 
 constexpr std::string_view header =
     "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,key";
+// behind them, where the table is of this version of the program; behind these, the axes
+constexpr std::string_view effort_columns = ",rotor_sd_radps,rotor_rate_radps2";
 
 std::string cell(double value) { return std::isnan(value) ? "" : config::shortest(value); }
 
@@ -64,18 +68,30 @@ class Cells {
 
 bool is_figure(double value) { return std::isnan(value) || (value >= 0.0 && value <= 1e12); }
 
-std::string csv_header() { return fmt::format("{}\n", header); }
+std::string csv_header(const std::vector<NamedValue>& axes) {
+  std::string text = fmt::format("{}{}", header, effort_columns);
+  for (const NamedValue& axis : axes) text += "," + axis.name;
+  return text + "\n";
+}
 
 std::string csv_line(const ResultRow& row) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.experiment, row.vehicle, row.trajectory, row.controller,
-                     row.replicate, to_string(row.outcome), cell(row.duration_s), cell(row.rmse_xy_m), cell(row.mae_xy_m),
-                     cell(row.p95_xy_m), cell(row.max_xy_m), cell(row.rmse_z_m), row.key);
+  std::string text = fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.experiment, row.vehicle, row.trajectory, row.controller, row.replicate,
+                                 to_string(row.outcome), cell(row.duration_s), cell(row.rmse_xy_m), cell(row.mae_xy_m), cell(row.p95_xy_m),
+                                 cell(row.max_xy_m), cell(row.rmse_z_m), row.key, cell(row.rotor_sd_radps), cell(row.rotor_rate_radps2));
+  for (const NamedValue& axis : row.axes) text += "," + axis.value;
+  return text + "\n";
 }
 
 std::string to_csv(const std::vector<ResultRow>& rows) {
-  std::string text = csv_header();
+  std::string text = csv_header(rows.empty() ? std::vector<NamedValue>{} : rows.front().axes);
   for (const ResultRow& row : rows) text += csv_line(row);
   return text;
+}
+
+void check_axis_names(const Experiment& experiment) {
+  for (const NamedValue& axis : experiment.axes)
+    if (fmt::format(",{}{},", header, effort_columns).find(fmt::format(",{},", axis.name)) != std::string::npos)
+      throw ConfigError(fmt::format("{}: an axis is called \"{}\" (runs.csv has such a column) give it another name", experiment.name, axis.name));
 }
 
 std::vector<ResultRow> read_results_csv(const std::string& path) {
@@ -83,8 +99,13 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
   note_input(path);
   std::ifstream file(path);
   std::string line;
-  if (!std::getline(file, line) || line != header)
+  if (!std::getline(file, line) || (line != header && !line.starts_with(std::string(header) + ",")))
     throw DataError(fmt::format("{}:1:1: not a table of runs (expected the header {})", path, header));
+  line.erase(0, header.size());
+  const bool has_effort = line.starts_with(effort_columns);
+  if (has_effort) line.erase(0, effort_columns.size());
+  std::vector<NamedValue> axes;
+  for (std::istringstream names(line.empty() ? line : line.substr(1)); std::getline(names, line, ',');) axes.push_back({line, ""});
 
   std::vector<ResultRow> rows;
   for (int number = 2; std::getline(file, line); ++number) {
@@ -98,6 +119,10 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
     for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m})
       cells.next_figure(*value);
     row.key = cells.next();
+    if (has_effort)
+      for (double* value : {&row.rotor_sd_radps, &row.rotor_rate_radps2}) cells.next_figure(*value);
+    row.axes = axes;
+    for (NamedValue& axis : row.axes) axis.value = cells.next();
     cells.finish();
     rows.push_back(std::move(row));
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <sstream>
 
 #include "config/toml.hpp"
 #include "gustlab/build_info.hpp"
@@ -17,9 +18,9 @@ CREATE TABLE provenance(name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWI
 CREATE TABLE plan(run INTEGER PRIMARY KEY, trajectory TEXT NOT NULL, controller TEXT NOT NULL, replicate INTEGER NOT NULL,
                   key TEXT NOT NULL);
 CREATE TABLE flown(run INTEGER PRIMARY KEY REFERENCES plan(run), outcome TEXT NOT NULL, duration_s REAL, rmse_xy_m REAL,
-                   mae_xy_m REAL, p95_xy_m REAL, max_xy_m REAL, rmse_z_m REAL);
+                   mae_xy_m REAL, p95_xy_m REAL, max_xy_m REAL, rmse_z_m REAL, rotor_sd_radps REAL, rotor_rate_radps2 REAL);
 CREATE VIEW runs AS SELECT trajectory, controller, replicate, outcome, duration_s, rmse_xy_m, mae_xy_m, p95_xy_m, max_xy_m,
-                           rmse_z_m, key FROM plan JOIN flown USING (run) ORDER BY run;
+                           rmse_z_m, key, rotor_sd_radps, rotor_rate_radps2 FROM plan JOIN flown USING (run) ORDER BY run;
 )";
 
 // what decides the last bits of a result beside the program: libm picks its code by these
@@ -40,6 +41,19 @@ std::string cpu_features() {
   return features;
 }
 
+// one name=value a line
+std::string to_lines(const std::vector<NamedValue>& values) {
+  std::string text;
+  for (const NamedValue& value : values) text += fmt::format("{}={}\n", value.name, value.value);
+  return text;
+}
+std::vector<NamedValue> from_lines(const std::string& text) {
+  std::vector<NamedValue> values;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) values.push_back({line.substr(0, line.find('=')), line.substr(line.find('=') + 1)});
+  return values;
+}
+
 }  // namespace
 
 Provenance provenance_of(const Experiment& experiment, const Shard& shard) {
@@ -48,6 +62,9 @@ Provenance provenance_of(const Experiment& experiment, const Shard& shard) {
           {"name", experiment.name},
           {"vehicle", experiment.vehicle.name},
           {"settle_s", config::shortest(experiment.flight.settle_s)},
+          {"arcs", to_lines(arcs_of(experiment))},
+          {"axes", to_lines(experiment.axes)},
+          {"variant_place", fmt::format("{}", experiment.variant_place)},
           {"version", std::string(build.version)},
           {"commit", std::string(build.commit)},
           {"mujoco", std::string(build.mujoco_version)},
@@ -61,7 +78,7 @@ std::vector<std::string> differences(const Provenance& a, const Provenance& b) {
   std::vector<std::string> names;
   for (const auto& [name, value] : a) {
     const auto other = b.find(name);
-    if (name != "shard" && name != "cpu" && (other == b.end() || other->second != value)) names.push_back(name);
+    if (name != "shard" && name != "cpu" && name != "variant_place" && (other == b.end() || other->second != value)) names.push_back(name);
   }
   return names;
 }
@@ -76,7 +93,7 @@ RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(pat
   if (tables.integer(1) != 3) throw DataError(fmt::format("{}: not a result store of this program", path));
   Statement all = database_.prepare("SELECT name, value FROM provenance");
   while (all.step()) provenance_[all.text(0)] = all.text(1);
-  for (const char* name : {"experiment", "name", "vehicle", "settle_s", "version", "commit", "mujoco", "compiler", "flags", "shard", "cpu"})
+  for (const char* name : {"experiment", "name", "vehicle", "settle_s", "version", "commit", "mujoco", "compiler", "flags", "shard", "cpu", "arcs", "axes", "variant_place"})
     if (!provenance_.contains(name)) throw DataError(fmt::format("{}: not a result store of this program (\"{}\" is not in its provenance)", path, name));
 }
 
@@ -115,11 +132,11 @@ std::vector<bool> RunStore::done() {
 }
 
 void RunStore::add(const RunRecord& record) {
-  if (!insert_) insert_ = database_.prepare("INSERT INTO flown VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  if (!insert_) insert_ = database_.prepare("INSERT INTO flown VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const ErrorFigures& planar = record.error.planar;
   insert_->bind(0, static_cast<std::int64_t>(record.spec.index)).bind(1, to_string(record.outcome)).bind(2, record.duration_s);
   insert_->bind(3, planar.rmse_m).bind(4, planar.mae_m).bind(5, planar.p95_m).bind(6, planar.max_m);
-  insert_->bind(7, record.error.rmse_z_m).step();
+  insert_->bind(7, record.error.rmse_z_m).bind(8, record.effort.speed_sd_radps).bind(9, record.effort.acceleration_radps2).step();
 }
 
 void RunStore::start_over(const Provenance& provenance) {
@@ -144,10 +161,10 @@ void RunStore::copy_plan(RunStore& from, const Provenance& provenance) {
 void RunStore::take_runs(RunStore& from) {
   database_.run("BEGIN");
   Statement all = from.database_.prepare("SELECT * FROM flown");
-  Statement insert = database_.prepare("INSERT INTO flown VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  Statement insert = database_.prepare("INSERT INTO flown VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   while (all.step()) {
     insert.bind(0, all.integer(0)).bind(1, all.text(1));
-    for (int column = 2; column < 8; ++column) insert.bind(column, all.number(column));
+    for (int column = 2; column < 10; ++column) insert.bind(column, all.number(column));
     insert.step();
   }
   database_.run("COMMIT");
@@ -160,6 +177,7 @@ std::string RunStore::name_of(std::size_t run) {
 }
 
 void RunStore::for_each(const std::function<void(ResultRow)>& use) {
+  const std::vector<NamedValue> axes = from_lines(provenance_.at("axes"));
   Statement all = database_.prepare("SELECT * FROM runs");
   while (all.step()) {
     ResultRow row;
@@ -179,7 +197,9 @@ void RunStore::for_each(const std::function<void(ResultRow)>& use) {
       *value = all.number(column++);
       if (!is_figure(*value)) throw wrong(fmt::format("{} is no figure of a flight", *value));
     }
-    row.key = all.text(column);
+    row.key = all.text(column++);
+    for (double* value : {&row.rotor_sd_radps, &row.rotor_rate_radps2}) *value = all.number(column++);
+    row.axes = axes;
     use(std::move(row));
   }
 }
@@ -190,6 +210,7 @@ Results RunStore::results() {
   const char* end = settle_s.data() + settle_s.size();
   if (const auto [rest, error] = std::from_chars(settle_s.data(), end, results.settle_s); error != std::errc() || rest != end)
     throw DataError(fmt::format("{}: \"settle_s\" of the provenance is no number ({})", database_.path(), settle_s));
+  results.arcs = from_lines(provenance_.at("arcs"));
   for_each([&](ResultRow row) { results.rows.push_back(std::move(row)); });
   return results;
 }

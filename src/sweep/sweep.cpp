@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <ostream>
+#include <utility>
 
 #include "gustlab/errors.hpp"
 #include "simulation/recorder.hpp"
@@ -43,11 +45,39 @@ std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   return store;
 }
 
+// the names of the variants that have a store in the folder, in the order of the experiment
+std::vector<std::string> variants_in(const std::string& folder) {
+  std::vector<std::pair<std::size_t, std::string>> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (!fs::is_regular_file(store_path(entry.path().string()))) continue;
+    const std::string place = open_to_read(entry.path().string())->provenance().at("variant_place");
+    found.emplace_back(0, entry.path().filename().string());
+    std::from_chars(place.data(), place.data() + place.size(), found.back().first);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::string> names;
+  for (auto& [place, name] : found) names.push_back(std::move(name));
+  return names;
+}
+// the folders of the stores of a sweep: of each variant, or the sweep's own
+std::vector<std::string> store_folders(const std::string& folder) {
+  std::vector<std::string> folders;
+  if (!fs::exists(store_path(folder)))
+    for (const std::string& name : variants_in(folder)) folders.push_back((fs::path(folder) / name).string());
+  return folders.empty() ? std::vector<std::string>{folder} : folders;
+}
+
 // row by row: memory does not grow with the number of runs
-void write_csv(RunStore& store, const std::string& folder) {
+void write_csv(const std::vector<RunStore*>& stores, const std::string& folder) {
   write_file(csv_path(folder), [&](std::ostream& file) {
-    file << csv_header();
-    store.for_each([&](const ResultRow& row) { file << csv_line(row); });
+    bool first = true;
+    for (RunStore* store : stores)
+      store->for_each([&](const ResultRow& row) {
+        if (std::exchange(first, false)) file << csv_header(row.axes);
+        file << csv_line(row);
+      });
+    if (first) file << csv_header({});
   });
 }
 
@@ -80,7 +110,7 @@ void write_merged(const std::vector<std::unique_ptr<RunStore>>& shards, const Pr
   store.copy_plan(*shards.front(), merged);
   for (const auto& shard : shards) store.take_runs(*shard);
   store.close();
-  write_csv(store, beside);
+  write_csv({&store}, beside);
   for (const auto& path : {csv_path, store_path})
     if (std::rename(path(beside).c_str(), path(out).c_str()) != 0)
       throw IoError(fmt::format("{}: cannot write ({})", path(out), std::strerror(errno)));
@@ -93,6 +123,45 @@ RunRecord run_with_log(const Experiment& experiment, const RunSpec& spec, const 
                                        experiment.controllers[spec.controller].name, spec.replicate);
   write_run_log(std::move(flown.log), experiment, (fs::path(folder) / name).string());
   return flown.record;
+}
+
+// shards of one experiment without variants
+void merge_stores(const std::vector<std::string>& folders, const std::string& out) {
+  if (fs::exists(store_path(out)))
+    throw ConfigError(fmt::format("{}: there are results already (a merge never overwrites) use another --out", store_path(out)));
+  std::vector<std::unique_ptr<RunStore>> shards;
+  for (const std::string& folder : folders) {
+    shards.push_back(open_to_read(folder));
+    const auto differ = differences(shards.front()->provenance(), shards.back()->provenance());
+    if (!differ.empty())
+      throw DataError(fmt::format("{} and {} do not belong together (their {} differ)", folders.front(), folder, fmt::join(differ, ", ")));
+  }
+  check_complete(folders, shards);
+
+  Provenance merged = shards.front()->provenance();
+  merged["shard"] = "1/1";
+  // every kind of machine that took part
+  for (const auto& shard : shards)
+    if (const std::string& cpu = shard->provenance().at("cpu"); merged["cpu"].find(cpu) == std::string::npos) merged["cpu"] += " | " + cpu;
+
+  const bool is_new = !fs::exists(out);
+  make_folder(out);
+  try {
+    write_merged(shards, merged, out);
+  } catch (...) {
+    if (is_new) fs::remove(out);
+    throw;
+  }
+}
+
+Results read_store(const std::string& folder) {
+  const auto store = open_to_read(folder);
+  Results results = store->results();
+  const std::size_t planned = store->done().size();
+  if (results.rows.size() != planned)
+    throw DataError(fmt::format("{}: {} of {} runs are done (a table needs every one) finish with --resume, or `gustlab merge` the shards",
+                                folder, results.rows.size(), planned));
+  return results;
 }
 
 }  // namespace
@@ -162,7 +231,7 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   }
 
   store.close();
-  if (report.done == report.planned) write_csv(store, options.out);
+  if (report.done == report.planned) write_csv({&store}, options.out);
   return report;
 }
 
@@ -170,42 +239,41 @@ std::string variant_folder(const std::string& out, const Experiment& experiment)
   return experiment.variant.empty() ? out : (fs::path(out) / experiment.variant).string();
 }
 
+void write_combined(const std::string& out) {
+  std::vector<std::unique_ptr<RunStore>> stores;
+  std::vector<RunStore*> all;
+  for (const std::string& folder : store_folders(out)) {
+    stores.push_back(open_to_read(folder));
+    all.push_back(stores.back().get());
+  }
+  write_csv(all, out);
+}
+
 void merge(const std::vector<std::string>& folders, const std::string& out) {
-  if (fs::exists(store_path(out)))
-    throw ConfigError(fmt::format("{}: there are results already (a merge never overwrites) use another --out", store_path(out)));
-  std::vector<std::unique_ptr<RunStore>> shards;
-  for (const std::string& folder : folders) {
-    shards.push_back(open_to_read(folder));
-    const auto differ = differences(shards.front()->provenance(), shards.back()->provenance());
-    if (!differ.empty())
-      throw DataError(fmt::format("{} and {} do not belong together (their {} differ)", folders.front(), folder, fmt::join(differ, ", ")));
+  const std::vector<std::string> variants = fs::exists(store_path(folders.front())) ? std::vector<std::string>{} : variants_in(folders.front());
+  if (variants.empty()) return merge_stores(folders, out);
+  for (const std::string& variant : variants) {
+    std::vector<std::string> shards;
+    for (const std::string& folder : folders) shards.push_back((fs::path(folder) / variant).string());
+    merge_stores(shards, (fs::path(out) / variant).string());
   }
-  check_complete(folders, shards);
-
-  Provenance merged = shards.front()->provenance();
-  merged["shard"] = "1/1";
-  // every kind of machine that took part
-  for (const auto& shard : shards)
-    if (const std::string& cpu = shard->provenance().at("cpu"); merged["cpu"].find(cpu) == std::string::npos) merged["cpu"] += " | " + cpu;
-
-  const bool is_new = !fs::exists(out);
-  make_folder(out);
-  try {
-    write_merged(shards, merged, out);
-  } catch (...) {
-    if (is_new) fs::remove(out);
-    throw;
-  }
+  write_combined(out);
 }
 
 Results read_results(const std::string& folder) {
-  const auto store = open_to_read(folder);
-  Results results = store->results();
-  const std::size_t planned = store->done().size();
-  if (results.rows.size() != planned)
-    throw DataError(fmt::format("{}: {} of {} runs are done (a table needs every one) finish with --resume, or `gustlab merge` the shards",
-                                folder, results.rows.size(), planned));
-  return results;
+  Results all;
+  bool first = true;
+  for (const std::string& one : store_folders(folder)) {
+    Results results = read_store(one);
+    if (!std::exchange(first, false)) {
+      if (results.settle_s != all.settle_s)
+        throw DataError(fmt::format("{}: its variants settle for {} s and for {} s (no table has both) name a variant's folder", folder, all.settle_s, results.settle_s));
+      if (results.arcs != all.arcs) results.arcs.clear();
+    }
+    results.rows.insert(results.rows.begin(), std::make_move_iterator(all.rows.begin()), std::make_move_iterator(all.rows.end()));
+    all = std::move(results);
+  }
+  return all;
 }
 
 }  // namespace gustlab

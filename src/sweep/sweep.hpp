@@ -34,11 +34,14 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
 
 // Where the results of a variant are in the folder of a sweep: in one of its name.
 std::string variant_folder(const std::string& out, const Experiment& experiment);
+// The runs of all variants in one OUT/runs.csv, the values of the axes in columns of their own.
+void write_combined(const std::string& out);
 
-// Joins shards of one experiment into `out`. Throws DataError when they differ, overlap, or leave a run out.
+// Joins shards of one experiment, of each of its variants, into `out`. Throws DataError when they differ, overlap, or leave a run out.
 void merge(const std::vector<std::string>& folders, const std::string& out);
 
-// Every planned run of a finished sweep. Throws DataError when there is no store, or runs are missing.
+// Every planned run of a finished sweep, of all its variants where it has some. Throws DataError when there is no store, or runs
+// are missing.
 Results read_results(const std::string& folder);
 
 }  // namespace gustlab

@@ -19,10 +19,11 @@ struct TunedParameter {
 
 // NAME.tuning.toml, beside NAME.toml.
 struct Tuning {
-  std::int64_t flights = 0;            // budget of each controller
+  std::int64_t flights = 0;            // budget of each controller in each search
   std::int64_t first_replicate = 1001;  // of the gusts that are tuned on
   std::int64_t replicates = 4;
-  std::int64_t search_seed = 1;
+  std::vector<std::int64_t> search_seeds{1};  // searches of each controller; the best counts
+  std::vector<std::vector<std::string>> scenarios{{}};  // [[scenario]]: key=value lists that are flown alike; the mean counts
   struct Controller {
     std::string name;  // as in the experiment
     std::vector<TunedParameter> parameters;
@@ -35,13 +36,14 @@ struct Tuning {
 Tuning read_tuning(const std::string& path);
 std::string tuning_path(const std::string& experiment_path);
 
-// What the search came to. The loss is the mean over the flights of the logarithm of the root mean square of the tracking
-// error in space (m); a flight that is not completed counts as 10 m.
+// What the searches came to. The loss is what tables report, the mean over the flights of the planar root mean square of the tracking
+// error (m); a flight that is not completed counts as 10 m.
 struct TuneResult {
   std::string controller;
-  std::vector<double> values;  // in the order of the parameters
-  std::int64_t flights = 0;
+  std::vector<double> values;  // in the order of the parameters, of the best search
+  std::int64_t flights = 0;    // of all searches
   double start_loss = 0.0, loss = 0.0;
+  std::vector<double> seed_losses{};  // of each search
 };
 
 // NLopt: controlled random search (Kaelo & Ali, JOTA 130, 2006) with half the budget, then Subplex (Rowan 1990) from the best.

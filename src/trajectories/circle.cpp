@@ -33,6 +33,8 @@ class Circle final : public Trajectory {
 
   Vector3 start_position_W_m() const override { return start_ == "center" ? center_W_m_ : at(0.0).position_W_m; }
 
+  double lap_s() const override { return period_s_ + 0.5 * ramp_s_; }
+
  private:
   double radius_m_ = 1.1;
   double period_s_ = 24.0;

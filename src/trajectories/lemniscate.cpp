@@ -33,6 +33,8 @@ class Lemniscate final : public Trajectory {
     return reference_of(center_W_m_.x() + x, center_W_m_.y() + x * cosine, center_W_m_.z(), yaw_rad_);
   }
 
+  double lap_s() const override { return period_s_ + 0.5 * ramp_s_; }
+
  private:
   double amplitude_m_ = 0.7;
   double period_s_ = 24.0;

@@ -181,5 +181,21 @@ TEST(Gust, TorqueIsASecondProcessWithItsOwnLimits) {
   }
 }
 
+const Values bursts{{"sigma_xy", 0.04}, {"correlation_time", 0.5}, {"line_amplitude", 0.02}, {"line_frequency", 3.0}, {"mean_x", 0.01},
+                    {"drift_y", 0.005}, {"on_s", 2.0}, {"off_s", 1.0}, {"limit_N", 0.05}, {"rate_limit_Nps", 0.3}, {"torque_sigma_xy", 1e-5}};
+
+// GIVEN a gust of twice the strength WHEN it blows THEN every force and torque is twice as large, its limits too
+TEST(Gust, StrengthMultipliesAllOfIt) {
+  for (const bool torque : {false, true}) {
+    Values doubled = bursts;
+    doubled["strength"] = 2.0;
+    const auto once = record(bursts, 10.0, 0.002, 3, 1, torque), twice = record(doubled, 10.0, 0.002, 3, 1, torque);
+    for (std::size_t k = 0; k < once.size(); ++k) EXPECT_LT((twice[k] - 2.0 * once[k]).norm(), 1e-15);
+  }
+  Values none = bursts;
+  none["strength"] = 0.0;
+  for (const Vector3& force : record(none, 5.0, 0.002)) EXPECT_EQ(force, Vector3::Zero());
+}
+
 }  // namespace
 }  // namespace gustlab::test

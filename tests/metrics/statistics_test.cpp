@@ -51,6 +51,20 @@ TEST(Statistics, EqualSamplesAreNoDifferenceAndAConstantOneIsCertain) {
   EXPECT_TRUE(std::isnan(paired_test(std::vector<double>{1.0}, std::vector<double>{0.0}).p_value));
 }
 
+// statsmodels multipletests([0.01, 0.04, 0.03, 0.005], method="holm")
+TEST(Statistics, HolmAgreesWithStatsmodels) {
+  const std::vector<double> adjusted = holm(std::vector{0.01, 0.04, 0.03, 0.005, std::nan("")});
+  for (const auto& [is, wanted] : {std::pair{adjusted[0], 0.03}, {adjusted[1], 0.06}, {adjusted[2], 0.06}, {adjusted[3], 0.02}}) EXPECT_NEAR(is, wanted, 1e-12);
+  EXPECT_TRUE(std::isnan(adjusted[4]));
+}
+
+// scipy.stats.t.interval(0.9, 2, loc=0.2, scale=0.1 / sqrt(3))
+TEST(Statistics, PairedIntervalIsStudents) {
+  const Interval interval = paired_interval(std::vector{1.1, 2.2, 3.3}, std::vector{1.0, 2.0, 3.0}, 0.90);
+  EXPECT_NEAR(interval.low, 0.2 - 2.919985580 * 0.1 / std::sqrt(3.0), 1e-9);
+  EXPECT_NEAR(interval.high, 0.2 + 2.919985580 * 0.1 / std::sqrt(3.0), 1e-9);
+}
+
 // statsmodels proportion_confint(8, 10, method="wilson")
 TEST(Statistics, WilsonAgreesWithThePublishedFormula) {
   const Interval interval = wilson_interval(8, 10);

@@ -12,6 +12,8 @@ namespace {
 ResultRow row(const std::string& controller, std::int64_t replicate, double rmse_m, Outcome outcome = Outcome::completed) {
   ResultRow result{"e.v", "iris", "circle", controller, replicate, outcome, 10.0};
   result.rmse_xy_m = rmse_m;
+  result.rotor_sd_radps = 40.0;
+  result.rotor_rate_radps2 = 900.0;
   return result;
 }
 
@@ -29,7 +31,7 @@ NamedResults variant(const std::string& name, double a_m, double b_m, double c_m
 
 // the gusts differ by ten times more than the controllers: only pairs can tell
 TEST(Compare, TellsTheBestByPairs) {
-  const auto compared = compare(std::vector{variant("nominal", 0.105, 0.100, 0.1001)});
+  const auto compared = compare(std::vector{variant("nominal", 0.105, 0.100, 0.1001)}, 0.5);
   ASSERT_EQ(compared.size(), 1u);
   EXPECT_EQ(compared[0].controllers[compared[0].best].name, "b");
   EXPECT_FALSE(compared[0].controllers[0].as_good_as_best);
@@ -38,31 +40,51 @@ TEST(Compare, TellsTheBestByPairs) {
   EXPECT_TRUE(compared[0].controllers[2].as_good_as_best);
 }
 
-TEST(Compare, CallsBrokenWhatCrashesOrDoublesItsError) {
-  const auto compared = compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3), variant("double", 0.39, 0.21, 0.3)});
+TEST(Compare, CallsBrokenWhatCrashesOrFliesFarAway) {
+  const auto compared = compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3), variant("far", 0.39, 9.44, 0.3)}, 0.5);
   for (const ComparedController& controller : compared[0].controllers) EXPECT_FALSE(controller.broken);
   // 37 of 40 are fewer than 95 %, and one that crashes is not the best, however near it flies
   EXPECT_TRUE(compared[1].controllers[1].broken);
   EXPECT_EQ(compared[1].controllers[1].completed, 37u);
   EXPECT_EQ(compared[1].controllers[compared[1].best].name, "a");
   EXPECT_FALSE(compared[1].controllers[1].as_good_as_best);
+  // nearly twice its error in nominal is within the limit
   EXPECT_FALSE(compared[2].controllers[0].broken);
   EXPECT_TRUE(compared[2].controllers[1].broken);
+  EXPECT_EQ(compared[2].controllers[1].completed, 40u);
+  EXPECT_EQ(compared[2].controllers[1].held, 0u);
+}
+
+// trajectories share their gusts: ten of them are still four gusts, and no interval gets narrower by copies
+TEST(Compare, ResamplesGustsNotRuns) {
+  const auto flown = [](int copies) {
+    NamedResults named{"nominal", {}};
+    for (const char* controller : {"a", "b"})
+      for (int copy = 0; copy < copies; ++copy)
+        for (int gust = 0; gust < 12; ++gust) {
+          named.results.rows.push_back(row(controller, gust, *controller == 'a' ? 0.1 : 0.11 + 0.01 * std::sin(2.0 * gust)));
+          named.results.rows.back().trajectory = "t" + std::to_string(copy);
+        }
+    return compare(std::vector{named}, 0.5)[0].controllers[1].behind;
+  };
+  EXPECT_NEAR(flown(10).low, flown(1).low, 1e-12);
+  EXPECT_NEAR(flown(10).high, flown(1).high, 1e-12);
 }
 
 TEST(Compare, SaysItInMarkdown) {
-  const std::string text = to_markdown(compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3)}));
+  const std::string text = to_markdown(compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3)}, 0.5), 0.5);
+  EXPECT_THAT(text, testing::HasSubstr("a planar RMSE of at most 0.5 m"));
   EXPECT_THAT(text, testing::HasSubstr("| nominal | 0.20"));
   EXPECT_THAT(text, testing::HasSubstr("(37/40) † |"));
-  EXPECT_THAT(text, testing::HasSubstr("| a | crash | – |\n| b | nominal | crash |\n| c | – | – |\n"));
+  EXPECT_THAT(text, testing::HasSubstr("| a | 40 | 900 | crash | – |\n| b | 40 | 900 | nominal | crash |\n| c | 40 | 900 | – | – |\n"));
 }
 
 TEST(Compare, NeedsTheSameRuns) {
   std::vector<NamedResults> variants{variant("nominal", 0.2, 0.1, 0.3), variant("less", 0.2, 0.1, 0.3)};
   variants[1].results.rows.erase(variants[1].results.rows.begin() + 117, variants[1].results.rows.end());
-  EXPECT_THAT([&] { compare(variants); }, testing::ThrowsMessage<DataError>(testing::HasSubstr("nominal and less do not have the same")));
+  EXPECT_THAT([&] { compare(variants, 0.5); }, testing::ThrowsMessage<DataError>(testing::HasSubstr("nominal and less do not have the same")));
   variants[1].results.rows.pop_back();
-  EXPECT_THROW(compare(variants), DataError);
+  EXPECT_THROW(compare(variants, 0.5), DataError);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ Published published(std::vector<Claim> claims = {}) {
 }
 
 Reproduction reproduced(std::vector<Claim> claims = {}) {
-  return reproduce(published(std::move(claims)), {ours()}, [](const PublishedRow&, std::size_t metric) { return metric == 0 ? Use::fitted : Use::predicted; });
+  return reproduce(published(std::move(claims)), {ours()}, [](const PublishedRow&, std::size_t metric) { return metric == 0 ? Use::fitted : Use::blind; });
 }
 
 Claim compare(ClaimKind kind, const std::string& first, const std::string& second, double by = 0.0) {
@@ -55,7 +55,7 @@ TEST(Reproduction, CellsCountAsManyRunsAsWerePublished) {
   EXPECT_EQ(all.cells[0].ours.n, 8u);
   EXPECT_EQ(all.cells[0].completed, 8u);
   EXPECT_EQ(all.cells[0].use, Use::fitted);
-  EXPECT_EQ(all.cells[1].use, Use::predicted);
+  EXPECT_EQ(all.cells[1].use, Use::blind);
   const ReproducedCell& b = all.cells[4];
   EXPECT_NEAR(b.ratio(), 4.0 / 3.0, 0.02);
   EXPECT_TRUE(b.within(0.5));
@@ -80,6 +80,38 @@ TEST(Reproduction, ClaimsAreJudgedByPairs) {
   EXPECT_NEAR(all.claims[0].paper_p_value, 1.0, 1e-9);
 }
 
+// GIVEN claims that hold WHEN the same is flown in still air, where b is ahead of c THEN only what does not hold there needs the gust
+TEST(Reproduction, ClaimsSayWhetherTheyNeedTheGust) {
+  OurTable table = ours();
+  for (ResultRow row : table.rows) {
+    row.rmse_xy_m = row.controller == "a" ? 0.2 : row.controller == "b" ? 0.25 : 0.15;
+    table.still.push_back(row);
+  }
+  for (ResultRow& row : table.rows)
+    if (row.controller == "c") row.rmse_xy_m = 0.5 + 0.001 * std::cos(static_cast<double>(row.replicate));
+  const auto use = [](const PublishedRow&, std::size_t) { return Use::blind; };
+  const Reproduction all = reproduce(published({compare(ClaimKind::less, "a", "b"), compare(ClaimKind::less, "a", "c")}), {table}, use);
+  EXPECT_EQ(all.claims[0].still, Verdict::pass);
+  EXPECT_FALSE(all.claims[0].needs_gust());
+  EXPECT_EQ(all.claims[1].still, Verdict::fail);
+  EXPECT_TRUE(all.claims[1].needs_gust());
+  EXPECT_DOUBLE_EQ(all.cells[0].still_m, 0.2);
+  EXPECT_NEAR(all.cells[0].gust_share(), 1.0 / 3.0, 0.01);
+  EXPECT_THAT(to_markdown(all, {table}), AllOf(HasSubstr("| 0.200 | 34 % |"), HasSubstr("| fail | yes |")));
+}
+
+// GIVEN runs that are all alike WHEN they are compared THEN there is an order and no p-value
+TEST(Reproduction, NothingIsTestedWhereNothingScatters) {
+  OurTable table{"table1", "e", "iris", {}};
+  for (int k = 1; k <= 8; ++k) {
+    table.rows.push_back(run("circle", "a", k, 0.3));
+    table.rows.push_back(run("circle", "b", k, 0.4));
+  }
+  const Reproduction all = reproduce(published({compare(ClaimKind::less, "a", "b")}), {table}, [](const PublishedRow&, std::size_t) { return Use::blind; });
+  EXPECT_EQ(all.claims[0].verdict, Verdict::pass);
+  EXPECT_TRUE(std::isnan(all.claims[0].p_value));
+}
+
 TEST(Reproduction, ReductionsMustReachTheirShare) {
   const Reproduction all = reproduced({compare(ClaimKind::reduced, "a", "b", 0.2), compare(ClaimKind::reduced, "a", "b", 0.6)});
   EXPECT_EQ(all.claims[0].verdict, Verdict::pass);
@@ -92,7 +124,7 @@ TEST(Reproduction, RunawaysAndCrashesAreCounted) {
   const std::vector<Claim> claims{{ClaimKind::runaway, {"table1", "", "a"}, {}, 3, 0.0, true, "", {}},
                                   {ClaimKind::completion, {"table1", "", "a"}, {}, 0, 0.0, true, "", {}},
                                   {ClaimKind::completion, {"table1", "", "a"}, {}, 0, 0.0, false, "", {}}};
-  const auto use = [](const PublishedRow&, std::size_t) { return Use::predicted; };
+  const auto use = [](const PublishedRow&, std::size_t) { return Use::blind; };
   Reproduction all = reproduce(published(claims), {table}, use);
   EXPECT_EQ(all.claims[0].verdict, Verdict::fail);
   EXPECT_EQ(all.claims[1].verdict, Verdict::pass);
@@ -111,7 +143,7 @@ TEST(Reproduction, OtherExperimentsCountEveryRunAndNeedNotFlyEveryController) {
   std::erase_if(table.rows, [](const ResultRow& row) { return row.controller == "c"; });
   const std::vector<Claim> claims{compare(ClaimKind::less, "a", "b"), compare(ClaimKind::less, "a", "c"), compare(ClaimKind::steadier, "c", "a"),
                                   {ClaimKind::completion, {"table1", "", "c"}, {}, 0, 0.0, true, "", {}}};
-  const Reproduction all = reproduce(published(claims), {table}, [](const PublishedRow&, std::size_t) { return Use::predicted; });
+  const Reproduction all = reproduce(published(claims), {table}, [](const PublishedRow&, std::size_t) { return Use::blind; });
   EXPECT_EQ(all.cells.size(), 8u);
   EXPECT_EQ(all.cells[0].ours.n, 10u);
   ASSERT_EQ(all.claims.size(), 1u);
@@ -125,7 +157,7 @@ TEST(Reproduction, TablesDrawnFromManyRunsSayHowNearAsFewRunsCome) {
     table.rows.push_back(run("circle", "a", k, k % 10 == 0 ? 3.0 : 0.3));
     table.rows.push_back(run("circle", "b", k, 0.42));
   }
-  const auto use = [](const PublishedRow&, std::size_t) { return Use::predicted; };
+  const auto use = [](const PublishedRow&, std::size_t) { return Use::blind; };
   const Reproduction all = reproduce(published(), {table}, use);
   ASSERT_EQ(all.drawn.size(), 1u);
   const DrawnTables& drawn = all.drawn[0];
@@ -158,7 +190,7 @@ TEST(Reproduction, SaysTheSameInEveryForm) {
   EXPECT_EQ(json["claims"][0]["verdict"], "pass");
   EXPECT_EQ(json["counts"]["within_50_percent"], 12);
   const std::string markdown = to_markdown(all, {ours()});
-  EXPECT_THAT(markdown, HasSubstr("| table1 | circle RMSE: a < b | pass | < 0.001 | 8 | 1.000 |"));
+  EXPECT_THAT(markdown, HasSubstr("| table1 | circle RMSE: a < b | pass | < 0.001 | 8 | 1.000 | – | – |"));
   EXPECT_THAT(markdown, HasSubstr("| circle | b | RMSE | 0.300 ± 0.050 | 0.4"));
   EXPECT_THAT(to_svg(all), testing::StartsWith("<svg xmlns="));
   EXPECT_THAT(to_svg(all), AllOf(HasSubstr("ours, m, N = 8 runs"), HasSubstr("paper, m, N = 8 runs")));

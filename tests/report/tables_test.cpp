@@ -34,7 +34,7 @@ TEST(Tables, CellsKeepTheirOrderAndCountWhatWasCompleted) {
 }
 
 TEST(Tables, MarkdownSaysTheSettleWindowAndTheNumberOfRuns) {
-  const std::string text = to_table(results, TableFormat::md);
+  const std::string text = to_table(results, {});
   EXPECT_NE(text.find("| iris | circle | pid | 2/3 | 0.300 ± 0.265 (0.200) |"), std::string::npos) << text;
   EXPECT_NE(text.find("N = 1 to 3 runs, samples from 2.5 s on"), std::string::npos) << text;
   // one run has no deviation
@@ -42,21 +42,35 @@ TEST(Tables, MarkdownSaysTheSettleWindowAndTheNumberOfRuns) {
 }
 
 TEST(Tables, CsvHasOneLineForEachCell) {
-  const std::string text = to_table(results, TableFormat::csv);
+  const std::string text = to_table(results, {.format = TableFormat::csv});
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
   EXPECT_NE(text.find("small_one,iris,spiral,pid,2.5,1,1,1,,1,0.5,,0.5,"), std::string::npos) << text;
 }
 
-TEST(Tables, LatexUsesBooktabsAndSiunitxAndEscapes) {
+// the layout of the paper's Table II: a block for each trajectory, a line for each controller
+TEST(Tables, LatexHasTheLayoutOfThePaper) {
   Results named = results;
-  named.rows[3].controller = "pid_2";
-  const std::string text = to_table(named, TableFormat::latex);
-  for (const char* part : {"\\toprule", "\\midrule", "\\bottomrule", "\\num{0.300 +- 0.265}", "pid\\_2", "mean $\\pm$ sample"})
+  named.rows.push_back(row("circle", 1, 0.05));
+  named.rows.back().controller = "pid_2";
+  std::stable_sort(named.rows.begin(), named.rows.end(), [](const ResultRow& a, const ResultRow& b) { return a.trajectory < b.trajectory; });
+  named.arcs = {{"circle", "24 s, 6.9 m, 1.00 laps"}};
+  const std::string text = to_table(named, {.format = TableFormat::latex, .columns = {0, 2}, .bold_best = true, .names = {{"circle", "Circle"}, {"pid", "PID"}}, .label = "mine"});
+  for (const char* part : {"\\label{tab:mine}", "\\begin{tabular}{|c|c|c|c|}", "\\textbf{RMSE$_{xy}$} & \\textbf{P95$_{\\|xy\\|}$} \\\\", " & & \\textbf{[m]} & \\textbf{[m]} \\\\",
+                           "\\multirow{2}{*}{Circle} & PID (2/3) & 0.300 $\\pm$ 0.265 & 0.600 $\\pm$ 0.529 \\\\\n\\cline{2-4}\n & pid\\_2 & \\textbf{0.050} & \\textbf{0.100} \\\\\n\\hline",
+                           "mean $\\pm$ sample standard deviation over N = 1 to 3 runs, samples from 2.5 s on. Flown: Circle 24 s, 6.9 m, 1.00 laps."})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
+TEST(Tables, AxesAreTheirFirstColumns) {
+  Results swept = results;
+  for (ResultRow& row : swept.rows) row.axes = {{"strength", row.trajectory == "circle" ? "1" : "2"}};
+  EXPECT_NE(to_table(swept, {.columns = {0}}).find("| strength | vehicle | trajectory | controller | completed | RMSE |\n"), std::string::npos);
+  EXPECT_NE(to_table(swept, {.columns = {0}}).find("| 2 | iris | spiral | pid | 1/1 | 1.000 ± – (1.000) |"), std::string::npos);
+  EXPECT_NE(to_table(swept, {.format = TableFormat::csv, .columns = {0}}).find("small_one,iris,spiral,pid,2.5,1,1,1,,1,2\n"), std::string::npos);
+}
+
 TEST(Tables, JsonReadsBack) {
-  const auto table = nlohmann::json::parse(to_table(results, TableFormat::json));
+  const auto table = nlohmann::json::parse(to_table(results, {.format = TableFormat::json}));
   EXPECT_EQ(table["settle_s"], 2.5);
   EXPECT_EQ(table["cells"][0]["completed"], 2);
   EXPECT_NEAR(table["cells"][0]["rmse_xy_m"]["mean"].get<double>(), 0.3, 1e-12);

@@ -97,8 +97,30 @@ class Figures(unittest.TestCase):
         self.assertIn("t (iris), N = 2", svg)
 
     def test_heat_map_cell_says_mean_spread_and_how_many_completed(self):
-        cell = plot_heatmap.cells(gustlab_figures.read_runs(self.sweep("sweep")), "rmse_xy_m")[("pid", "circle")]
+        cell = plot_heatmap.cells(gustlab_figures.read_runs(self.sweep("sweep")), "rmse_xy_m", "controller", "trajectory")[("pid", "circle")]
         self.assertEqual(plot_heatmap.label(*cell), "0.415\n± 0.007\n1/2")
+
+    def axes_sweep(self, name):
+        """two axes with two points each, one run at each of them"""
+        folder = self.sweep(name)
+        head, *rows = (folder / "runs.csv").read_text().splitlines()
+        lines = [f"{row},{strength},{mass}" for strength in (0.5, 2) for mass in (-0.2, 0) for row in rows]
+        (folder / "runs.csv").write_text("\n".join([head + ",strength,mass", *lines]) + "\n")
+        return folder
+
+    def test_heat_map_over_two_axes(self):
+        folder = self.axes_sweep("sweep")
+        svg = self.check_figure([("", "heatmap_rmse"), ("", "heatmap_p95")], "plot_heatmap", folder, "--x", "strength", "--y", "mass")[1].decode()
+        self.assertIn("pid, circle -->", svg)
+        code, text = self.run_script("plot_heatmap", folder, "--x", "strength", "--y", "masses", "--out", self.root / "out")
+        self.assertEqual(code, 3)
+        self.assertIn("no axis masses (it has strength, mass)", text)
+
+    def test_error_over_an_axis(self):
+        folder = self.axes_sweep("sweep")
+        svg = self.check_figure([("", "rmse_xy_m_over_strength")], "plot_axis", folder, "--x", "strength")[1].decode()
+        self.assertIn("circle, mass -0.2 -->", svg)
+        self.assertIn("pid -->", svg)
 
     def test_what_cannot_be_drawn_is_refused_and_nothing_is_written(self):
         empty = self.root / "empty"

@@ -146,22 +146,76 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-// GIVEN a variant that sets what there is not WHEN it is read THEN the place is the variant's, and that of --set is the command line
-TEST(Variants, SayWhereTheySetWhatThereIsNot) {
-  const TemporaryFolder folder;
-  const std::string variant = "[[variant]]\nname = \"v\"\nset = [\"seed=2\", \"controller.pid.rate_hz=333\"]\n";
-  const std::string path = folder.write("e.toml", small_experiment + variant);
-  const auto message = [&](const std::string& override_text) -> std::string {
+class Variants : public testing::Test {
+ protected:
+  std::vector<Experiment> read(const std::string& tables, const std::vector<std::string>& overrides = {}, const std::vector<std::string>& only = {}) {
+    return read_variants(folder_.write("e.toml", small_experiment + tables), overrides, only);
+  }
+  std::string message(const std::string& tables, const std::vector<std::string>& overrides = {}, const std::vector<std::string>& only = {}) {
     try {
-      read_variants(path, {override_text});
+      read(tables, overrides, only);
     } catch (const ConfigError& error) {
       return error.what();
     }
     return "";
-  };
-  EXPECT_THAT(message("seed=3"), HasSubstr("e.toml:20:7: rate_hz = 333 does not divide"));
-  EXPECT_THAT(message("controller.pid.rate_hz=7"), testing::StartsWith("--set controller.pid.rate_hz=7: rate_hz = 7 does not divide"));
-  EXPECT_EQ(message("controller.pid.rate_hz=100"), "");
+  }
+  TemporaryFolder folder_;
+};
+
+// GIVEN a variant that sets what there is not WHEN it is read THEN the place is the variant's
+TEST_F(Variants, SayWhereTheySetWhatThereIsNot) {
+  EXPECT_THAT(message("[[variant]]\nname = \"v\"\nset = [\"seed=2\", \"controller.pid.rate_hz=333\"]\n"), HasSubstr("e.toml:20:7: rate_hz = 333 does not divide"));
+}
+
+// GIVEN an override of what a variant sets WHEN they are read THEN it is refused: the variants would be alike
+TEST_F(Variants, AreNotLostToAnOverride) {
+  const std::string tables = "[[variant]]\nname = \"strong\"\nset = [\"effect.gust={sigma_xy=0.06}\"]\n[[variant]]\nname = \"calm\"\nset = [\"effect.gust.strength=0\"]\n";
+  EXPECT_THAT(message(tables, {"effect.gust.sigma_xy=0.01"}), HasSubstr("--set effect.gust.sigma_xy=0.01: variant \"strong\" sets effect.gust.sigma_xy itself"));
+  EXPECT_THAT(message(tables, {"effect.gust={strength=2}"}), HasSubstr("variant \"calm\" sets effect.gust.strength itself"));
+  EXPECT_EQ(message(tables, {"effect.gust.sigma_xy=0.01"}, {"calm"}), "");
+  EXPECT_EQ(message(tables, {"effect.gust.sigma_z=0.01", "seed=3"}), "");
+}
+
+// GIVEN two axes WHEN they are read THEN they span a grid, the last one fastest, and each point says where it stands
+TEST_F(Variants, AxesSpanAGrid) {
+  const auto grid = read("[[axis]]\nkey = \"effect.gust.strength\"\nvalues = [0.5, 1.0]\n[[axis]]\nname = \"rate\"\nkeys = [\"offboard_rate_hz\", \"controller.pid.rate_hz\"]\nvalues = [50, 100, 250]\n");
+  ASSERT_EQ(grid.size(), 6u);
+  EXPECT_EQ(grid[0].name, "small.strength_0.5_rate_50");
+  EXPECT_EQ(grid[4].variant, "strength_1_rate_100");
+  EXPECT_EQ(grid[4].axes, (std::vector<NamedValue>{{"strength", "1"}, {"rate", "100"}}));
+  EXPECT_EQ(grid[5].flight.offboard_rate_hz, 250.0);
+  std::set<std::string> keys;
+  for (const Experiment& point : grid) keys.insert(to_hex(plan(point).front().key));
+  EXPECT_EQ(keys.size(), 6u);
+  EXPECT_EQ(read("[[axis]]\nkey = \"seed\"\nvalues = [1, 2, 3]\n", {}, {"seed_2"}).front().seed, 2);
+}
+
+TEST_F(Variants, AxesAreZippedRowByRowAndCrossedWithVariants) {
+  const std::string axis = "[[axis]]\nkeys = [\"seed\", \"settle_s\"]\nvalues = [[1, 0.0], [2, 0.5]]\n";
+  const auto grid = read(axis + "[[variant]]\nname = \"a\"\nset = [\"replicates=1\"]\n[[variant]]\nname = \"b\"\n");
+  ASSERT_EQ(grid.size(), 4u);
+  EXPECT_EQ(grid[1].variant, "a_seed_2");
+  EXPECT_EQ(grid[1].flight.settle_s, 0.5);
+  EXPECT_EQ(grid[1].replicates, 1);
+  EXPECT_EQ(grid[3].axes, (std::vector<NamedValue>{{"variant", "b"}, {"seed", "2"}}));
+}
+
+TEST_F(Variants, SayWhatIsWrongWithAnAxis) {
+  for (const auto& [table, says] : std::vector<std::pair<std::string, std::string>>{
+           {"[[axis]]\nvalues = [1]\n", "e.toml:18:1: an axis needs \"key\" or \"keys\""},
+           {"[[axis]]\nkey = \"seed\"\n", "\"values\" is missing or empty"},
+           {"[[axis]]\nkey = \"seed\"\nvalues = [1, 1]\n", "e.toml:20:10: \"1\" is here twice"},
+           {"[[axis]]\nkey = \"sead\"\nvalues = [1]\n", "e.toml:20:10: unknown key \"sead\" did you mean \"seed\"?"},
+           {"[[axis]]\nkeys = [\"seed\", \"settle_s\"]\nvalues = [[1, 2, 3]]\n", "has 3 values for 2 keys"},
+           {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nkey = \"seed\"\nvalues = [2]\n", "axis \"seed\" is here twice"}})
+    EXPECT_THAT(message(table), HasSubstr(says));
+  EXPECT_THAT(message("[[variant]]\nname = \"calm\"\n", {}, {"clam"}), HasSubstr("there is no variant \"clam\" (it has calm) did you mean \"calm\"?"));
+}
+
+TEST(Experiment, ListsMayBeSetAsWords) {
+  EXPECT_EQ(read_text_experiment(small_experiment, {"controllers=pid, geometric"}).controllers.size(), 2u);
+  EXPECT_THAT(message_for(small_experiment, {"controllers=pid,ASINDy"}), HasSubstr("unknown controller \"ASINDy\" did you mean \"asindy\"?"));
+  EXPECT_THAT(message_for(small_experiment, {"trajectories=infinity"}), HasSubstr("unknown trajectory \"infinity\" did you mean \"lemniscate\"?"));
 }
 
 TEST(Experiment, NameUnderExperimentsIsFoundFromAnywhere) {

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "simulation/recorder.hpp"
 #include "support/experiments.hpp"
@@ -130,6 +132,62 @@ TEST(Flight, OffboardLinkBringsPosesLate) {
     EXPECT_NEAR(seen.observations[tick].pose_time_s, static_cast<double>(sent) * 0.002, 1e-12) << tick;
     EXPECT_NEAR(seen.observations[tick].inertial_time_s, static_cast<double>(tick) * 0.002, 1e-12);
   }
+}
+
+// GIVEN a link that loses half of its messages and makes the others late by chance WHEN flying THEN poses never go back in time, set
+// points hold where a message was lost, and the same replicate meets the same link
+TEST(Flight, OffboardLinkLosesAndDelaysMessages) {
+  const auto seen = [](std::uint32_t replicate) {
+    const Experiment experiment = read_text_experiment(small_experiment, {"offboard_rate_hz=50", "offboard_delay_s=0.02", "offboard_jitter_s=0.06", "offboard_dropout=0.5"});
+    RunSpec spec = plan(experiment).front();
+    spec.replicate = replicate;
+    Flight flight(experiment, spec);
+    auto controller = std::make_unique<Recording>(1500.0);
+    Recording& recording = *controller;
+    flight.controller = std::move(controller);
+    flight.options.max_error_m = 1e9;
+    TrackingError error(0.0, 500);
+    fly(flight, error, nullptr);
+    std::vector<double> pose_times_s;
+    std::size_t held = 0, fresh = 0;
+    for (std::size_t tick = 1; tick < recording.observations.size(); ++tick) {
+      pose_times_s.push_back(recording.observations[tick].pose_time_s);
+      const double age_s = recording.observations[tick].time_s - pose_times_s.back();
+      if (pose_times_s.back() > 0.0) {
+        EXPECT_GT(age_s, 0.0199);
+      }
+      if (tick % 10 == 0) ++(recording.references[tick].position_W_m == recording.references[tick - 1].position_W_m ? held : fresh);
+    }
+    EXPECT_TRUE(std::is_sorted(pose_times_s.begin(), pose_times_s.end()));
+    EXPECT_GT(held, fresh / 3);
+    EXPECT_GT(fresh, held / 3);
+    return pose_times_s;
+  };
+  EXPECT_EQ(seen(1), seen(1));
+  EXPECT_NE(seen(1), seen(2));
+}
+
+// GIVEN a fixed gust WHEN replicates and seeds fly THEN all meet it; with a spread of the start each begins somewhere else in it
+TEST(Flight, FixedGustIsTheSameInEveryRun) {
+  const auto errors = [](const std::vector<std::string>& overrides) {
+    std::set<double> different;
+    const Experiment experiment = read_text_experiment(small_experiment, overrides);
+    for (const RunSpec& spec : plan(experiment))
+      if (spec.trajectory == 0) different.insert(run(experiment, spec).error.planar.rmse_m);
+    return different;
+  };
+  EXPECT_EQ(errors({}).size(), 3u);
+  EXPECT_EQ(errors({"effect.gust.realisation=fixed"}).size(), 1u);
+  EXPECT_EQ(errors({"effect.gust.realisation=fixed"}), errors({"effect.gust.realisation=fixed", "seed=2"}));
+  EXPECT_EQ(errors({"effect.gust={realisation=\"fixed\", start_spread=5}"}).size(), 3u);
+}
+
+TEST(Flight, ArcsSayHowMuchOfATrajectoryIsFlown) {
+  const auto arcs = arcs_of(read_text_experiment(small_experiment, {"duration_s=2.5", "trajectory.circle.radius_m=1.0"}));
+  // half of a lap of 5 s; hover has neither length nor laps
+  EXPECT_EQ(arcs[0].name, "circle");
+  EXPECT_EQ(arcs[0].value, "2.5 s, 3.1 m, 0.50 laps");
+  EXPECT_EQ(arcs[1].value, "2.5 s, 0.0 m");
 }
 
 // the thrust that a force law subtracts is that between the poses it saw: 40 Hz of poses against its own 50 Hz bias nothing

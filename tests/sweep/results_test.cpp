@@ -44,7 +44,21 @@ TEST_F(ResultsCsv, ReadsBackWhatWasWritten) {
   EXPECT_EQ(rows[0].key, "0123");
   EXPECT_TRUE(std::isnan(rows[1].rmse_xy_m));
   EXPECT_EQ(to_csv(rows), to_csv({row, empty}));
-  EXPECT_EQ(to_csv({}), header);
+  EXPECT_EQ(to_csv({}), header.substr(0, header.size() - 1) + ",rotor_sd_radps,rotor_rate_radps2\n");
+}
+
+// GIVEN rows with effort and axes, and a table of an older program that has neither WHEN read THEN all that is there comes back
+TEST_F(ResultsCsv, ReadsAxesAndTablesWithoutEffort) {
+  ResultRow row{"e", "iris", "circle", "pid", 7, Outcome::completed, 1.0, 0.1, 0.2, 0.3, 0.4, 0.5, "0123"};
+  row.rotor_sd_radps = 40.0;
+  row.axes = {{"strength", "0.5"}, {"mass", "-0.2"}};
+  write_file(path_, to_csv({row}));
+  const auto rows = read_results_csv(path_);
+  EXPECT_EQ(rows[0].axes, row.axes);
+  EXPECT_EQ(rows[0].rotor_sd_radps, 40.0);
+  EXPECT_EQ(to_csv(rows), to_csv({row}));
+  write_file(path_, header + "e,v,t,c,1,completed,1,1,1,1,1,1,k\n");
+  EXPECT_TRUE(std::isnan(read_results_csv(path_)[0].rotor_sd_radps));
 }
 
 TEST_F(ResultsCsv, SaysWhereATableIsBroken) {

@@ -72,7 +72,7 @@ class Sweeps(Commands):
         self.assertEqual([row["key"] for row in rows], [row["key"] for row in plan])
         self.assertFalse((self.folder / "unused").exists())
         self.assertEqual(list(rows[0]), "experiment vehicle trajectory controller replicate outcome duration_s rmse_xy_m mae_xy_m "
-                                        "p95_xy_m max_xy_m rmse_z_m key".split())
+                                        "p95_xy_m max_xy_m rmse_z_m key rotor_sd_radps rotor_rate_radps2".split())
 
     def test_shards_threads_and_the_whole_are_the_same_bytes(self):
         self.sweep("one", "--jobs", "1")
@@ -213,7 +213,7 @@ class Tables(Commands):
     def test_every_format_of_one_sweep(self):
         self.sweep("a")
         self.assertIn("| crazyflie | circle | pid | 3/3 |", self.call("table", "a")[0])
-        self.assertIn("\\toprule", self.call("table", "a", "--format", "latex")[0])
+        self.assertIn("\\multirow", self.call("table", "a", "--format", "latex")[0])
         rows = list(csv.DictReader(self.call("table", "a", "--format", "csv")[0].splitlines()))
         cells = json.loads(self.call("table", "a", "--format", "json")[0])["cells"]
         self.assertEqual(len(rows), 2)
@@ -235,6 +235,53 @@ class Tables(Commands):
         self.assertEqual(settled["samples"], 250)
 
 
+AXES = """
+[[axis]]
+key = "effect.gust.strength"
+values = [0.5, 2.0]
+[[axis]]
+name = "period"
+key = "trajectory.circle.period_s"
+values = [5.0, 10.0]
+"""
+
+
+class Axes(Commands):
+    def setUp(self):
+        super().setUp()
+        self.experiment.write_text(EXPERIMENT + AXES)
+
+    def test_a_grid_is_one_runs_csv_and_one_table(self):
+        self.sweep("a", "--jobs", "1")
+        rows = list(csv.DictReader(self.runs("a").decode().splitlines()))
+        self.assertEqual(len(rows), 4 * 6)
+        self.assertEqual([(row["strength"], row["period"]) for row in rows[::6]], [("0.5", "5"), ("0.5", "10"), ("2", "5"), ("2", "10")])
+        table = self.call("table", "a", "--columns", "rmse,p95")[0]
+        self.assertIn("| strength | period | vehicle | trajectory | controller | completed | RMSE | P95 |", table)
+        self.assertEqual(table.count("| crazyflie | circle | pid | 3/3 |"), 4)
+        self.call("gate", "a", "--baseline", "base.csv", "--update")
+        self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv")[0])
+
+    def test_shards_and_threads_of_a_grid_are_the_same_bytes(self):
+        self.sweep("one", "--jobs", "1")
+        for part in (1, 2):
+            self.sweep(f"part{part}", "--shard", f"{part}/2", "--jobs", "3")
+        self.call("merge", "part2", "part1", "--out", "whole")
+        self.assertEqual(self.runs("one"), self.runs("whole"))
+
+    def test_one_point_flies_alone(self):
+        self.sweep("a", "--variant", "strength_2_period_10")
+        self.assertEqual([path.name for path in (self.folder / "a").iterdir()], ["strength_2_period_10"])
+        self.assertIn("| 2 | 10 |", self.call("table", "a")[0])
+        _, err = self.sweep("a", "--variant", "strength_3", code=2)
+        self.assertIn("there is no variant", err)
+
+    def test_what_an_axis_sets_cannot_be_overridden(self):
+        _, err = self.sweep("a", "--set", "effect.gust.strength=1", code=2)
+        self.assertIn("its value would be lost", err)
+        self.assertFalse((self.folder / "a").exists())
+
+
 class Gates(Commands):
     def test_gate_passes_on_itself_and_fails_on_worse(self):
         self.sweep("a")
@@ -246,6 +293,13 @@ class Gates(Commands):
         self.assertIn("failed", out)
         self.assertEqual((self.folder / "gate.md").read_text(), out)
         self.assertIn("<failure", (self.folder / "gate.xml").read_text())
+
+    def test_baseline_of_another_experiment_is_exit_3(self):
+        self.sweep("a")
+        self.call("gate", "a", "--baseline", "base.csv", "--update")
+        self.sweep("b", "--set", "name=other")
+        _, err = self.call("gate", "b", "--baseline", "base.csv", code=3)
+        self.assertIn("wrong baseline: it is of small, the sweep of other", err)
 
     def test_baseline_that_is_broken_is_exit_3(self):
         self.sweep("a")

@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""Draws an error over an axis of a sweep, a line for each controller, a panel for each point of the other axes and each trajectory."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import gustlab_figures as figures
+from gustlab_figures import COLORS, plt
+
+
+def interval(values):
+    """mean and its standard error over the runs, NaN where there is none"""
+    values = np.array(values)
+    if not np.isfinite(values).any():
+        return np.nan, np.nan
+    error = np.nanstd(values, ddof=1) / np.sqrt(len(values)) if len(values) > 1 else 0.0
+    return np.nanmean(values), error
+
+
+def draw_panel(axis, rows, options):
+    """a line for each controller; hollow where a run was not completed"""
+    for color, controller in zip(COLORS, dict.fromkeys(row["controller"] for row in rows)):
+        points = {}
+        for row in rows:
+            if row["controller"] == controller:
+                points.setdefault(figures.number(row[options.x]), []).append(row)
+        x = sorted(points)
+        mean, error = np.array([interval([float(row[options.metric] or "nan") for row in points[at]]) for at in x]).T
+        axis.errorbar(x, mean, 1.96 * error, color=color, label=controller, capsize=1.5, linewidth=1.0)
+        whole = [all(row["outcome"] == "completed" for row in points[at]) for at in x]
+        axis.scatter(x, mean, s=10, edgecolors=color, facecolors=[color if done else "white" for done in whole], zorder=3)
+    axis.set_ylim(bottom=0)
+
+
+def draw(options):
+    rows = figures.read_axes(options.sweep, [options.x], options.metric)
+    panels = {}
+    for row in rows:
+        at = [f"{name} {row[name]}" for name in figures.axes_of(rows) if name != options.x]
+        panels.setdefault(", ".join([row["trajectory"], *at]), []).append(row)
+    columns = min(3, len(panels))
+    lines = -(-len(panels) // columns)
+    figure, axes = plt.subplots(lines, columns, figsize=(2.6 * columns + 0.6, 2.0 * lines + 0.5), squeeze=False, sharex=True, sharey=True)
+    for axis, (title, panel) in zip(axes.flat, panels.items()):
+        draw_panel(axis, panel, options)
+        axis.set_title(title)
+    for axis in axes.flat[len(panels):]:
+        axis.set_visible(False)
+    axes.flat[0].legend()
+    figure.supxlabel(f"{options.x}; mean and 95 % interval of the mean; hollow: not every run was completed")
+    figure.supylabel(f"{options.metric} / m")
+    figures.save(figure, Path(options.out) / f"{options.metric}_over_{options.x}")
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("sweep", help="folder of a finished sweep with [[axis]] tables")
+    parser.add_argument("--x", required=True, metavar="AXIS", help="column of runs.csv with numbers")
+    parser.add_argument("--metric", default="rmse_xy_m", help="column of runs.csv (rmse_xy_m)")
+    parser.add_argument("--out", required=True, metavar="DIR", help="writes DIR/METRIC_over_AXIS.*")
+    return figures.main(draw, parser, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

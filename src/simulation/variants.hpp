@@ -1,0 +1,27 @@
+// [[variant]] and [[axis]] of an experiment: what each of its variants is called, and what it changes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "config/toml.hpp"
+#include "simulation/experiment.hpp"
+
+namespace gustlab {
+
+struct Variant {
+  std::string name;
+  std::vector<std::string> set;   // key=value
+  std::vector<NamedValue> axes;    // where it stands on each axis
+  bool held_out = false;
+  std::string where;              // file:line:col of what sets the most
+};
+
+// Every point of the grid that the axes span, the last axis fastest, for each [[variant]] (or once, where there is none); empty
+// when there is neither. Throws ConfigError with file:line:col.
+std::vector<Variant> read_variant_tables(config::Table& document);
+
+// names go into CSV cells and file names as they are
+void check_name(const config::Table& table, std::string_view key, const std::string& name);
+
+}  // namespace gustlab
