@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "diagnosis/diagnose.hpp"
+#include "diagnosis/result/finding_lines.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "report/diagnosis_page.hpp"
@@ -103,8 +104,7 @@ void run(const DiagnoseArguments& options) {
   if (!options.vehicle.empty()) wanted.vehicle = options.vehicle;
   wanted.jobs = options.jobs;
   const diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
-  for (const diagnosis::LogFinding& finding : result.log_findings)
-    if (finding.sets_flight_aside) spdlog::warn("{}: set aside: {}", finding.file, finding.says);
+  for (const std::string& line : diagnosis::finding_lines(result.log_findings, result.flights.size())) spdlog::warn("{}", line);
   const nlohmann::ordered_json document = diagnosis::to_json(result);
 
   replace_folder(options.out, [&](const std::filesystem::path& fresh) {
