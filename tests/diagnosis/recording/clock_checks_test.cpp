@@ -67,8 +67,10 @@ TEST(ClockChecks, FollowAClockAndLayTheBoardOnThePose) {
   const Flown flown = fly(1.5, late_s);
   const std::optional<ClockTrack> found = gyro_track(flown.pose, flown.gyro);
   ASSERT_TRUE(found);
-  for (double t = 1.0; t < duration_s - 1.0; t += 0.25)
-    if (std::abs(t - 9.0) > 1.3) EXPECT_NEAR(found->at(t), late_s(t), 0.008) << t;
+  for (double t = 1.0; t < duration_s - 1.0; t += 0.25) {
+    if (std::abs(t - 9.0) < 1.3) continue;
+    EXPECT_NEAR(found->at(t), late_s(t), 0.008) << t;
+  }
   const FlightLog laid = laid_on_pose_clock(flown.log, *found);
   std::vector<Vector3> gyro;
   for (const double w : *laid.find("wx")) gyro.emplace_back(w, 0.0, 0.0);
