@@ -104,7 +104,7 @@ void run(const DiagnoseArguments& options) {
   if (!options.vehicle.empty()) wanted.vehicle = options.vehicle;
   wanted.jobs = options.jobs;
   const diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
-  for (const std::string& line : diagnosis::finding_lines(result.log_findings, result.flights.size())) spdlog::warn("{}", line);
+  for (const auto& [kind, says] : diagnosis::finding_lines(result.log_findings, result.flights.size())) spdlog::warn("{}: {}", kind, says);
   const nlohmann::ordered_json document = diagnosis::to_json(result);
 
   replace_folder(options.out, [&](const std::filesystem::path& fresh) {

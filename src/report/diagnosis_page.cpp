@@ -49,11 +49,8 @@ std::string header(const Json& diagnosis) {
 
 std::string log_findings(const Json& diagnosis) {
   std::string items;
-  for (const Json& line : part(diagnosis, "log_findings_in_short")) {
-    const std::string words = line.get<std::string>();
-    const auto kind = words.find(": ");
-    items += fmt::format("<li><strong>{}</strong>{}.</li>", escape(capital(plain_label(words.substr(0, kind)))), escape(words.substr(kind)));
-  }
+  for (const Json& line : part(diagnosis, "log_findings_in_short"))
+    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(capital(plain_label(text(line, "kind")))), escape(text(line, "says")));
   return items.empty() ? "" : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
 }
 

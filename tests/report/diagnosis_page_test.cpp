@@ -119,7 +119,7 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
 
 TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
   Json diagnosis = example_diagnosis();
-  diagnosis["log_findings_in_short"] = {"filtered: 2 of 3 flights: px…wz it was smoothed"};
+  diagnosis["log_findings_in_short"] = {{{"kind", "filtered"}, {"says", "2 of 3 flights: px…wz it was smoothed"}}};
   EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<ul><li><strong>Filtered</strong>: 2 of 3 flights: px…wz it was smoothed.</li></ul>"));
 }
 

@@ -18,7 +18,7 @@ constexpr double window_s = 0.25;              // over which vibration averages 
 constexpr std::size_t least_windows = 8;
 constexpr double most_off = 2.5;               // of a scale, when only the vehicle file says how large a force is
 constexpr double most_off_of_motion = 1.3;     // when the motion does
-constexpr double near = 0.12, not_near = 0.5, clearly_nearer = 0.25;   // shares of squares
+constexpr double near = 0.02, not_near = 0.5, clearly_nearer = 0.25;   // shares of squares
 constexpr double least_ratio = 0.5, most_ratio = 2.0, most_of_any_flight = 5.0;
 
 // means over a window, m/s²

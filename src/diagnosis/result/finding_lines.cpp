@@ -67,7 +67,7 @@ struct Line {
 
 }  // namespace
 
-std::vector<std::string> finding_lines(const std::vector<LogFinding>& findings, std::size_t flights) {
+std::vector<FindingLine> finding_lines(const std::vector<LogFinding>& findings, std::size_t flights) {
   std::vector<Line> lines;
   for (const LogFinding& finding : findings) {
     const Wording said = wording_of(finding.says);
@@ -78,8 +78,8 @@ std::vector<std::string> finding_lines(const std::vector<LogFinding>& findings, 
     }
     line->add(finding.file, said);
   }
-  std::vector<std::string> texts;
-  for (const Line& line : lines) texts.push_back(fmt::format("{}: {}", line.kind, line.text(flights)));
+  std::vector<FindingLine> texts;
+  for (const Line& line : lines) texts.push_back({line.kind, line.text(flights)});
   return texts;
 }
 

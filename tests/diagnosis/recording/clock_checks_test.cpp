@@ -68,8 +68,8 @@ TEST(ClockChecks, FollowAClockAndLayTheBoardOnThePose) {
   const std::optional<ClockTrack> found = gyro_track(flown.pose, flown.gyro);
   ASSERT_TRUE(found);
   for (double t = 1.0; t < duration_s - 1.0; t += 0.25) {
-    if (std::abs(t - 9.0) < 1.3) continue;
-    EXPECT_NEAR(found->at(t), late_s(t), 0.008) << t;
+    if (std::abs(t - 9.0) < 1.3) continue;   // the jump is inside a stretch
+    EXPECT_NEAR(found->at(t), late_s(t), 1.5 * step_s) << t;
   }
   const FlightLog laid = laid_on_pose_clock(flown.log, *found);
   std::vector<Vector3> gyro;

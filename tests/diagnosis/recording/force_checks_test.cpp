@@ -137,8 +137,8 @@ TEST(ForceChecks, TellAnotherUnitSignOrFrameOfTheAccelerometer) {
 
 TEST(ForceChecks, WeighTheInputsAgainstTheMotion) {
   VehicleModel heavy = racer();
-  heavy.mass_kg *= 3.0;
-  for (const auto& [name, path] : flights) EXPECT_THAT(says(fly(path, racer()), heavy), ElementsAre(HasSubstr("the inputs mean 0.33 times the thrust"))) << name;
+  heavy.mass_kg *= 2.5;
+  for (const auto& [name, path] : flights) EXPECT_THAT(says(fly(path, racer()), heavy), ElementsAre(HasSubstr("the inputs mean 0.40 times the thrust"))) << name;
 }
 
 }  // namespace
