@@ -1,4 +1,4 @@
-#include "diagnosis/diagnose.hpp"
+#include "diagnosis/result/diagnosis.hpp"
 #include "diagnosis/result/finding_lines.hpp"
 
 #include <cmath>
