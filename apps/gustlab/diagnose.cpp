@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "diagnose.hpp"
+#include "diagnosis/result/finding_lines.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "report/diagnosis_page.hpp"
@@ -107,6 +108,7 @@ void run(const DiagnoseArguments& options) {
   if (!options.vehicle.empty()) wanted.vehicle = options.vehicle;
   wanted.jobs = options.jobs;
   const diagnosis::Diagnosis result = diagnose_into(options.out, wanted);
+  for (const auto& [kind, says] : diagnosis::finding_lines(result.log_findings, result.flights.size())) spdlog::warn("{}: {}", kind, says);
   fmt::print("{}: {}", result.vehicle, to_string(result.verdict));
   for (const auto& effect : result.effects) {
     fmt::print("\n  {}", effect.effect);

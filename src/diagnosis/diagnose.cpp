@@ -76,7 +76,7 @@ void set_aside(std::vector<FlightLog>& logs, const VehicleModel& vehicle, Diagno
   const std::vector<LogFinding> copies = check_copies(logs);
   for (std::size_t i = 0; i < logs.size(); ++i) {
     note(copies, i);
-    if (!away[i]) note(check_attitude(logs[i]), i);
+    if (!away[i]) note(check_attitude(logs[i], vehicle), i);
     if (!away[i]) note(check_log(logs[i], vehicle), i);
     if (away[i]) out.flights.push_back({label_of(logs[i].path), "set_aside", 0.0, 0.0});
   }

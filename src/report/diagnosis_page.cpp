@@ -47,20 +47,10 @@ std::string header(const Json& diagnosis) {
                      verdict_badge(text(diagnosis, "verdict")));
 }
 
-// one line for what is said alike of several recordings
 std::string log_findings(const Json& diagnosis) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> said;
-  for (const Json& finding : part(diagnosis, "log_findings")) {
-    const std::string words = fmt::format("<strong>{}</strong>: {}.", escape(capital(plain_label(text(finding, "kind")))), escape(text(finding, "says")));
-    std::string place = text(finding, "file");
-    if (const std::string column = text(finding, "column"); !column.empty()) place += (place.empty() ? "" : ", ") + column;
-    const double from = number(finding, "from_s"), to = number(finding, "to_s");
-    if (std::isfinite(from) && to > from) place += fmt::format(", {:.1f}–{:.1f} s", from, to);
-    const auto same = std::find_if(said.begin(), said.end(), [&](const auto& entry) { return entry.first == words; });
-    (same == said.end() ? said.emplace_back(words, std::vector<std::string>{}) : *same).second.push_back(place);
-  }
   std::string items;
-  for (const auto& [words, places] : said) items += fmt::format("<li>{} <span class=\"soft\">{}</span></li>", words, escape(fmt::format("{}", fmt::join(places, "; "))));
+  for (const Json& line : part(diagnosis, "log_findings_in_short"))
+    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(capital(plain_label(text(line, "kind")))), escape(text(line, "says")));
   return items.empty() ? "" : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
 }
 

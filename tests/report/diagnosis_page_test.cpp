@@ -71,7 +71,7 @@ TEST(DiagnosisPage, EscapesEveryText) {
   Json diagnosis = example_diagnosis();
   const std::string attack = "<b>\"'&</b>";
   diagnosis["vehicle"] = attack;
-  for (const char* list : {"effects", "log_findings", "rejected", "not_identifiable", "flights", "alarms", "mismatch", "disturbance"})
+  for (const char* list : {"effects", "log_findings_in_short", "rejected", "not_identifiable", "flights", "alarms", "mismatch", "disturbance"})
     for (Json& entry : diagnosis[list])
       for (auto& [key, value] : entry.items())
         if (value.is_string() && key != "role") value = attack;
@@ -119,10 +119,8 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
 
 TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
   Json diagnosis = example_diagnosis();
-  diagnosis["log_findings"] = Json::array();
-  for (const char* file : {"one.csv", "two.csv"})
-    diagnosis["log_findings"].push_back({{"file", file}, {"kind", "filtered"}, {"from_s", 0.0}, {"to_s", 0.0}, {"says", "it was smoothed"}});
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<li><strong>Filtered</strong>: it was smoothed. <span class=\"soft\">one.csv; two.csv</span></li>"));
+  diagnosis["log_findings_in_short"] = {{{"kind", "filtered"}, {"says", "2 of 3 flights: px…wz it was smoothed"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<ul><li><strong>Filtered</strong>: 2 of 3 flights: px…wz it was smoothed.</li></ul>"));
 }
 
 TEST(DiagnosisPage, ShowsSuspectsWithTheReasonWhyTheyHaveNoName) {

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "gustlab/types.hpp"
+#include "vehicle/rotor_speed.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -39,6 +41,30 @@ std::vector<const std::vector<double>*> columns_of(const FlightLog& log, std::in
   return result;
 }
 
+// The columns that drive the rotors; none where they have no map to thrust.
+ActuatorKind inputs_of(const FlightLog& log, const VehicleModel& vehicle, std::vector<const std::vector<double>*>& inputs) {
+  for (const auto& [prefix, kind] : {std::pair{"rotor", ActuatorKind::rotor_speed}, {"u", log.meta.actuator}}) {
+    inputs.clear();
+    const int wanted = kind == ActuatorKind::collective_thrust ? 1 : vehicle.rotor_count;
+    for (int i = 1; i <= wanted; ++i)
+      if (const auto* column = log.find(fmt::format("{}{}", prefix, i))) inputs.push_back(column);
+    if (static_cast<int>(inputs.size()) == wanted && kind != ActuatorKind::throttle) return kind;
+  }
+  inputs.clear();
+  return log.meta.actuator;
+}
+
+// Thrust per mass that a row's inputs ask for; NaN where it has none, gravity where no input says.
+double push_mps2(const VehicleModel& vehicle, const std::vector<const std::vector<double>*>& inputs, ActuatorKind kind, std::size_t row) {
+  if (inputs.empty()) return gravity_mps2;
+  double thrust = 0.0;
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+    const Rotor& rotor = vehicle.rotors[i];
+    thrust += rotor.thrust_coefficient_Ns2 * std::pow(rotor_speed_radps(vehicle, rotor, kind, (*inputs[std::min(i, inputs.size() - 1)])[row]), 2);
+  }
+  return thrust / vehicle.mass_kg;
+}
+
 // horizontal part of the body's z axis in W
 Vector2 lean(const double (&c)[4], const Reading& reading) {
   const Quaternion q = reading.scalar_last ? Quaternion(c[3], c[0], c[1], c[2]) : Quaternion(c[0], c[1], c[2], c[3]);
@@ -47,26 +73,30 @@ Vector2 lean(const double (&c)[4], const Reading& reading) {
 
 }  // namespace
 
-std::vector<LogFinding> check_attitude(const FlightLog& log) {
+std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel& vehicle) {
   const auto q = columns_of(log, {"qw", "qx", "qy", "qz"}), v = columns_of(log, {"vx", "vy"});
   if (q.empty() || v.empty()) return {};
-  // per window: mean acceleration, and g times the mean lean of each reading
+  // per window: mean acceleration, and the mean push of each reading
   std::vector<Vector2> acceleration;
   std::vector<Vector2> leaning[std::size(readings)];
+  std::vector<const std::vector<double>*> inputs;
+  const ActuatorKind kind = inputs_of(log, vehicle, inputs);
+  double push = gravity_mps2;
   for (std::size_t first = 0, last = 0; first < log.rows(); first = last) {
     Vector2 sum[std::size(readings)] = {Vector2::Zero(), Vector2::Zero(), Vector2::Zero(), Vector2::Zero()};
-    for (last = first; last + 1 < log.rows() && log.time_s[last] - log.time_s[first] < window_s; ++last) {
+    std::size_t from = log.rows(), to = log.rows();
+    double count = 0.0;
+    for (last = first; last < log.rows() && log.time_s[last] - log.time_s[first] < window_s; ++last) {
+      if (std::isfinite((*v[0])[last]) && std::isfinite((*v[1])[last])) from = from == log.rows() ? last : from, to = last;
+      if (const double now = push_mps2(vehicle, inputs, kind, last); std::isfinite(now)) push = now;
       const double c[4] = {(*q[0])[last], (*q[1])[last], (*q[2])[last], (*q[3])[last]};
-      for (std::size_t r = 0; r < std::size(readings); ++r) sum[r] += lean(c, readings[r]);
+      if (!std::isfinite(c[0] + c[1] + c[2] + c[3])) continue;
+      for (std::size_t r = 0; r < std::size(readings); ++r) sum[r] += push * lean(c, readings[r]);
+      count += 1.0;
     }
-    if (last == first) break;
-    const double length_s = log.time_s[last] - log.time_s[first];
-    const Vector2 change((*v[0])[last] - (*v[0])[first], (*v[1])[last] - (*v[1])[first]);
-    // a sample that is missing makes the sum NaN, a gap the window long
-    if (!change.allFinite() || !sum[0].allFinite() || length_s > 1.5 * window_s) continue;
-    acceleration.emplace_back(change / length_s);
-    for (std::size_t r = 0; r < std::size(readings); ++r)
-      leaning[r].emplace_back(gravity_mps2 / static_cast<double>(last - first) * sum[r]);
+    if (count == 0.0 || from == to || log.time_s[to] - log.time_s[from] < 0.5 * window_s) continue;
+    acceleration.emplace_back(Vector2((*v[0])[to] - (*v[0])[from], (*v[1])[to] - (*v[1])[from]) / (log.time_s[to] - log.time_s[from]));
+    for (std::size_t r = 0; r < std::size(readings); ++r) leaning[r].emplace_back(sum[r] / count);
   }
   if (acceleration.size() < least_windows) return {};
 

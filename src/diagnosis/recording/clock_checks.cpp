@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <optional>
 
 #include "diagnosis/recording/vehicle_check.hpp"
 #include "vehicle/rotor_speed.hpp"
@@ -15,155 +13,191 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double least_jump_s = 0.03;         // a motor lag, seen at other frequencies, varies less
-constexpr double gyro_stretch_s = 2.5, command_stretch_s = 4.0;
-constexpr double most_gyro_offset_s = 0.2;
-constexpr double least_agreement = 0.8;
-constexpr double attitude_rate_memory_s = 0.1;  // over which the error of a rate from smoothed attitudes is correlated
-constexpr double least_jump_gain = 9.0;         // twice the log likelihood per stretch, three standard deviations each
-constexpr double least_rate_variance = 0.05;  // (rad/s)², roll and pitch together: less turning has no time
+using Pair = Eigen::Vector2d;   // roll and pitch
 
-struct Stretch {
-  double from_s = 0.0, to_s = 0.0;
-  std::optional<double> delay_s;
+constexpr double stretch_s = 1.25, stretches_per_verdict = 2.0;
+constexpr double most_offset_s = 0.2;
+constexpr double least_jump_s = 0.03;           // a motor lag, seen at other frequencies, varies less
+constexpr double least_jump_gain = 9.0;         // twice the log likelihood per stretch, three standard deviations each
+constexpr double memory_s = 0.1;                // over which the error of a rate from smoothed attitudes is correlated
+constexpr double wander_sd_s = 0.01, cost_of_jump = 8.0;   // from stretch to stretch; of the log likelihood
+constexpr double cost_of_slope = 2.0;           // more than so many standard deviations apart is a jump, not a slope
+
+// what is compared: how well two streams agree, and how much turning there must be
+struct Demand {
+  double agreement, variance;
+};
+constexpr Demand of_gyro = {0.8, 0.05};         // (rad/s)², roll and pitch together: less turning has no time
+constexpr Demand of_commands = {0.5, 1.0};      // (rad/s²)²
+
+// Log likelihood of every lag of `late` behind `early`, per stretch of the flight that tells; lags are in samples, −most to most.
+struct Likelihood {
+  std::int64_t most = 0;
+  double sample_s = 0.0;
+  std::vector<double> middle_s;
+  std::vector<std::vector<double>> over_lags;
+  std::vector<bool> told;
 };
 
-double jump_of(double sample_s) { return std::max(least_jump_s, 3.1 * sample_s); }
-
-std::vector<Stretch> stretches_of(const FlightData& flight, double length_s,
-                                  const std::function<std::optional<double>(std::size_t, std::size_t)>& delay) {
-  std::vector<Stretch> result;
-  for (std::size_t first = 0, last = 0; first < flight.samples.size(); first = last) {
+Likelihood likelihood_of(const FlightData& flight, const std::vector<Pair>& early, const std::vector<Pair>& late, const Demand& demand, double length_s) {
+  Likelihood result;
+  result.sample_s = flight.sample_s;
+  result.most = static_cast<std::int64_t>(std::lround(most_offset_s / flight.sample_s));
+  const auto size = static_cast<std::int64_t>(late.size());
+  for (std::size_t first = 0, last = 0; first < early.size(); first = last) {
     const double from_s = flight.samples[first].time_s;
-    while (last < flight.samples.size() && flight.samples[last].time_s < from_s + length_s) ++last;
-    result.push_back({from_s, flight.samples[last - 1].time_s, delay(first, last)});
-  }
-  return result;
-}
-
-// delays that were told; of many the outermost two may be errors
-std::vector<double> told(const std::vector<Stretch>& stretches) {
-  std::vector<double> sorted;
-  for (const Stretch& s : stretches)
-    if (s.delay_s) sorted.push_back(*s.delay_s);
-  std::sort(sorted.begin(), sorted.end());
-  if (sorted.size() >= 6) sorted = {sorted.begin() + 1, sorted.end() - 1};
-  return sorted;
-}
-
-// neighbouring stretches of about the same delay are one
-std::vector<Stretch> merged(const std::vector<Stretch>& stretches, double jump_s) {
-  std::vector<Stretch> result;
-  for (const Stretch& s : stretches) {
-    if (!s.delay_s) continue;
-    if (!result.empty() && std::abs(*result.back().delay_s - *s.delay_s) <= 0.5 * jump_s) result.back().to_s = s.to_s;
-    else result.push_back(s);
-  }
-  return result;
-}
-
-FlightData part_of(const FlightData& flight, std::size_t first, std::size_t last) {
-  FlightData part;
-  part.commands = flight.commands;
-  part.measured_speed = flight.measured_speed;
-  part.sample_s = flight.sample_s;
-  const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
-  part.samples.assign(flight.samples.begin() + at(first), flight.samples.begin() + at(last));
-  part.motion.assign(flight.motion.begin() + at(first), flight.motion.begin() + at(last));
-  return part;
-}
-
-}  // namespace
-
-std::vector<LogFinding> rate_delays(const FlightData& pose, const std::vector<Vector3>& rate_B_radps) {
-  const double step_s = pose.sample_s;
-  const auto most = static_cast<std::int64_t>(std::lround(most_gyro_offset_s / step_s));
-  // cross-correlation of roll and pitch rates; of every stretch that tells, log likelihood over the lags
-  std::vector<std::vector<double>> likelihood;
-  const auto delay = [&](std::size_t first, std::size_t last) -> std::optional<double> {
+    while (last < early.size() && flight.samples[last].time_s < from_s + length_s) ++last;
+    const double independent = 2.0 * static_cast<double>(last - first) * flight.sample_s / memory_s;
     double best = -1.0, energy = 0.0;
-    std::int64_t at = 0;
     std::vector<double> over_lags;
-    const double independent = 2.0 * static_cast<double>(last - first) * step_s / attitude_rate_memory_s;
-    for (std::int64_t lag = -most; lag <= most; ++lag) {
+    for (std::int64_t lag = -result.most; lag <= result.most; ++lag) {
       double xy = 0.0, xx = 0.0, yy = 0.0;
       for (std::size_t k = first; k < last; ++k) {
-        const auto j = static_cast<std::int64_t>(k) + lag;
-        if (j < 0 || j >= static_cast<std::int64_t>(rate_B_radps.size())) continue;
-        const Vector3& gyro = rate_B_radps[static_cast<std::size_t>(j)];
-        if (!gyro.allFinite()) continue;
-        const Vector3& rate = pose.motion[k].body_rate_B_radps;
-        xy += gyro.head<2>().dot(rate.head<2>());
-        xx += gyro.head<2>().squaredNorm();
-        yy += rate.head<2>().squaredNorm();
+        const std::int64_t j = static_cast<std::int64_t>(k) + lag;
+        if (j < 0 || j >= size || !late[static_cast<std::size_t>(j)].allFinite() || !early[k].allFinite()) continue;
+        xy += late[static_cast<std::size_t>(j)].dot(early[k]);
+        xx += late[static_cast<std::size_t>(j)].squaredNorm();
+        yy += early[k].squaredNorm();
       }
       const double r = xy / std::sqrt(xx * yy + 1e-300);
       over_lags.push_back(-0.5 * independent * std::log(1.0 - std::min(r * std::abs(r), 0.9999)));
-      if (r > best) best = r, at = lag, energy = yy / static_cast<double>(last - first);
+      if (r > best) best = r, energy = yy / static_cast<double>(last - first);
     }
-    if (best < least_agreement || energy < least_rate_variance) return std::nullopt;
-    likelihood.push_back(std::move(over_lags));
-    return static_cast<double>(at) * step_s;
-  };
-  const std::vector<Stretch> stretches = stretches_of(pose, gyro_stretch_s, delay);
-  const std::vector<double> delays = told(stretches);
-  if (delays.size() < 2 || delays.back() - delays.front() <= jump_of(step_s)) return {};
-  // slow turning has a flat top: what one delay for the whole flight explains as well is no jump
-  double each = 0.0, one = -std::numeric_limits<double>::infinity();
-  for (const auto& stretch : likelihood) each += *std::max_element(stretch.begin(), stretch.end());
-  for (std::size_t lag = 0; lag < likelihood.front().size(); ++lag) {
-    double sum = 0.0;
-    for (const auto& stretch : likelihood) sum += stretch[lag];
-    one = std::max(one, sum);
+    result.middle_s.push_back(0.5 * (from_s + flight.samples[last - 1].time_s));
+    result.over_lags.push_back(std::move(over_lags));
+    result.told.push_back(best >= demand.agreement && energy >= demand.variance);
   }
-  if (2.0 * (each - one) < least_jump_gain * static_cast<double>(likelihood.size())) return {};
-  std::vector<LogFinding> findings;
-  for (const Stretch& s : merged(stretches, jump_of(step_s)))
-    findings.push_back({pose.label, "wx…az", "delay", s.from_s, s.to_s,
-                        fmt::format("the gyro is {:.0f} ms later than the attitude here, and {:.0f} to {:.0f} ms in the flight: inertial "
-                                    "data and pose are on two clocks, and the inertial data are not used",
-                                    1e3 * *s.delay_s, 1e3 * delays.front(), 1e3 * delays.back()),
-                        false, true});
-  return findings;
+  return result;
 }
 
-namespace {
+// Is one lag for the whole flight clearly worse than one for each stretch, and are those far apart?
+bool changes(const Likelihood& of) {
+  std::vector<double> lags_s;
+  std::vector<double> sum(of.over_lags.empty() ? 0 : of.over_lags.front().size(), 0.0);
+  double each = 0.0;
+  for (std::size_t s = 0; s < of.over_lags.size(); ++s) {
+    if (!of.told[s]) continue;
+    const auto& lags = of.over_lags[s];
+    const auto best = std::max_element(lags.begin(), lags.end());
+    lags_s.push_back(static_cast<double>(best - lags.begin()) * of.sample_s);
+    each += *best;
+    for (std::size_t l = 0; l < lags.size(); ++l) sum[l] += lags[l];
+  }
+  std::sort(lags_s.begin(), lags_s.end());
+  const auto count = static_cast<double>(lags_s.size());
+  // of many the outermost two may be errors
+  if (lags_s.size() >= 6) lags_s = {lags_s.begin() + 1, lags_s.end() - 1};
+  if (lags_s.size() < 2 || lags_s.back() - lags_s.front() <= std::max(least_jump_s, 3.1 * of.sample_s)) return false;
+  // slow turning has a flat top: what one delay for the whole flight explains as well is no jump
+  return 2.0 * (each - *std::max_element(sum.begin(), sum.end())) >= least_jump_gain * count;
+}
 
-struct CommandClock {
-  bool steady = false;               // the delay is told in half of the flight or more, and stays the same
-  std::vector<LogFinding> findings;  // one per stretch when it jumps
-};
+// The likeliest course of a lag that wanders a little from stretch to stretch and jumps now and then (Viterbi, IEEE Trans. Inf.
+// Theory 13, 1967). A stretch that does not tell follows its neighbours.
+ClockTrack likeliest_track(const Likelihood& of) {
+  const std::size_t lags = of.over_lags.front().size(), count = of.over_lags.size();
+  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(4.0 * wander_sd_s / of.sample_s));
+  std::vector<double> value(lags, 0.0);
+  std::vector<std::vector<std::size_t>> came(count, std::vector<std::size_t>(lags, 0));
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::vector<double> before = value;
+    const auto jump = static_cast<std::size_t>(std::max_element(before.begin(), before.end()) - before.begin());
+    for (std::size_t l = 0; l < lags; ++l) {
+      double best = before[jump] - cost_of_jump;
+      came[s][l] = jump;
+      for (std::ptrdiff_t d = -reach; d <= reach; ++d) {
+        const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(l) + d;
+        if (from < 0 || from >= static_cast<std::ptrdiff_t>(lags)) continue;
+        const double way = before[static_cast<std::size_t>(from)] - 0.5 * std::pow(static_cast<double>(d) * of.sample_s / wander_sd_s, 2);
+        if (way > best) best = way, came[s][l] = static_cast<std::size_t>(from);
+      }
+      value[l] = best + (of.told[s] ? of.over_lags[s][l] : 0.0);
+    }
+  }
+  ClockTrack track{of.middle_s, std::vector<double>(count)};
+  auto at = static_cast<std::size_t>(std::max_element(value.begin(), value.end()) - value.begin());
+  for (std::size_t s = count; s-- > 0; at = came[s][at]) {
+    double lag = static_cast<double>(static_cast<std::int64_t>(at) - of.most);
+    // the top of a parabola through three points
+    if (of.told[s] && at > 0 && at + 1 < lags) {
+      const auto& l = of.over_lags[s];
+      const double bend = l[at - 1] - 2.0 * l[at] + l[at + 1];
+      if (bend < 0.0) lag += std::clamp(0.5 * (l[at - 1] - l[at + 1]) / bend, -0.5, 0.5);
+    }
+    track.late_s[s] = lag * of.sample_s;
+  }
+  return track;
+}
 
-CommandClock clock_of_commands(const FlightData& flight, const VehicleModel& vehicle) {
-  CommandClock clock;
-  const std::vector<Stretch> stretches = stretches_of(flight, command_stretch_s, [&](std::size_t first, std::size_t last) {
-    return flight.collective_only ? std::nullopt : torque_delay_s(part_of(flight, first, last), vehicle);
-  });
-  const std::vector<double> delays = told(stretches);
-  const double jump_s = jump_of(flight.sample_s);
-  const bool jumps = delays.size() >= 3 && delays.back() - delays.front() > jump_s;
-  clock.steady = !jumps && 2 * delays.size() >= stretches.size();
-  if (jumps)
-    for (const Stretch& s : merged(stretches, jump_s))
-      clock.findings.push_back({flight.label, "u1…uN", "delay", s.from_s, s.to_s,
-                                fmt::format("here the vehicle turns {:.0f} ms after its rotors are told to, and {:.0f} to {:.0f} ms in the "
-                                            "flight: two clocks, and torques are not judged",
-                                            1e3 * *s.delay_s, 1e3 * delays.front(), 1e3 * delays.back()),
-                                false, false});
-  return clock;
+std::optional<ClockTrack> track_of(const FlightData& flight, const std::vector<Pair>& early, const std::vector<Pair>& late, const Demand& demand) {
+  if (!changes(likelihood_of(flight, early, late, demand, stretches_per_verdict * stretch_s))) return std::nullopt;
+  return likeliest_track(likelihood_of(flight, early, late, demand, stretch_s));
+}
+
+// value of a column between the rows that have one; NaN outside
+double between(const std::vector<double>& time_s, const std::vector<double>& values, const std::vector<std::size_t>& rows, double at_s, bool held) {
+  const auto next = std::upper_bound(rows.begin(), rows.end(), at_s, [&](double t, std::size_t row) { return t < time_s[row]; });
+  if (next == rows.begin() || next == rows.end()) return std::numeric_limits<double>::quiet_NaN();
+  const std::size_t a = *(next - 1), b = *next;
+  const double part = held ? 0.0 : (at_s - time_s[a]) / (time_s[b] - time_s[a]);
+  return values[a] + part * (values[b] - values[a]);
 }
 
 }  // namespace
+
+double ClockTrack::at(double at_s) const {
+  const auto next = static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at_s) - time_s.begin());
+  if (next == 0) return late_s.front();
+  if (next == time_s.size()) return late_s.back();
+  const double before = late_s[next - 1], after = late_s[next], part = (at_s - time_s[next - 1]) / (time_s[next] - time_s[next - 1]);
+  if (std::abs(after - before) > cost_of_slope * wander_sd_s) return part < 0.5 ? before : after;
+  return before + part * (after - before);
+}
+
+double ClockTrack::least_s() const { return *std::min_element(late_s.begin(), late_s.end()); }
+double ClockTrack::most_s() const { return *std::max_element(late_s.begin(), late_s.end()); }
+
+std::optional<ClockTrack> gyro_track(const FlightData& pose, const std::vector<Vector3>& rate_B_radps) {
+  std::vector<Pair> early, late;
+  for (const Motion& motion : pose.motion) early.emplace_back(motion.body_rate_B_radps.head<2>());
+  for (const Vector3& rate : rate_B_radps) late.emplace_back(rate.head<2>());
+  return track_of(pose, early, late, of_gyro);
+}
+
+std::optional<ClockTrack> command_track(const FlightData& flight, const VehicleModel& vehicle) {
+  if (flight.collective_only || flight.samples.size() < 200) return std::nullopt;
+  const TurningSeries series = turning_series(flight, vehicle);
+  return track_of(flight, series.torque, series.acceleration, of_commands);
+}
+
+FlightLog laid_on_pose_clock(FlightLog log, const ClockTrack& track) {
+  constexpr std::string_view on_board[] = {"wx", "wy", "wz", "ax", "ay", "az", "vbat"};
+  for (LogColumn& column : log.columns) {
+    const bool input = is_rotor_column(column.name);
+    if (!input && std::find(std::begin(on_board), std::end(on_board), column.name) == std::end(on_board)) continue;
+    const bool held = column.name.starts_with('u') && log.meta.hold == Hold::zoh;
+    const std::vector<double> values = column.values;
+    std::vector<std::size_t> rows;
+    for (std::size_t k = 0; k < log.rows(); ++k)
+      if (std::isfinite(values[k])) rows.push_back(k);
+    for (const std::size_t k : rows) column.values[k] = between(log.time_s, values, rows, log.time_s[k] + track.at(log.time_s[k]), held);
+  }
+  return log;
+}
 
 bool clocks_apart(const std::vector<FlightData>& flights, const VehicleModel& vehicle, std::vector<LogFinding>& findings) {
   bool apart = false;
   for (const FlightData& flight : flights) {
-    const bool gyro_jumps = std::any_of(findings.begin(), findings.end(),
-                                        [&](const LogFinding& f) { return f.kind == "delay" && f.file == flight.label; });
-    if (!gyro_jumps) continue;
-    const CommandClock clock = clock_of_commands(flight, vehicle);
-    findings.insert(findings.end(), clock.findings.begin(), clock.findings.end());
-    apart = apart || !clock.steady;
+    const auto finding = std::find_if(findings.begin(), findings.end(), [&](const LogFinding& f) { return f.kind == "delay" && f.file == flight.label; });
+    if (finding == findings.end()) continue;
+    const std::optional<ClockTrack> track = command_track(flight, vehicle);
+    apart = apart || finding->sets_column_aside;
+    if (!track) continue;
+    apart = true;
+    findings.push_back({flight.label, "u1…uN", "delay", flight.start_s, flight.start_s + flight.duration_s(),
+                        fmt::format("the vehicle turns {:.0f} to {:.0f} ms after its rotors are told to, another time in each stretch of the flight: "
+                                    "inputs and motion are on two clocks, and torques are not judged", 1e3 * track->least_s(), 1e3 * track->most_s()),
+                        false, false});
   }
   return apart;
 }

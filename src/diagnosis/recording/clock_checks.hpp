@@ -1,6 +1,7 @@
 // Streams that were recorded on clocks of their own: does the time between them stay the same along a flight?
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "diagnosis/recording/flight_data.hpp"
@@ -8,14 +9,25 @@
 
 namespace gustlab::diagnosis {
 
-// One `delay` finding per stretch of time in which the gyro keeps the same offset from the attitude's rate, when it jumps
-// within the flight; empty when it does not. `pose`: the flight read without its gyro; rate_B_radps: gyro per sample, NaN
-// where it has none.
-std::vector<LogFinding> rate_delays(const FlightData& pose, const std::vector<Vector3>& rate_B_radps);
+// How much later one stream is than another along a flight: steps and slow wander, known in the middle of each stretch.
+struct ClockTrack {
+  std::vector<double> time_s, late_s;
+  double at(double time_s) const;
+  double least_s() const, most_s() const;
+};
 
-// Whether in one of the flights the commands cannot be laid beside the motion: `findings` has delays of its gyro, and the
-// pose alone does not say clearly that roll and pitch follow the rotors by one time (where that jumps, too, there is one
-// more `delay` finding per stretch).
+// Of the gyro behind the attitude's rate, when the time between them changes within the flight; nothing when it does not, or when
+// slow turning does not tell. `pose`: the flight read without its gyro; rate_B_radps: gyro per sample, NaN where it has none.
+std::optional<ClockTrack> gyro_track(const FlightData& pose, const std::vector<Vector3>& rate_B_radps);
+
+// Of the vehicle's turning behind the (nominal) torque of its rotors, likewise.
+std::optional<ClockTrack> command_track(const FlightData& flight, const VehicleModel& vehicle);
+
+// All that was recorded on board (gyro, accelerometer, inputs, rotor speeds, battery) as much earlier as the track says.
+FlightLog laid_on_pose_clock(FlightLog log, const ClockTrack& track);
+
+// Whether in one of the flights the commands cannot be laid beside the motion: `findings` has clocks that are apart, and the time
+// between rotors and turning changes along the flight, too (one more `delay` finding).
 bool clocks_apart(const std::vector<FlightData>& flights, const VehicleModel& vehicle, std::vector<LogFinding>& findings);
 
 // The log with the sum of its rotors' commands as its only input (collective_thrust), N. Unchanged when it has measured

@@ -8,6 +8,7 @@
 
 #include "diagnosis/recording/clock_checks.hpp"
 #include "diagnosis/recording/flight_data.hpp"
+#include "diagnosis/recording/force_checks.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
 
 namespace gustlab::diagnosis {
@@ -89,13 +90,24 @@ class Checker {
     return result;
   }
 
+  // 1.3 times the fastest that the vehicle file knows; a thrust that it does not bound may be ten times the weight
+  double most_input(ActuatorKind kind) const {
+    constexpr double beyond = 1.3, weights = 10.0;
+    if (kind == ActuatorKind::pwm) return 65535.0;
+    if (kind == ActuatorKind::throttle) return 1.0;
+    if (kind == ActuatorKind::rotor_speed) return beyond * vehicle_.max_speed_radps;
+    double most = 0.0, sum = 0.0;
+    for (const Rotor& rotor : vehicle_.rotors) {
+      const double thrust = rotor.thrust_coefficient_Ns2 * std::pow(beyond * vehicle_.max_speed_radps, 2);
+      most = std::max(most, thrust), sum += thrust;
+    }
+    return std::max(weights * vehicle_.weight_N(), kind == ActuatorKind::thrust ? most : sum);
+  }
+
   // ranges of the input, copies, straight lines (interpolated over a loss of telemetry)
   void actuator() {
     const ActuatorKind kind = log_.meta.actuator;
-    const double top = kind == ActuatorKind::pwm       ? 65535.0
-                       : kind == ActuatorKind::throttle ? 1.0
-                       : kind == ActuatorKind::rotor_speed ? 1.3 * vehicle_.max_speed_radps
-                                                           : 3.0 * vehicle_.weight_N();
+    const double top = most_input(kind);
     const auto u = inputs("u");
     if (u.empty()) return;
     std::size_t outside = 0, first = log_.rows(), last = 0;
@@ -141,7 +153,6 @@ class Checker {
     const double hover = vehicle_.hover_speed_radps();
     constexpr double shortest_stop_s = 1.0;
     std::vector<bool> off(log_.rows(), false);
-    std::vector<double> thrusts(log_.rows());
     const FlightData data = prepare_flight(log_, vehicle_, {.linear_hold = false, .max_rate_hz = 1e6});
     const CommandRecord& record = data.measured_speed.empty() ? data.commands : data.measured_speed;
     for (std::size_t k = 0; k < log_.rows(); ++k) {
@@ -150,20 +161,15 @@ class Checker {
       for (int i = 0; i < vehicle_.rotor_count; ++i)
         thrust += std::pow(mean[static_cast<std::size_t>(i)] / hover, 2) / vehicle_.rotor_count;
       off[k] = thrust < 0.35;
-      thrusts[k] = thrust;
     }
-    // in between, a moment of falling is flight
+    // in between, a moment of falling is flight, and so is what moves
     std::size_t count = 0;
-    double thrust_sum = 0.0;
     for (std::size_t first = 0, last = 0; first < off.size(); first = last) {
       for (last = first; last < off.size() && off[last] == off[first];) ++last;
       const bool inside = first > 0 && last < off.size();
-      if (off[first] && inside && log_.time_s[last] - log_.time_s[first] < shortest_stop_s)
+      if (off[first] && inside && (log_.time_s[last] - log_.time_s[first] < shortest_stop_s || moves(data, log_.time_s[first], log_.time_s[last])))
         std::fill(off.begin() + static_cast<std::ptrdiff_t>(first), off.begin() + static_cast<std::ptrdiff_t>(last), false);
-      for (std::size_t k = first; k < last; ++k) {
-        count += off[k] ? 1 : 0;
-        thrust_sum += off[k] ? 0.0 : thrusts[k];
-      }
+      for (std::size_t k = first; k < last; ++k) count += off[k] ? 1 : 0;
     }
     if (count > 0) {
       add("*", "out_of_range", 0, log_.rows(),
@@ -181,10 +187,19 @@ class Checker {
       add("*", "out_of_range", 0, log_.rows(), "fewer than 50 samples in the air: the flight is set aside", true);
       return;
     }
-    const double ratio = thrust_sum / static_cast<double>(log_.rows());
-    if (ratio < 0.5 || ratio > 2.0)
-      add("u1…uN", "inconsistent", 0, log_.rows(),
-          fmt::format("the inputs mean {:.2f} times the vehicle's weight of thrust: is it the right vehicle and the right unit?", ratio));
+    judge_forces_ = true;
+  }
+
+  // mean speed of the pose between two times
+  bool moves(const FlightData& data, double from_s, double to_s) const {
+    constexpr double clearly_mps = 1.0;
+    double sum = 0.0, count = 0.0;
+    for (std::size_t k = 0; k < data.samples.size(); ++k) {
+      if (data.samples[k].time_s < from_s || data.samples[k].time_s >= to_s) continue;
+      sum += data.motion[k].velocity_W_mps.norm();
+      count += 1.0;
+    }
+    return sum > clearly_mps * count;
   }
 
   // a position that leaps faster than anything flies: a few samples are not used; many are another unit
@@ -256,69 +271,76 @@ class Checker {
     std::erase_if(log_.columns, [](const LogColumn& column) { return column.name == "vbat"; });
   }
 
-  // gyro against attitude, accelerometer against gravity, velocity against position
+  // gyro against attitude, accelerometer and inputs against the motion, velocity against position
   void sensors() {
+    if (column("wx") && column("wy") && column("wz") && column("qw") && column("qx") && column("qy") && column("qz")) gyro();
+    if (judge_forces_)
+      for (const ForceFault& fault : check_forces(log_, vehicle_)) {
+        add(fault.column, fault.kind, 0, log_.rows(), fault.says);
+        if (fault.sets_column_aside) drop("ax", "ay", "az");
+      }
+    velocity_frame();
+  }
+
+  // the gyro per sample of a reading of the log at its own rate
+  std::vector<Vector3> gyro_of(const FlightLog& log, const FlightData& data) const {
+    const auto &wx = *log.find("wx"), &wy = *log.find("wy"), &wz = *log.find("wz");
+    std::vector<Vector3> rate;
+    std::size_t row = 0;
+    for (const Sample& sample : data.samples) {
+      while (log.time_s[row] < sample.time_s) ++row;
+      rate.emplace_back(wx[row], wy[row], wz[row]);
+    }
+    return rate;
+  }
+
+  void gyro() {
     FlightLog pose = log_;
     std::erase_if(pose.columns, [](const LogColumn& c) { return c.name == "wx" || c.name == "wy" || c.name == "wz"; });
-    const auto *wx = column("wx"), *wy = column("wy"), *wz = column("wz");
-    const bool attitude = column("qw") && column("qx") && column("qy") && column("qz");
-    if (wx && wy && wz && attitude) {
-      const FlightData data = prepare_flight(pose, vehicle_, {.linear_hold = false, .max_rate_hz = 1e6});
-      Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
-      Vector3 rate_energy = Vector3::Zero(), gyro_energy = Vector3::Zero();
-      for (std::size_t k = 0; k < data.samples.size() && k < log_.rows(); ++k) {
-        const Vector3 gyro((*wx)[k], (*wy)[k], (*wz)[k]);
-        if (!gyro.allFinite() || !(data.samples[k].channels & has_attitude)) continue;
-        const Vector3& rate = data.motion[k].body_rate_B_radps;
-        cross += gyro * rate.transpose();
-        rate_energy += rate.cwiseAbs2();
-        gyro_energy += gyro.cwiseAbs2();
-      }
-      bool wrong = false;
-      for (int i = 0; i < 3; ++i) {
-        const double slope = cross(i, i) / (rate_energy[i] + 1e-300);
-        const double agreement = cross(i, i) / std::sqrt(rate_energy[i] * gyro_energy[i] + 1e-300);
-        const char* name = i == 0 ? "wx" : i == 1 ? "wy" : "wz";
-        if (rate_energy[i] / static_cast<double>(log_.rows()) < 0.01) continue;
-        if (agreement > 0.6 && slope > 0.5 * degrees_per_radian) {
-          add(name, "unit", 0, log_.rows(), "is in degrees per second: the attitude turns 57 times slower; the gyro is not used");
-          wrong = true;
-        } else if (agreement < -0.6) {
-          add(name, "sign", 0, log_.rows(), "has the opposite sign of the attitude's rate; the gyro is not used");
-          wrong = true;
-        }
-      }
-      std::vector<Vector3> rate;
-      for (std::size_t k = 0; k < log_.rows(); ++k) rate.emplace_back((*wx)[k], (*wy)[k], (*wz)[k]);
-      const std::vector<LogFinding> delays = wrong ? std::vector<LogFinding>{} : rate_delays(data, rate);
-      found_.insert(found_.end(), delays.begin(), delays.end());
-      if (wrong || !delays.empty()) drop("wx", "wy", "wz");
-      if (!delays.empty()) drop("ax", "ay", "az");
+    const FlightData data = prepare_flight(pose, vehicle_, {.linear_hold = false, .max_rate_hz = 1e6});
+    const std::vector<Vector3> rates = gyro_of(log_, data);
+    Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
+    Vector3 rate_energy = Vector3::Zero(), gyro_energy = Vector3::Zero();
+    for (std::size_t k = 0; k < rates.size(); ++k) {
+      if (!rates[k].allFinite() || !(data.samples[k].channels & has_attitude)) continue;
+      const Vector3& rate = data.motion[k].body_rate_B_radps;
+      cross += rates[k] * rate.transpose();
+      rate_energy += rate.cwiseAbs2();
+      gyro_energy += rates[k].cwiseAbs2();
     }
-    if (const auto *ax = column("ax"), *ay = column("ay"), *az = column("az"); ax && ay && az) {
-      std::vector<double> size;
-      double up = 0.0;
-      for (std::size_t k = 0; k < log_.rows(); ++k) {
-        const double n = std::hypot((*ax)[k], (*ay)[k], (*az)[k]);
-        if (!std::isfinite(n)) continue;
-        size.push_back(n);
-        up += (*az)[k];
-      }
-      if (size.size() > 20) {
-        const double typical = median(std::move(size));
-        const char* fault = typical > 0.5 && typical < 1.6   ? "is in g, not m/s²"
-                            : typical < 5.0 || typical > 20.0 ? "is not a specific force (a hover reads 9.81)"
-                                                              : nullptr;
-        if (fault) {
-          add("ax…az", "unit", 0, log_.rows(), fmt::format("the accelerometer {} (median size {:.2f}): not used", fault, typical));
-          drop("ax", "ay", "az");
-        } else if (up < 0.0) {
-          add("az", "sign", 0, log_.rows(), "the accelerometer reads downward in flight (a hover reads +9.81): not used");
-          drop("ax", "ay", "az");
-        }
+    bool wrong = false;
+    for (int i = 0; i < 3; ++i) {
+      const double slope = cross(i, i) / (rate_energy[i] + 1e-300);
+      const double agreement = cross(i, i) / std::sqrt(rate_energy[i] * gyro_energy[i] + 1e-300);
+      const char* name = i == 0 ? "wx" : i == 1 ? "wy" : "wz";
+      if (rate_energy[i] / static_cast<double>(log_.rows()) < 0.01) continue;
+      if (agreement > 0.6 && slope > 0.5 * degrees_per_radian) {
+        add(name, "unit", 0, log_.rows(), "is in degrees per second: the attitude turns 57 times slower; the gyro is not used");
+        wrong = true;
+      } else if (agreement < -0.6) {
+        add(name, "sign", 0, log_.rows(), "has the opposite sign of the attitude's rate; the gyro is not used");
+        wrong = true;
       }
     }
-    velocity_frame();
+    if (wrong) drop("wx", "wy", "wz");
+    else clocks(data, rates);
+  }
+
+  // a board whose clock wanders against the pose's is laid on it where turning tells the time between them
+  void clocks(const FlightData& data, const std::vector<Vector3>& rates) {
+    const std::optional<ClockTrack> track = gyro_track(data, rates);
+    if (!track) return;
+    const std::string apart = fmt::format("the gyro is {:.0f} to {:.0f} ms later than the attitude, another time in each stretch of the flight",
+                                          1e3 * track->least_s(), 1e3 * track->most_s());
+    if (FlightLog laid = laid_on_pose_clock(log_, *track); gyro_track(data, gyro_of(laid, data))) {
+      add("wx…az", "delay", 0, log_.rows(), apart + ": inertial data and pose are on two clocks, and the inertial data are not used");
+      found_.back().sets_column_aside = true;
+      drop("wx", "wy", "wz");
+      drop("ax", "ay", "az");
+    } else {
+      add("wx…az, u1…uN", "delay", 0, log_.rows(), apart + ": all that was recorded on board is laid on the pose's clock, stretch by stretch");
+      log_ = std::move(laid);
+    }
   }
 
   void velocity_frame() {
@@ -349,6 +371,7 @@ class Checker {
   std::string label_;
   double step_s_;
   bool aside_ = false;
+  bool judge_forces_ = false;   // inputs that have a map to rotor speed
   std::vector<LogFinding> found_;
 };
 
@@ -366,14 +389,9 @@ std::vector<LogFinding> check_copies(const std::vector<FlightLog>& logs) {
         same = std::equal(logs[i].columns[c].values.begin(), logs[i].columns[c].values.end(), logs[j].columns[c].values.begin(),
                           [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
       if (!same) continue;
-      LogFinding f;
-      f.file = logs[i].path.substr(logs[i].path.find_last_of('/') + 1);
-      f.column = "*";
-      f.kind = "duplicate";
-      f.to_s = logs[i].rows() ? logs[i].time_s.back() : 0.0;
-      f.says = fmt::format("is a copy of {}: set aside", logs[j].path.substr(logs[j].path.find_last_of('/') + 1));
-      f.sets_flight_aside = true;
-      found.push_back(f);
+      const auto name = [](const FlightLog& log) { return log.path.substr(log.path.find_last_of('/') + 1); };
+      found.push_back({name(logs[i]), "*", "duplicate", 0.0, logs[i].rows() ? logs[i].time_s.back() : 0.0,
+                       fmt::format("is a copy of {}: set aside", name(logs[j])), true, false});
       break;
     }
   return found;

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace gustlab::diagnosis {
@@ -95,7 +96,7 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
   if (!turns || vehicle.rotor_count > 6) return findings;
   // rotors and logs answer late by an unknown time
   Response found;
-  for (const double delay_s : {0.0, 0.01, 0.02, 0.03, 0.045, 0.06}) {
+  for (const double delay_s : {0.0, 0.01, 0.02, 0.03, 0.045, 0.06, 0.08, 0.1, 0.125, 0.15, 0.175}) {
     const Response trial = measured_response(flights, vehicle, delay_s);
     if (trial.explained > found.explained) found = trial;
   }
@@ -146,6 +147,30 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
     }
   }
   return findings;
+}
+
+TurningSeries turning_series(const FlightData& flight, const VehicleModel& vehicle) {
+  const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
+  std::iota(place.begin(), place.end(), 0);
+  const Eigen::MatrixXd gains = nominal_gains(vehicle, place);
+  const double hover = vehicle.hover_speed_radps();
+  const auto back = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / flight.sample_s)));
+  const std::size_t count = flight.samples.size();
+  const Eigen::Vector2d none = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  TurningSeries series{std::vector<Eigen::Vector2d>(count, none), std::vector<Eigen::Vector2d>(count, none)};
+  std::vector<Eigen::Vector2d> torque;
+  for (const Sample& sample : flight.samples) {
+    const RotorArray speed = record.mean(sample.time_s - 0.5 * average_s, sample.time_s + 0.5 * average_s);
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (int i = 0; i < vehicle.rotor_count; ++i) sum += gains.col(i).head<2>() * std::pow(speed[static_cast<std::size_t>(i)] / hover, 2);
+    torque.push_back(sum);
+  }
+  for (std::size_t k = 2 * back; k + back < count; ++k) {
+    series.torque[k] = torque[k] - torque[k - back];
+    series.acceleration[k] = (flight.motion[k].angular_acceleration_B_radps2 - flight.motion[k - back].angular_acceleration_B_radps2).head<2>();
+  }
+  return series;
 }
 
 std::optional<double> torque_delay_s(const FlightData& flight, const VehicleModel& vehicle) {

@@ -1,10 +1,11 @@
 // Does the log contradict the vehicle file? Rotor order and directions come before any physics (DIAGNOSIS.md §3.9).
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "diagnosis/recording/flight_data.hpp"
 #include "diagnosis/result/findings.hpp"
+#include "diagnosis/recording/flight_data.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -14,5 +15,12 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
 // Seconds by which the turning of the vehicle follows its (nominal) rotors' torques: cross-correlation of roll and pitch.
 // std::nullopt when the flight does not say it clearly.
 std::optional<double> torque_delay_s(const FlightData& flight, const VehicleModel& vehicle);
+
+// Changes of the nominal torque (per hub's lever and (Ω/Ω_h)²) and of the angular acceleration about roll and pitch, per sample, over
+// so short a time that trim and drag do not count; NaN at the ends.
+struct TurningSeries {
+  std::vector<Eigen::Vector2d> torque, acceleration;
+};
+TurningSeries turning_series(const FlightData& flight, const VehicleModel& vehicle);
 
 }  // namespace gustlab::diagnosis

@@ -1,4 +1,5 @@
 #include "diagnosis/result/diagnosis.hpp"
+#include "diagnosis/result/finding_lines.hpp"
 
 #include <cmath>
 
@@ -104,6 +105,8 @@ ordered_json to_json(const Diagnosis& d) {
   out["log_findings"] = ordered_json::array();
   for (const LogFinding& f : d.log_findings)
     out["log_findings"].push_back({{"file", f.file}, {"column", f.column}, {"kind", f.kind}, {"from_s", f.from_s}, {"to_s", f.to_s}, {"says", f.says}});
+  out["log_findings_in_short"] = ordered_json::array();
+  for (const auto& [kind, says] : finding_lines(d.log_findings, d.flights.size())) out["log_findings_in_short"].push_back({{"kind", kind}, {"says", says}});
   out["rejected"] = ordered_json::array();
   for (const Rejected& r : d.rejected)
     out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.delta_score)}, {"why", r.why}});

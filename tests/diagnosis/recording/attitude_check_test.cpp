@@ -6,6 +6,7 @@
 
 #include "gustlab/random.hpp"
 #include "gustlab/types.hpp"
+#include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
@@ -40,34 +41,34 @@ FlightLog hover(double lean_rad, double push_mps2, double yaw_rad, Written writt
 
 TEST(AttitudeCheck, AHoverThatLeansAsItMovesIsFine) {
   for (const double yaw_rad : {0.0, 0.4, 2.5}) {
-    EXPECT_TRUE(check_attitude(hover(0.02, 0.0, yaw_rad, Written::right)).empty());
+    EXPECT_TRUE(check_attitude(hover(0.02, 0.0, yaw_rad, Written::right), test::crazyflie()).empty());
     // what pushes is stronger than what leans
-    EXPECT_TRUE(check_attitude(hover(0.02, 0.4, yaw_rad, Written::right)).empty());
+    EXPECT_TRUE(check_attitude(hover(0.02, 0.4, yaw_rad, Written::right), test::crazyflie()).empty());
     for (const Written written : {Written::right, Written::scalar_last})
-      EXPECT_TRUE(check_attitude(hover(0.02, 0.05, yaw_rad, written, 0.9)).empty());
+      EXPECT_TRUE(check_attitude(hover(0.02, 0.05, yaw_rad, written, 0.9), test::crazyflie()).empty());
   }
 }
 
 TEST(AttitudeCheck, AnotherOrderOfTheQuaternionIsNamed) {
   for (const double yaw_rad : {0.0, 0.4, 2.5}) {
-    const auto found = check_attitude(hover(0.02, 0.05, yaw_rad, Written::scalar_last));
+    const auto found = check_attitude(hover(0.02, 0.05, yaw_rad, Written::scalar_last), test::crazyflie());
     ASSERT_EQ(found.size(), 1u) << yaw_rad;
     EXPECT_EQ(found[0].file, "hover.csv");
     EXPECT_EQ(found[0].kind, "inconsistent");
     EXPECT_TRUE(found[0].sets_flight_aside);
     EXPECT_THAT(found[0].says, HasSubstr("were scalar-last: set aside"));
   }
-  const auto found = check_attitude(hover(0.02, 0.05, 0.4, Written::world_to_body));
+  const auto found = check_attitude(hover(0.02, 0.05, 0.4, Written::world_to_body), test::crazyflie());
   ASSERT_EQ(found.size(), 1u);
   EXPECT_THAT(found[0].says, HasSubstr("were world-to-body: set aside"));
 }
 
 TEST(AttitudeCheck, WhereNothingMovesNothingIsSaid) {
   for (const Written written : {Written::right, Written::scalar_last, Written::world_to_body})
-    EXPECT_TRUE(check_attitude(hover(0.001, 0.0, 0.0, written)).empty());
+    EXPECT_TRUE(check_attitude(hover(0.001, 0.0, 0.0, written), test::crazyflie()).empty());
   FlightLog blind = hover(0.02, 0.05, 0.0, Written::scalar_last);
   blind.columns.erase(blind.columns.begin());
-  EXPECT_TRUE(check_attitude(blind).empty());
+  EXPECT_TRUE(check_attitude(blind, test::crazyflie()).empty());
 }
 
 }  // namespace
