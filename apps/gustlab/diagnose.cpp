@@ -11,6 +11,7 @@
 #include "diagnosis/diagnose.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 #include "report/diagnosis_page.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
@@ -102,7 +103,10 @@ void run(const DiagnoseArguments& options) {
   wanted.reference = options.reference;
   if (!options.vehicle.empty()) wanted.vehicle = options.vehicle;
   wanted.jobs = options.jobs;
+  Progress progress;
+  wanted.progress = progress.report();
   const diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
+  progress.end();
   for (const diagnosis::LogFinding& finding : result.log_findings)
     if (finding.sets_flight_aside) spdlog::warn("{}: set aside: {}", finding.file, finding.says);
   const nlohmann::ordered_json document = diagnosis::to_json(result);

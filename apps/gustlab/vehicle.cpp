@@ -14,6 +14,7 @@
 #include "util/files.hpp"
 #include "vehicle/new_vehicle.hpp"
 #include "vehicle/read_vehicle.hpp"
+#include "vehicle_fit.hpp"
 
 namespace gustlab {
 
@@ -192,6 +193,7 @@ void add_vehicle(CLI::App& app) {
   group->require_subcommand(1);
   add_new(*group);
   add_check(*group);
+  add_vehicle_fit(*group);
 }
 
 }  // namespace gustlab

@@ -1,6 +1,7 @@
 // `gustlab vehicle fit`: constants of a vehicle file from flights, by the diagnosis, or from a thrust stand.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include "diagnosis/diagnose.hpp"
 #include "gustlab/effect.hpp"
 #include "gustlab/errors.hpp"
+#include "gustlab/flight_log.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "util/files.hpp"
@@ -78,8 +80,8 @@ void take(const diagnosis::EffectFinding& finding, const VehicleModel& vehicle, 
     set_key(text, "thrust", "torque_ratio", fmt::format("{:.5g}", ratio_m * factor), fmt::format("m, sd {:.2g}: {}", ratio_m * first.deviation, source));
     return;
   }
-  const bool one_coefficient = config::Table::parse(text, vehicle.source_path).table("thrust") && config::Table::parse(text, vehicle.source_path).table("thrust")->has("coefficient");
-  if (finding.effect == "thrust_scale" && one_coefficient) {
+  const auto thrust = config::Table::parse(text, vehicle.source_path).table("thrust");
+  if (finding.effect == "thrust_scale" && thrust && thrust->has("coefficient")) {
     const double coefficient = vehicle.rotors[0].thrust_coefficient_Ns2;
     set_key(text, "thrust", "coefficient", fmt::format("{:.5g}", coefficient * factor),
             fmt::format("N/(rad/s)^2, sd {:.2g}: {}", coefficient * first.deviation, source));
@@ -129,6 +131,24 @@ void fit_flights(const FitArguments& options) {
   write_vehicle(options.out, vehicle, text);
 }
 
+// the input's map into the file: as it is where rotor speeds have a scale, otherwise as the input that hovers and how thrust rises
+void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::string& source, std::string& text) {
+  const auto& c = *stand.input_thrust;
+  const std::string map = fmt::format("[{:.5g}, {:.5g}, {:.5g}]", c[0], c[1], c[2]), key = stand.input + "_thrust";
+  const std::string says = fmt::format("N of one rotor, rms of the residual {:.2g} N: {}", stand.thrust_misfit_N, source);
+  for (const std::string& old : {stand.input, key}) drop_key(text, "actuator", old);
+  fmt::print("{:<20} {} (rms of the residual {:.2g} N)\n", key, map, stand.thrust_misfit_N);
+  if (stand.coefficient_Ns2 || vehicle.rotor_speed_known) return set_key(text, "actuator", key, map, says);
+  const double full = stand.input == "pwm" ? 65535.0 : 1.0, linear = c[1] * full, square = c[2] * full * full;
+  const double wanted_N = vehicle.hover_thrust_N() - c[0];
+  const double hover = square == 0.0 ? wanted_N / linear : (std::sqrt(linear * linear + 4.0 * square * wanted_N) - linear) / (2.0 * square);
+  if (!(hover > 0.0 && hover < 1.0))
+    throw DataError(fmt::format("the rotor on the stand does not carry its share of the weight, {:.3g} N, at any {} (check --vehicle and the unit of thrust)",
+                                vehicle.hover_thrust_N(), stand.input));
+  set_key(text, "thrust", "hover", fmt::format("{:.5g}", hover * full), fmt::format("{} that carries the weight: {}", stand.input, source));
+  set_key(text, "actuator", "throttle_curve", fmt::format("{:.4g}", std::clamp(square / (linear + square), 0.0, 1.0)), source);
+}
+
 void fit_stand(const FitArguments& options) {
   const VehicleModel vehicle = read_vehicle(options.vehicle);
   check_new(options.out, vehicle);
@@ -140,31 +160,15 @@ void fit_stand(const FitArguments& options) {
     set_key(text, "thrust", key, fmt::format("{:.5g}", estimate->value), fmt::format("{}, sd {:.2g}: {}", unit, estimate->deviation, source));
     fmt::print("{:<20} {} {}\n", key, with_spread(estimate->value, estimate->deviation), unit);
   };
-  if (stand.coefficient_Ns2 || stand.input_thrust) {
-    // the stand's map replaces what said the same less well
-    for (const char* input : {"throttle", "pwm"}) {
-      if (stand.input != input) continue;
-      drop_key(text, "actuator", input);
-      drop_key(text, "actuator", std::string(input) + "_thrust");
-    }
-  }
   if (stand.coefficient_Ns2) {
     drop_key(text, "thrust", "hover");
     drop_key(text, "actuator", "throttle_curve");
   }
+  if (stand.input_thrust) take_map(stand, vehicle, source, text);
   set("coefficient", stand.coefficient_Ns2, "N/(rad/s)^2");
   set("torque_ratio", stand.torque_ratio_m, "m");
-  if (stand.input_thrust && stand.coefficient_Ns2) {
-    const auto& c = *stand.input_thrust;
-    const std::string key = stand.input + "_thrust", map = fmt::format("[{:.5g}, {:.5g}, {:.5g}]", c[0], c[1], c[2]);
-    set_key(text, "actuator", key, map, fmt::format("N of one rotor, rms of the residual {:.2g} N: {}", stand.thrust_misfit_N, source));
-    fmt::print("{:<20} {} (rms of the residual {:.2g} N)\n", key, map, stand.thrust_misfit_N);
-  } else if (stand.input_thrust) {
-    // without a rotor speed: the input that hovers, and how thrust rises
-    throw DataError(fmt::format("{}: there is no rotor speed (column speed_radps or speed_rpm): thrust against the input alone is [thrust] hover, see gustlab vehicle new --hover",
-                                options.thrust_stand));
-  }
-  if (stand.nominal_voltage_V) set("nominal_voltage_V", Estimate{*stand.nominal_voltage_V, 0.0}, "V");
+  if (stand.nominal_voltage_V)
+    set_key(text, "thrust", "nominal_voltage_V", fmt::format("{:.4g}", *stand.nominal_voltage_V), "V, mean of the rows: " + source);
   if (stand.voltage_exponent) {
     drop_effect(text, "battery_sag");
     text += fmt::format("\n[[effect]]\ntype = \"battery_sag\"\n# {}\nexponent = {:.4g}  # sd {:.2g}\n", source, stand.voltage_exponent->value, stand.voltage_exponent->deviation);

@@ -14,4 +14,13 @@ std::vector<VehicleGap> gaps_of(const VehicleModel& vehicle) {
   return gaps;
 }
 
+void assume_nominal_voltage(VehicleModel& vehicle, const FlightLog& first) {
+  const std::vector<double>* voltage = first.find("vbat");
+  if (vehicle.nominal_voltage_V > 0.0 || voltage == nullptr) return;
+  double sum = 0.0, count = 0.0;
+  for (const double volts : *voltage)
+    if (volts > 0.0) sum += volts, count += 1.0;
+  if (count > 0.0) vehicle.nominal_voltage_V = sum / count;
+}
+
 }  // namespace gustlab

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gustlab/effect.hpp"
+#include "gustlab/flight_log.hpp"
 
 namespace gustlab {
 
@@ -15,5 +16,8 @@ struct VehicleGap {
   std::string says() const;      // "the vehicle file has no rotor radius ([thrust] radius_m)"
 };
 std::vector<VehicleGap> gaps_of(const VehicleModel& vehicle);
+
+// Where the file does not say at which voltage its maps hold: at the mean of this flight's.
+void assume_nominal_voltage(VehicleModel& vehicle, const FlightLog& first);
 
 }  // namespace gustlab

@@ -142,6 +142,77 @@ class CheckVehicle(InFolder):
             self.assertEqual(json.loads(done.stdout)["hover"]["outcome"], "completed", name)
 
 
+class FitOnAThrustStand(InFolder):
+    """Rows of a rotor with known constants: k = 1.5e-5 N/(rad/s)^2, 0.018 m, f = (0.2 + u + 6 u^2) (V / V0)^1.6."""
+
+    def stand(self, columns, rows=60):
+        lines = [",".join(columns)]
+        for i in range(rows):
+            u, volts = 0.1 + 0.85 * (i % 12) / 11, 16.4 - 2.0 * i / rows
+            thrust = (0.2 + u + 6 * u * u) * (volts / 15.4) ** 1.6
+            speed = math.sqrt(thrust / 1.5e-5)
+            values = {"throttle": u, "pulse_us": 1000 + 1000 * u, "voltage_V": volts, "thrust_N": thrust, "thrust_gf": thrust / 9.80665e-3,
+                      "speed_radps": speed, "speed_rpm": speed * 30 / math.pi, "torque_Nm": 0.018 * thrust}
+            lines.append(",".join(f"{values[column]:.9g}" for column in columns))
+        (self.folder / "stand.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    def fit(self):
+        said = self.ok("vehicle", "fit", "--thrust-stand", "stand.csv", "--vehicle", "vehicle.toml", "--out", "fitted")
+        vehicle = tomllib.loads((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"))
+        return said, vehicle
+
+    def test_constants_come_back_in_any_unit(self):
+        for columns in (("throttle", "thrust_N", "speed_radps", "torque_Nm", "voltage_V"), ("pulse_us", "thrust_gf", "speed_rpm", "torque_Nm", "voltage_V")):
+            self.write(LEAST + "hover = 0.5\n\n[actuator]\nthrottle_curve = 0.4\n")
+            self.stand(columns)
+            said, vehicle = self.fit()
+            self.assertNotIn("stays unknown", said)
+            self.assertAlmostEqual(vehicle["thrust"]["coefficient"], 1.5e-5, delta=1e-8)
+            self.assertAlmostEqual(vehicle["thrust"]["torque_ratio"], 0.018, places=5)
+            self.assertNotIn("hover", vehicle["thrust"])
+            self.assertEqual(vehicle["effect"][0]["type"], "battery_sag")
+            self.assertAlmostEqual(vehicle["effect"][0]["exponent"], 1.6, places=2)
+            for got, wanted in zip(vehicle["actuator"]["throttle_thrust"], (0.2, 1.0, 6.0)):
+                self.assertAlmostEqual(got * (15.4 / vehicle["thrust"]["nominal_voltage_V"]) ** 1.6, wanted, delta=0.02)
+            for path in (self.folder / "fitted").iterdir():
+                path.unlink()
+
+    def test_what_was_not_measured_stays_unknown_and_as_it_was(self):
+        self.write(LEAST + "# from a data sheet\ntorque_ratio = 0.02\n# a guess\ncoefficient = 1e-5\n")
+        self.stand(("thrust_N", "speed_radps"))
+        said, vehicle = self.fit()
+        for words in ("torque ratio", "map from the input"):
+            self.assertRegex(said, f"stays unknown: the {words}")
+        self.assertEqual(vehicle["thrust"]["torque_ratio"], 0.02)
+        text = (self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8")
+        self.assertIn("# from a data sheet\ntorque_ratio", text)
+        self.assertNotIn("a guess", text)
+        self.assertIn("thrust stand, 60 rows of stand.csv", text)
+
+
+class FitOnFlights(InFolder):
+    def test_an_imported_vehicle_gets_its_mass_or_thrust_lag_and_torque_ratio(self):
+        self.write(LEAST + "coefficient = 1.5e-5\nradius_m = 0.127\nmax_speed_radps = 800\n")
+        truth = [{"type": "thrust_scale", "delta": -0.1}, {"type": "motor_lag", "time_constant": 0.05}, {"type": "yaw_torque_ratio", "delta": 0.5}]
+        effects = "".join("[[effect]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in effect.items()) for effect in truth)
+        (self.folder / "e.toml").write_text(
+            'format = "gustlab-experiment/1"\nname = "e"\nvehicle = "vehicle.toml"\ntrajectories = ["multisine", "lemniscate"]\ncontrollers = ["geometric"]\n'
+            "duration_s = 12\n[trajectory.multisine]\nyaw_amplitude_rad = 0.5\n" + effects
+            + '[[effect]]\ntype = "measurement_noise"\nposition_sd = 0.001\nattitude_sd = 0.001\nrate_sd = 0.005\naccelerometer_sd = 0.05\n', encoding="utf-8")
+        for trajectory, out in (("multisine", "a"), ("lemniscate", "b")):
+            done = gustlab("run", "e.toml", "--trajectory", trajectory, "--controller", "geometric", "--out", out, folder=self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        done = gustlab("vehicle", "fit", "a/flight.csv", "--holdout", "b/flight.csv", "--vehicle", "vehicle.toml", "--out", "fitted", folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        vehicle = tomllib.loads((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"))
+        self.assertAlmostEqual(vehicle["thrust"]["coefficient"], 0.9 * 1.5e-5, delta=0.03e-5)
+        # estimated from the propeller: 0.07 diameters
+        self.assertAlmostEqual(vehicle["thrust"]["torque_ratio"], 1.5 * 0.07 * 0.254, delta=0.1 * 1.5 * 0.07 * 0.254)
+        lag = next(effect for effect in vehicle["effect"] if effect["type"] == "motor_lag")
+        self.assertAlmostEqual(lag["time_constant"], 0.05, delta=0.005)
+        self.assertIn("ceiling_effect       stays unknown: no ceiling height", done.stdout)
+
+
 class WrongInput(InFolder):
     def assert_refused(self, arguments, words, code=2):
         before = sorted(self.folder.rglob("*"))
@@ -198,6 +269,38 @@ class WrongInput(InFolder):
         ):
             with self.subTest(words):
                 self.assert_refused(arguments, words)
+
+    def test_fit(self):
+        self.write(LEAST + "hover = 0.5\n")
+        good = "thrust_N,speed_radps\n" + "".join(f"{i * i},{100 * i}\n" for i in range(1, 9))
+        for name, text in (("good.csv", good), ("few.csv", "thrust_N,speed_radps\n1,100\n"), ("no_thrust.csv", "speed_radps\n100\n"),
+                           ("down.csv", good.replace("\n", "\n-").removesuffix("-")), ("hole.csv", good.replace("4,200", ",200")),
+                           ("word.csv", good.replace("200", "fast")), ("throttle.csv", "thrust_N,throttle\n" + "".join(f"{i},{i}\n" for i in range(9)))):
+            (self.folder / name).write_text(text, encoding="utf-8")
+        (self.folder / "taken").mkdir()
+        (self.folder / "taken" / "vehicle.toml").touch()
+
+        def stand(name, *more):
+            return ["vehicle", "fit", "--thrust-stand", name, "--vehicle", "vehicle.toml", "--out", "o", *more]
+
+        for arguments, words, code in (
+            (["vehicle", "fit", "--out", "o"], "flight logs or --thrust-stand FILE.csv, one of them", 2),
+            (["vehicle", "fit", "a.csv", "--thrust-stand", "good.csv", "--out", "o"], "one of them", 2),
+            (["vehicle", "fit", "--thrust-stand", "good.csv", "--out", "o"], "--vehicle is missing", 2),
+            (stand("good.csv")[:-2], "--out is required", 2),
+            (stand("good.csv", "--holdout", "b.csv"), "has no flights to hold out", 2),
+            (stand("good.csv")[:-1] + ["taken"], "taken/vehicle.toml: is there already", 2),
+            (["vehicle", "fit", "no.csv", "--out", "o"], "no.csv: cannot read", 3),
+            (stand("no.csv"), "no.csv: cannot read", 3),
+            (stand("few.csv"), "1 rows are too few (at least 5)", 3),
+            (stand("no_thrust.csv"), 'column "thrust_N" is missing (or thrust_gf, thrust_kgf)', 3),
+            (stand("down.csv"), "no row has thrust above zero", 3),
+            (stand("hole.csv"), 'the cell of "thrust_N" is empty', 3),
+            (stand("word.csv"), "word.csv:3:3:", 3),
+            (stand("throttle.csv"), "throttle is from 0 to 1 and pulse_us from 1000 to 2000", 3),
+        ):
+            with self.subTest(words + arguments[-1]):
+                self.assert_refused(arguments, words, code)
 
     def test_files(self):
         for text, words in (

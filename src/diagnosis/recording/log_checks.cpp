@@ -97,6 +97,13 @@ class Checker {
                        : kind == ActuatorKind::rotor_speed ? 1.3 * vehicle_.max_speed_radps
                                                            : 3.0 * vehicle_.weight_N();
     const auto u = inputs("u");
+    const bool scale_unknown = !vehicle_.rotor_speed_known && log_.meta.source == "recording";
+    if (scale_unknown && !inputs("rotor").empty()) {
+      for (auto* c : inputs("rotor")) std::fill(c->begin(), c->end(), nan);
+      add("rotor1…rotorN", "unit", 0, log_.rows(), "measured rotor speeds are not used: the vehicle file has hover in place of a thrust coefficient");
+    }
+    if (scale_unknown && kind == ActuatorKind::rotor_speed && !u.empty())
+      add("u1…uN", "unit", 0, log_.rows(), "the inputs are rotor speeds, and hover of the vehicle file is another input: write it in rad/s, or a coefficient", true);
     if (u.empty()) return;
     std::size_t outside = 0, first = log_.rows(), last = 0;
     for (auto* c : u)
