@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "commands.hpp"
@@ -14,6 +12,7 @@
 #include "gustlab/trajectory.hpp"
 #include "parameter_table.hpp"
 #include "simulation/experiment.hpp"
+#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -43,8 +42,7 @@ std::vector<Entry> entries() {
 constexpr std::string_view templates[] = {"vehicle", "sidecar", "column-map"};
 
 void print_template(const std::string& name) {
-  std::ifstream file(find_resource("configs/templates/" + name + ".toml"));
-  fmt::print("{}", std::string(std::istreambuf_iterator<char>(file), {}));
+  fmt::print("{}", read_file<ConfigError>(find_resource("configs/templates/" + name + ".toml")));
 }
 
 struct DefaultsArguments {

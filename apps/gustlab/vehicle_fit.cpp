@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "commands.hpp"
@@ -35,11 +33,6 @@ struct FitArguments {
   int jobs = default_jobs();
 };
 
-std::string read_text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // Where the fitted vehicle goes: nothing there is overwritten.
 void check_new(const fs::path& folder, const VehicleModel& vehicle) {
   for (const fs::path& path : {folder / "vehicle.toml", folder / fs::path(vehicle.mjcf_path).filename()})
@@ -48,7 +41,7 @@ void check_new(const fs::path& folder, const VehicleModel& vehicle) {
 
 void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const std::string& text) {
   make_folder(folder.string());
-  write_file((folder / fs::path(vehicle.mjcf_path).filename()).string(), read_text_of(vehicle.mjcf_path));
+  write_file((folder / fs::path(vehicle.mjcf_path).filename()).string(), read_file<ConfigError>(vehicle.mjcf_path));
   write_file((folder / "vehicle.toml").string(), text);
   read_vehicle((folder / "vehicle.toml").string());
   fmt::print("{}\n", (folder / "vehicle.toml").string());
@@ -116,7 +109,7 @@ void fit_flights(const FitArguments& options) {
   wanted.progress = progress.report();
   const diagnosis::Diagnosis found = diagnosis::diagnose(wanted);
   progress.end();
-  std::string text = read_text_of(vehicle.source_path);
+  std::string text = read_file<ConfigError>(vehicle.source_path);
   for (const auto* findings : {&found.effects, &found.calibration})
     for (const diagnosis::EffectFinding& finding : *findings) {
       const EffectRow* row = find_effect(finding.effect);
@@ -153,7 +146,7 @@ void fit_stand(const FitArguments& options) {
   const VehicleModel vehicle = read_vehicle(options.vehicle);
   check_new(options.out, vehicle);
   const ThrustStand stand = read_thrust_stand(options.thrust_stand);
-  std::string text = read_text_of(vehicle.source_path);
+  std::string text = read_file<ConfigError>(vehicle.source_path);
   const std::string source = fmt::format("thrust stand, {} rows of {}", stand.rows, fs::path(options.thrust_stand).filename().string());
   const auto set = [&](const char* key, const std::optional<Estimate>& estimate, const char* unit) {
     if (!estimate) return;
