@@ -30,8 +30,9 @@ std::vector<std::string> choices_of(const std::string& type) {
   std::smatch found;
   std::vector<std::string> choices;
   if (!std::regex_search(type, found, std::regex(R"(\{([^}]*)\})"))) return choices;
+  static const std::regex item("[^,]+");
   const std::string all = found[1].str();
-  for (std::sregex_token_iterator word(all.begin(), all.end(), std::regex("[^,]+")), end; word != end; ++word) choices.push_back(*word);
+  for (std::sregex_token_iterator word(all.begin(), all.end(), item), end; word != end; ++word) choices.push_back(*word);
   return choices;
 }
 
