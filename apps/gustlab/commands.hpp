@@ -13,6 +13,7 @@ struct ExitCode {
 void add_bench(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_completion(CLI::App& app);
 void add_conceal(CLI::App& app);
 void add_defaults(CLI::App& app);
 void add_diagnose(CLI::App& app);
@@ -30,5 +31,6 @@ void add_sweep(CLI::App& app);
 void add_table(CLI::App& app);
 void add_train(CLI::App& app);
 void add_tune(CLI::App& app);
+void add_vehicle(CLI::App& app);
 
 }  // namespace gustlab

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "commands.hpp"
+#include "config/resources.hpp"
 #include "config/toml.hpp"
 #include "gustlab/controller.hpp"
 #include "gustlab/effect.hpp"
@@ -10,6 +12,7 @@
 #include "gustlab/trajectory.hpp"
 #include "parameter_table.hpp"
 #include "simulation/experiment.hpp"
+#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -35,13 +38,24 @@ std::vector<Entry> entries() {
   return result;
 }
 
+// files that users write, commented, under configs/templates/
+constexpr std::string_view templates[] = {"vehicle", "sidecar", "column-map"};
+
+void print_template(const std::string& name) {
+  fmt::print("{}", read_file<ConfigError>(find_resource("configs/templates/" + name + ".toml")));
+}
+
 struct DefaultsArguments {
   std::string name;
   std::string format = "toml";
 };
 
 void run(const DefaultsArguments& options) {
-  std::vector<std::string> names;
+  std::vector<std::string> names(std::begin(templates), std::end(templates));
+  if (std::find(names.begin(), names.end(), options.name) != names.end()) {
+    if (options.format != "toml") throw ConfigError(fmt::format("defaults {}: is a commented file (there is no {} of it) leave --format out", options.name, options.format));
+    return print_template(options.name);
+  }
   bool found = false;
   for (const Entry& entry : entries()) {
     names.push_back(entry.name);
@@ -64,8 +78,8 @@ void run(const DefaultsArguments& options) {
 
 void add_defaults(CLI::App& app) {
   const auto options = std::make_shared<DefaultsArguments>();
-  CLI::App* command = app.add_subcommand("defaults", "a commented TOML of every parameter of an effect, trajectory, controller or experiment");
-  command->add_option("NAME", options->name, "an effect, a trajectory, a controller, or `experiment`")->required();
+  CLI::App* command = app.add_subcommand("defaults", "a commented TOML: every parameter of an effect, trajectory or controller, or a file to begin with");
+  command->add_option("NAME", options->name, "an effect, a trajectory, a controller, or one of experiment, vehicle, sidecar, column-map")->required();
   command->add_option("--format", options->format)->check(CLI::IsMember({"toml", "json"}))->capture_default_str();
   command->callback([options] { run(*options); });
 }

@@ -12,6 +12,7 @@
 #include "diagnosis/result/finding_lines.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 #include "report/diagnosis_page.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
@@ -107,7 +108,10 @@ void run(const DiagnoseArguments& options) {
   wanted.reference = options.reference;
   if (!options.vehicle.empty()) wanted.vehicle = options.vehicle;
   wanted.jobs = options.jobs;
+  Progress progress;
+  wanted.progress = progress.report();
   const diagnosis::Diagnosis result = diagnose_into(options.out, wanted);
+  progress.end();
   for (const auto& [kind, says] : diagnosis::finding_lines(result.log_findings, result.flights.size())) spdlog::warn("{}: {}", kind, says);
   fmt::print("{}: {}", result.vehicle, to_string(result.verdict));
   for (const auto& effect : result.effects) {

@@ -73,6 +73,8 @@ void add_commands(CLI::App& app) {
   add_tune(app);
   add_conceal(app);
   add_score(app);
+  add_vehicle(app);
+  add_completion(app);
 }
 
 // CLI11 only says that a command is missing

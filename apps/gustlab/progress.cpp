@@ -15,25 +15,39 @@ void Progress::end() {
   shown_ = false;
 }
 
+std::string Progress::left(double done) const {
+  if (done <= first_ || done >= 1.0) return {};
+  const double elapsed_s = std::chrono::duration<double>(last_ - start_).count();
+  return fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / (done - first_));
+}
+
+void Progress::print(const std::string& text) {
+  // carriage return, then clear what the line had more
+  fmt::print(stderr, "\r{}\033[K", text);
+  std::fflush(stderr);
+}
+
 void Progress::show(std::size_t done, std::size_t all) {
   if (!visible_) return;
   const Clock::time_point now = Clock::now();
-  if (!shown_) {
-    first_ = done;
-    start_ = now;
-  } else if (done < all && now - last_ < std::chrono::milliseconds(100)) {
-    return;
-  }
+  const double share = static_cast<double>(done) / static_cast<double>(all);
+  if (!shown_) first_ = share, start_ = now;
+  else if (done < all && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   shown_ = true;
-  std::string eta;
-  if (done > first_ && done < all) {
-    const double elapsed_s = std::chrono::duration<double>(now - start_).count();
-    eta = fmt::format(", {:.0f} s left", elapsed_s * static_cast<double>(all - done) / static_cast<double>(done - first_));
-  }
-  // carriage return, then clear what the line had more
-  fmt::print(stderr, "\r{}/{} runs{}\033[K", done, all, eta);
-  std::fflush(stderr);
+  print(fmt::format("{}/{} runs{}", done, all, left(share)));
+}
+
+void Progress::show(std::string_view stage, double done) {
+  if (!visible_) return;
+  last_ = Clock::now();
+  if (!shown_) first_ = done, start_ = last_;
+  shown_ = true;
+  print(fmt::format("{:.0f} %, {}{}", 100.0 * done, stage, left(done)));
+}
+
+ProgressReport Progress::report() {
+  return [this](std::string_view stage, double done) { show(stage, done); };
 }
 
 }  // namespace gustlab

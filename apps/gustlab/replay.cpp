@@ -11,6 +11,7 @@
 #include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "util/parallel.hpp"
+#include "vehicle/gaps.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
@@ -69,12 +70,16 @@ void run(const ReplayArguments& options) {
   wanted.jobs = options.jobs;
 
   std::vector<diagnosis::FitErrors> before, after;
+  double assumed_V = 0.0;
   for (const std::string& path : options.flights) {
     const FlightLog log = read_flight_log(path);
     for (const LogRepair& repair : log.repairs) spdlog::warn(repair.says);
     if (!named && log.meta.vehicle.empty())
       throw DataError(fmt::format("{}: \"vehicle\" is missing (whose flight is this?) name it here or with --vehicle", sidecar_path(path)));
-    const VehicleModel vehicle = named ? *named : read_vehicle(log.meta.vehicle, sidecar_path(path));
+    VehicleModel vehicle = named ? *named : read_vehicle(log.meta.vehicle, sidecar_path(path));
+    if (vehicle.nominal_voltage_V == 0.0) vehicle.nominal_voltage_V = assumed_V;
+    assume_nominal_voltage(vehicle, log);
+    assumed_V = vehicle.nominal_voltage_V;
     wanted.with_noise = true;
     before.push_back(diagnosis::replay(log, vehicle, vehicle.effects, wanted));
     wanted.with_noise = false;

@@ -117,7 +117,9 @@ PwmMap::PwmMap(const VehicleModel& vehicle) : coefficient_Ns2_(vehicle.rotors[0]
     // CrazySim's Crazyflie hovers at pwm 38781 of 65535
     constexpr double hover_pwm = 38781.0;
     const double hover = vehicle.hover_speed_radps();
-    const double slope = (vehicle.max_speed_radps - hover) / (full - hover_pwm);
+    // without a limit speed is proportional to the command
+    const bool limited = std::isfinite(vehicle.max_speed_radps);
+    const double slope = limited ? (vehicle.max_speed_radps - hover) / (full - hover_pwm) : hover / hover_pwm;
     line_ = {slope, hover - slope * hover_pwm};
   }
 }

@@ -30,6 +30,7 @@
 #include "diagnosis/validation/locate.hpp"
 #include "diagnosis/evidence/shadow.hpp"
 #include "gustlab/errors.hpp"
+#include "vehicle/gaps.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
@@ -173,6 +174,10 @@ void plot_residuals(const Session& session, const Selection& selection, Diagnosi
 
 // forces_only: torques are not told
 Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
+  const auto stage = [&](std::string_view what, double done) {
+    if (options.progress) options.progress(what, done);
+  };
+  stage("reading the flights", 0.0);
   Diagnosis out;
   Flights logs;
   logs.fit = read_all(options.fit, out);
@@ -187,6 +192,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   set_aside(logs.reference, vehicle, out);
   if (logs.fit.empty()) throw DataError(nothing_usable(out));
 
+  assume_nominal_voltage(vehicle, logs.fit.front());
   if (logs.holdout.empty() && logs.fit.size() > 1) {
     logs.holdout.push_back(std::move(logs.fit.back()));
     logs.fit.pop_back();
@@ -222,6 +228,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   if (forces_only) out.notes.emplace_back("the torques are not what the model says, and no pose says why: only forces are judged");
   const bool hold_unknown = std::any_of(logs.fit.begin(), logs.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });
 
+  stage("checking rotors and clocks", 0.02);
   // rotor order, directions and time offsets are judged at the logs' own rate
   std::vector<FlightData> raw = prepare(logs.fit, vehicle, {}), raw_held = prepare(logs.holdout, vehicle, {});
   if (attitude && !forces_only && reading.common_filter_s == 0.0) reading.late = sensor_lateness(raw);
@@ -282,10 +289,12 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   if (session.catalogue().filter_feigns_lags())
     out.notes.push_back(fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not told from those of the filter, "
                                     "which the commands did not pass", 1e3 * filter_feigns_s));
+  stage("choosing effects", 0.1);
   Selection selection = select_effects(session, {});
   std::vector<FlightLog> proof;
   for (std::size_t i = 0; i < logs.holdout.size(); ++i)
     proof.push_back(with_later_inputs(logs.holdout[i], offset[logs.fit.size() + i]));
+  stage("testing them on other flights", 0.5);
   const Challenge challenged = challenge(session, selection, {held, held_own_rate, proof},
                                          [&] { return std::min(pose_lateness_s(raw), pose_lateness_s(raw_held)); }, options.jobs);
   const Remainder& rest = challenged.rest;
@@ -309,6 +318,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
 
   if (jitters) suspect(out, "only suspected: the commands were sampled from a faster loop");
 
+  stage("flying the model in the simulator", 0.75);
   // proof in the simulator, on flights that were not used
   config::Table found = config::Table::parse(augmented_toml(out), "augmented.toml");
   Verification verified = verify(proof, vehicle, config::read_effects(found), options.jobs);
@@ -331,6 +341,7 @@ Diagnosis diagnose_with(const DiagnoseOptions& options, bool forces_only) {
   else if (rest.omnibus_share < 0.1 && std::all_of(rest.alarms.begin(), rest.alarms.end(), [](const Alarm& a) { return a.kind == "omnibus"; }))
     out.verdict = Verdict::explained;
   else out.verdict = Verdict::partly_explained;
+  stage("looking for a flight that would tell more", 0.85);
   suggest_flight(session, selection, options.jobs, out);
   if (out.verdict == Verdict::unexplained || out.verdict == Verdict::partly_explained)
     offer_residual(session, selection, proof, options.jobs, out);

@@ -10,6 +10,7 @@
 #include "gustlab/errors.hpp"
 #include "util/files.hpp"
 #include "vehicle/mjcf.hpp"
+#include "vehicle/read_thrust.hpp"
 
 namespace gustlab {
 
@@ -33,18 +34,6 @@ std::string vehicle_file(const std::string& name_or_path, const std::string& fro
   return find_resource("models/" + name_or_path + "/vehicle.toml");
 }
 
-double positive(Table& table, std::string_view key) {
-  const double value = table.need_number(key);
-  if (!(value > 0.0) || !std::isfinite(value)) table.fail(key, fmt::format("\"{}\" must be positive", key), "", "");
-  return value;
-}
-
-double not_negative(Table& table, std::string_view key) {
-  const double value = table.need_number(key);
-  if (!(value >= 0.0) || !std::isfinite(value)) table.fail(key, fmt::format("\"{}\" must not be negative", key), "", "");
-  return value;
-}
-
 // the MJCF lies in the vehicle's folder
 std::string mjcf_file(Table& document) {
   const std::string file = document.need_text("mjcf");
@@ -59,19 +48,34 @@ std::string mjcf_file(Table& document) {
   return path.string();
 }
 
-void read_thrust(Table& document, VehicleModel& vehicle, double& coefficient_Ns2, double& torque_ratio_m) {
+// everything that is required and absent, with its unit and what it is for, in one message
+void check_required(Table& document) {
+  std::vector<std::string> missing;
+  const auto require = [&](bool there, const std::string& what) {
+    if (!there) missing.push_back(what);
+  };
+  require(document.has("format"), fmt::format("format = \"{}\": what kind of file this is", format_name));
+  require(document.has("mjcf"), "mjcf = \"FILE.xml\", beside this file: mass [kg], inertia [kg m^2] and a site at every rotor [m]");
+  std::vector<Table> rotors = document.tables("rotor");
+  require(!rotors.empty(), "[[rotor]], one for each of 3 to 8: site (its name in the MJCF) and direction (\"ccw\" or \"cw\" seen from above)");
+  for (std::size_t i = 0; i < rotors.size(); ++i) {
+    require(rotors[i].has("site"), fmt::format("site of [[rotor]] {}: the name of its place in the MJCF", i + 1));
+    require(rotors[i].has("direction"), fmt::format("direction of [[rotor]] {}: \"ccw\" or \"cw\" seen from above; without it nothing says how it yaws", i + 1));
+  }
   auto thrust = document.table("thrust");
-  if (!thrust) document.fail({}, "[thrust] is missing", "it says what a rotor's speed does", "");
-  coefficient_Ns2 = positive(*thrust, "coefficient");
-  torque_ratio_m = not_negative(*thrust, "torque_ratio");
-  vehicle.max_speed_radps = positive(*thrust, "max_speed_radps");
-  vehicle.rotor_radius_m = positive(*thrust, "radius_m");
-  if (thrust->has("nominal_voltage_V")) vehicle.nominal_voltage_V = positive(*thrust, "nominal_voltage_V");
+  const bool every_own = std::all_of(rotors.begin(), rotors.end(), [](const Table& rotor) { return rotor.has("coefficient"); });
+  require(thrust && (thrust->has("coefficient") || thrust->has("hover") || (every_own && !rotors.empty())),
+          "under [thrust] coefficient [N/(rad/s)^2], or hover = the input (throttle 0..1, pwm or rad/s) that carries the weight: "
+          "without one of them nothing says how much a rotor pushes");
+  if (missing.empty()) return;
+  throw ConfigError(fmt::format("{}: {} missing:\n  {}\n(`gustlab defaults vehicle` prints a whole file, `gustlab vehicle new` writes one)",
+                                document.path(), missing.size() == 1 ? "one required key is" : fmt::format("{} required keys are", missing.size()),
+                                fmt::join(missing, "\n  ")));
 }
 
-void read_rotors(Table& document, const MjcfBody& body, VehicleModel& vehicle) {
-  double coefficient_Ns2 = 0.0, torque_ratio_m = 0.0;
-  read_thrust(document, vehicle, coefficient_Ns2, torque_ratio_m);
+// places and directions; returns each rotor's own thrust coefficient where it says one
+std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& body, VehicleModel& vehicle) {
+  std::vector<std::optional<double>> own_coefficient;
   std::vector<Table> tables = document.tables("rotor");
   if (tables.size() < 3 || tables.size() > static_cast<std::size_t>(max_rotors))
     document.fail("rotor", fmt::format("{} rotors", tables.size()), "a multirotor here has 3 to 8", "write one [[rotor]] for each");
@@ -97,36 +101,24 @@ void read_rotors(Table& document, const MjcfBody& body, VehicleModel& vehicle) {
     if (direction != "ccw" && direction != "cw")
       table.fail("direction", fmt::format("\"{}\" is not a direction", direction), "", "write \"ccw\" or \"cw\", seen from above");
     rotor.direction = direction == "ccw" ? 1.0 : -1.0;
-    rotor.thrust_coefficient_Ns2 = table.has("coefficient") ? positive(table, "coefficient") : coefficient_Ns2;
-    rotor.torque_ratio_m = torque_ratio_m;
+    own_coefficient.push_back(positive(table, "coefficient"));
   }
-}
-
-void read_actuator(Table& document, ActuatorMap& map) {
-  auto actuator = document.table("actuator");
-  if (!actuator) return;
-  if (auto line = actuator->table("pwm")) map.pwm_line = {positive(*line, "slope"), line->need_number("offset")};
-  if (const auto c = actuator->numbers("pwm_thrust")) {
-    if (c->size() != 3)
-      actuator->fail("pwm_thrust", "\"pwm_thrust\" must have three numbers", fmt::format("this has {}", c->size()),
-                     "write [c0, c1, c2] of f = c0 + c1 pwm + c2 pwm^2");
-    map.pwm_thrust = {(*c)[0], (*c)[1], (*c)[2]};
-  }
-  if (map.pwm_line && map.pwm_thrust)
-    actuator->fail("pwm_thrust", "both \"pwm\" and \"pwm_thrust\" are here", "they are two answers to one question", "keep one");
+  return own_coefficient;
 }
 
 }  // namespace
 
 VehicleModel read_vehicle(const std::string& name_or_path, const std::string& from_file) {
   Table document = Table::read_file(vehicle_file(name_or_path, from_file));
+  check_required(document);
   const std::string format = document.need_text("format");
   if (format != format_name)
     document.fail("format", fmt::format("format \"{}\" is not a vehicle's", format), "", fmt::format("write \"{}\"", format_name));
 
   VehicleModel vehicle;
   vehicle.source_path = document.path();
-  vehicle.name = document.need_text("name");
+  const fs::path file = fs::absolute(document.path());
+  vehicle.name = document.text("name").value_or(file.filename() == "vehicle.toml" ? file.parent_path().filename().string() : file.stem().string());
   vehicle.mjcf_path = mjcf_file(document);
   const MjcfBody body = read_mjcf(vehicle.mjcf_path);
   vehicle.mass_kg = body.mass_kg;
@@ -134,8 +126,7 @@ VehicleModel read_vehicle(const std::string& name_or_path, const std::string& fr
   vehicle.inertia_B_kgm2 = body.inertia_B_kgm2;
   vehicle.gravity_mps2 = body.gravity_mps2;
   vehicle.shapes = body.shapes;
-  read_rotors(document, body, vehicle);
-  read_actuator(document, vehicle.actuator);
+  read_thrust(document, read_rotors(document, body, vehicle), vehicle);
   vehicle.effects = config::read_effects(document);
   document.finish();
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "gustlab/errors.hpp"
 
@@ -13,26 +14,31 @@ double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, Actuat
   const auto from_thrust = [&](double thrust_N) {
     return std::sqrt(std::max(0.0, thrust_N) / rotor.thrust_coefficient_Ns2);
   };
+  const auto mapped = [&](const auto& line, const auto& thrust) -> std::optional<double> {
+    if (line) return input <= 0.0 ? 0.0 : line->first * input + line->second;
+    if (thrust) return from_thrust((*thrust)[0] + input * ((*thrust)[1] + input * (*thrust)[2]));
+    return std::nullopt;
+  };
+  std::optional<double> speed;
   switch (kind) {
     case ActuatorKind::rotor_speed:
       return input;
     case ActuatorKind::thrust:
       return from_thrust(input);
-    case ActuatorKind::throttle:
-      return input * vehicle.max_speed_radps;
     case ActuatorKind::collective_thrust:
       return from_thrust(input / vehicle.rotor_count);
+    case ActuatorKind::throttle:
+      speed = mapped(vehicle.actuator.throttle_line, vehicle.actuator.throttle_thrust);
+      // without a map full throttle is full speed
+      if (!speed && std::isfinite(vehicle.max_speed_radps)) return input * vehicle.max_speed_radps;
+      break;
     case ActuatorKind::pwm:
+      speed = mapped(vehicle.actuator.pwm_line, vehicle.actuator.pwm_thrust);
       break;
   }
-  if (vehicle.actuator.pwm_line)
-    return input <= 0.0 ? 0.0 : vehicle.actuator.pwm_line->first * input + vehicle.actuator.pwm_line->second;
-  if (vehicle.actuator.pwm_thrust) {
-    const auto& c = *vehicle.actuator.pwm_thrust;
-    return from_thrust(c[0] + input * (c[1] + input * c[2]));
-  }
-  throw DataError(
-      fmt::format("{}: no [actuator] pwm map (the log's inputs are pwm) add pwm or pwm_thrust", vehicle.source_path));
+  if (speed) return *speed;
+  throw DataError(fmt::format("{}: nothing says what {} does (the log's inputs are {}) add [actuator] {} or {}_thrust, or [thrust] hover",
+                              vehicle.source_path, to_string(kind), to_string(kind), to_string(kind), to_string(kind)));
 }
 
 }  // namespace gustlab

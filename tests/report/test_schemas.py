@@ -50,6 +50,7 @@ class Schemas(unittest.TestCase):
                 ("metrics", gustlab("metrics", "run/flight.csv", "--format", "json")),
                 ("table", gustlab("table", "sweep", "--format", "json")),
                 ("replay", gustlab("replay", "run/flight.csv", "--format", "json")),
+                ("vehicle-check", gustlab("vehicle", "check", "crazyflie", "--format", "json")),
             ):
                 with self.subTest(name):
                     jsonschema.validate(json.loads(text), schema(name))

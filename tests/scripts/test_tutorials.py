@@ -1,5 +1,6 @@
 """docs/tutorials: every command works, and the templates of `add your own` compile."""
 
+import json
 import os
 import re
 import shutil
@@ -41,6 +42,13 @@ class Tutorials(unittest.TestCase):
         printed = self.run_page("compare_controllers.md")
         self.assertEqual(printed[1].count("| crazyflie |"), 6)
         self.assertTrue((self.folder / "flight" / "flight.csv").exists())
+
+    def test_diagnose_a_flight(self):
+        self.run_page("diagnose_a_flight.md")
+        found = json.loads((self.folder / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
+        sizes = {effect["effect"]: effect["parameters"] for effect in found["effects"]}
+        self.assertIn("rotor_drag", sizes)
+        self.assertTrue({"mass", "thrust_scale"} & set(sizes), sizes)
 
     def test_the_three_doors_lead_somewhere(self):
         text = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")

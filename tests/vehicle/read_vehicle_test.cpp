@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 
 #include "gustlab/errors.hpp"
 #include "support/temporary_folder.hpp"
+#include "vehicle/gaps.hpp"
 #include "vehicle/mjcf.hpp"
+#include "vehicle/rotor_speed.hpp"
 
 namespace gustlab {
 namespace {
@@ -148,7 +151,12 @@ TEST(ReadVehicle, ErrorsNameThePlaceAndWhatToDo) {
             "vehicle.toml:8:8: there is no site \"d\" in body.xml (sites on the vehicle: a, b, c)");
   EXPECT_EQ(broken_toml("site = \"b\"", "site = \"a\""), "vehicle.toml:8:8: site \"a\" carries two rotors give each rotor its own");
   EXPECT_THAT(broken_toml("\"cw\"", "\"left\""), StartsWith("vehicle.toml:9:13: \"left\" is not a direction"));
-  EXPECT_THAT(broken_toml("radius_m = 0.1", "radius = 0.1"), StartsWith("vehicle.toml:14:1: \"radius_m\" is missing"));
+  EXPECT_THAT(broken_toml("radius_m = 0.1", "radius = 0.1"), StartsWith("vehicle.toml:18:1: unknown key \"radius\" did you mean \"radius_m\"?"));
+  EXPECT_THAT(broken_toml("coefficient = 1e-3", "coefficient = 1e-3\nhover = 0.5"), HasSubstr("both \"coefficient\" and \"hover\" are here"));
+  EXPECT_THAT(broken_toml("coefficient = 1e-3", "hover = 70000"), HasSubstr("\"hover\" of 70000 is no actuator input"));
+  EXPECT_THAT(broken_toml("[thrust]", "[actuator]\nthrottle_curve = 0.3\n[thrust]"), HasSubstr("there is no [thrust] hover"));
+  EXPECT_THAT(broken_toml("[thrust]\ncoefficient = 1e-3", "[actuator]\nthrottle_curve = 2\n[thrust]\nhover = 0.5"), HasSubstr("must be from 0 to 1"));
+  EXPECT_THAT(broken_toml("[thrust]\ncoefficient = 1e-3", "[actuator]\nthrottle_thrust = [0, 1, 2]\n[thrust]\nhover = 0.5"), HasSubstr("two answers to one question"));
   EXPECT_THAT(broken_toml("torque_ratio", "torque_ration = 1\ntorque_ratio"), EndsWith("did you mean \"torque_ratio\"?"));
   EXPECT_THAT(broken_toml("coefficient = 1e-3", "coefficient = -1"), HasSubstr("\"coefficient\" must be positive"));
   EXPECT_THAT(broken_toml("gustlab-vehicle/1", "gustlab-vehicle/9"), StartsWith("vehicle.toml:1:10: format"));
@@ -158,6 +166,64 @@ TEST(ReadVehicle, ErrorsNameThePlaceAndWhatToDo) {
   EXPECT_THAT(broken_toml("max_speed_radps = 200", "max_speed_radps = 20"), HasSubstr("the vehicle cannot hover"));
   EXPECT_THAT(broken_toml("[[rotor]]\nsite = \"c\"\ndirection = \"ccw\"\n", ""), StartsWith("vehicle.toml:4:1: 2 rotors"));
   EXPECT_THAT(broken_toml("[thrust]", "[actuator]\npwm_thrust = [1, 2]\n[thrust]"), StartsWith("vehicle.toml:15:14: \"pwm_thrust\" must have three"));
+}
+
+TEST(ReadVehicle, EverythingThatIsRequiredAndMissingIsSaidAtOnce) {
+  TemporaryFolder folder;
+  const std::string said = message([&] { read_vehicle(folder.write("vehicle.toml", "[[rotor]]\nsite = \"a\"\n[[rotor]]\ndirection = \"cw\"\n")); });
+  EXPECT_THAT(said, HasSubstr("vehicle.toml: 5 required keys are missing:\n"));
+  for (const char* key : {"format = \"gustlab-vehicle/1\"", "mjcf = ", "direction of [[rotor]] 1", "site of [[rotor]] 2", "coefficient [N/(rad/s)^2], or hover"})
+    EXPECT_THAT(said, HasSubstr(key));
+}
+
+TEST(ReadVehicle, OnlyMassRotorsAndACoefficientAreRequired) {
+  Broken least;
+  for (const char* key : {"name = \"tri\"\n", "torque_ratio = 0.01\n", "max_speed_radps = 200\n", "radius_m = 0.1\n"}) Broken::swap(least.toml, key, "");
+  EXPECT_EQ(least.say(), "");
+  const VehicleModel v = read_vehicle(least.folder.file("vehicle.toml"));
+  EXPECT_EQ(v.name, least.folder.path().filename().string());
+  EXPECT_EQ(v.max_speed_radps, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(v.rotor_radius_m, 0.0);
+  EXPECT_TRUE(v.rotor_speed_known);
+  EXPECT_FALSE(v.torque_ratio_known);
+  // 0.07 diameters of 0.8 of the distance between hubs
+  EXPECT_NEAR(v.rotors[0].torque_ratio_m, 0.07 * 0.8 * 2.0 * v.arm_m() * std::sin(pi / 3.0), 1e-12);
+  std::vector<std::string> said;
+  for (const VehicleGap& gap : gaps_of(v)) said.push_back(gap.says());
+  EXPECT_THAT(said, ElementsAre("the vehicle file has no rotor radius ([thrust] radius_m)", "the vehicle file has no torque ratio of the rotors ([thrust] torque_ratio)"));
+}
+
+// f of thrust ~ f u² + (1 − f) u, which carries the weight at u = hover
+TEST(ReadVehicle, HoverThrottleAndCurveStandForACoefficient) {
+  Broken hovers;
+  Broken::swap(hovers.toml, "[thrust]\ncoefficient = 1e-3", "[actuator]\nthrottle_curve = 0.3\n[thrust]\nhover = 0.49");
+  Broken::swap(hovers.toml, "coefficient = 2e-3\n", "");
+  Broken::swap(hovers.toml, "max_speed_radps = 200\n", "");
+  EXPECT_EQ(hovers.say(), "");
+  const VehicleModel v = read_vehicle(hovers.folder.file("vehicle.toml"));
+  EXPECT_FALSE(v.rotor_speed_known);
+  const Rotor& rotor = v.rotors[0];
+  const auto thrust_N = [&](double throttle) {
+    return rotor.thrust_coefficient_Ns2 * std::pow(rotor_speed_radps(v, rotor, ActuatorKind::throttle, throttle), 2);
+  };
+  EXPECT_NEAR(3.0 * thrust_N(0.49), v.weight_N(), 1e-9);
+  EXPECT_NEAR(thrust_N(1.0) / thrust_N(0.49), 1.0 / (0.3 * 0.49 * 0.49 + 0.7 * 0.49), 1e-9);
+  EXPECT_NEAR(rotor_speed_radps(v, rotor, ActuatorKind::throttle, 1.0), v.max_speed_radps, 1e-9);
+  EXPECT_THROW(rotor_speed_radps(v, rotor, ActuatorKind::pwm, 30000.0), DataError);
+}
+
+TEST(ReadVehicle, HoverIsInTheUnitOfItsSize) {
+  for (const auto& [hover, kind] : {std::pair{"120.0", ActuatorKind::rotor_speed}, {"30000", ActuatorKind::pwm}}) {
+    Broken hovers;
+    Broken::swap(hovers.toml, "coefficient = 1e-3", std::string("hover = ") + hover);
+    Broken::swap(hovers.toml, "coefficient = 2e-3\n", "");
+    Broken::swap(hovers.toml, "max_speed_radps = 200\n", "");
+    EXPECT_EQ(hovers.say(), "");
+    const VehicleModel v = read_vehicle(hovers.folder.file("vehicle.toml"));
+    EXPECT_EQ(v.rotor_speed_known, kind == ActuatorKind::rotor_speed);
+    const double speed = rotor_speed_radps(v, v.rotors[0], kind, std::stod(hover));
+    EXPECT_NEAR(3.0 * v.rotors[0].thrust_coefficient_Ns2 * speed * speed, v.weight_N(), 1e-9);
+  }
 }
 
 TEST(ReadVehicle, BrokenMjcfIsAConfigurationErrorWithItsLine) {

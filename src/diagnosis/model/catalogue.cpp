@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "simulation/make_effects.hpp"
+#include "vehicle/gaps.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -62,6 +64,25 @@ constexpr std::pair<Need, std::string_view> lacking[] = {
     {Need::ceiling, "no ceiling height in the logs (environment.ceiling_z_m)"},
     {Need::wall, "no walls in the logs (environment.walls)"}};
 
+// why flights do not tell of an effect, whatever the vehicle file says; empty when they do
+std::string why_not_told(const EffectRow& row, const Catalogue::Seen& seen) {
+  for (const auto& [need, why] : lacking)
+    if (row.asks(need) && !seen.tells(need)) return std::string(why);
+  if (!seen.tells(Need::torque) && !seen.tells(Need::motion) && row.name == "mass") return "these logs tell thrust per mass only: see thrust_scale";
+  if (!seen.trims) return {};
+  // columns that were filtered differently differ in amplitude as if a sensor had another scale
+  if (row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
+  if (row.name == "steady_wind") return "the logs were low-pass filtered, and half a second tells no wind from a force: see constant_force";
+  return {};
+}
+
+// what the vehicle file does not have and an effect needs
+std::optional<VehicleGap> gap_of(const EffectRow& row, const VehicleModel& vehicle) {
+  for (const VehicleGap& gap : gaps_of(vehicle))
+    if (row.asks(gap.need)) return gap;
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool is_history(std::string_view name) { return name == "slung_load" || name == "saturation"; }
@@ -92,7 +113,9 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     group.rotor = rotor;
     group.nominal = std::any_of(vehicle.effects.begin(), vehicle.effects.end(),
                                 [&](const EffectSpec& spec) { return is_of(spec, group); });
-    group.candidate = row.diagnosable && !has_no_column(row.name) && why_left_out(row).empty();
+    // a number that the file does not have has no effect; a torque ratio that was estimated is fitted, and never named
+    const auto gap = gap_of(row, vehicle);
+    group.candidate = row.diagnosable && !has_no_column(row.name) && why_not_told(row, seen).empty() && (!gap || gap->need == Need::torque_ratio);
     if (!group.candidate && !group.nominal) return;
     if (row.name == "gust" || row.name == "measurement_noise") return;
     const auto effect = make(group);
@@ -180,14 +203,9 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
 }
 
 std::string Catalogue::why_left_out(const EffectRow& row) const {
-  for (const auto& [need, why] : lacking)
-    if (row.asks(need) && !seen_.tells(need)) return std::string(why);
-  if (!seen_.tells(Need::torque) && !seen_.tells(Need::motion) && row.name == "mass") return "these logs tell thrust per mass only: see thrust_scale";
-  if (!seen_.trims) return {};
-  // columns that were filtered differently differ in amplitude as if a sensor had another scale
-  if (row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
-  if (row.name == "steady_wind") return "the logs were low-pass filtered, and half a second tells no wind from a force: see constant_force";
-  return {};
+  const std::string why = why_not_told(row, seen_);
+  const auto gap = gap_of(row, vehicle_);
+  return why.empty() && gap ? gap->says() : why;
 }
 
 std::unique_ptr<Effect> Catalogue::make(const Group& group) const {

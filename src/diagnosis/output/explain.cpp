@@ -83,7 +83,7 @@ void explain(const Session& session, const Selection& selection, const Challenge
         effect.per_flight.emplace_back(session.flights()[f].label, values_of(catalogue, selection, group, static_cast<int>(f)));
     effect.classmates = {effect.effect};
     // what may as well be a trim of another name is not missing physics
-    bool calibration = finding.calibration;
+    bool calibration = finding.calibration || (group.row->asks(Need::torque_ratio) && !session.vehicle().torque_ratio_known);
     for (const Rival& rival : finding.rivals) {
       const std::string name = catalogue_name(group_of(rival.group));
       // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
@@ -138,6 +138,7 @@ void explain(const Session& session, const Selection& selection, const Challenge
   for (const Group& group : catalogue.groups()) {
     if (!group.candidate || group.row->name == last) continue;
     last = group.row->name;
+    if (!catalogue.why_left_out(*group.row).empty()) continue;
     const std::string why = why_not_told(session, selection, group);
     if (!why.empty()) out.not_identifiable.push_back({last, why});
   }

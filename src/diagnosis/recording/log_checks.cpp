@@ -109,6 +109,13 @@ class Checker {
     const ActuatorKind kind = log_.meta.actuator;
     const double top = most_input(kind);
     const auto u = inputs("u");
+    const bool scale_unknown = !vehicle_.rotor_speed_known && log_.meta.source == "recording";
+    if (scale_unknown && !inputs("rotor").empty()) {
+      for (auto* c : inputs("rotor")) std::fill(c->begin(), c->end(), nan);
+      add("rotor1…rotorN", "unit", 0, log_.rows(), "measured rotor speeds are not used: the vehicle file has hover in place of a thrust coefficient");
+    }
+    if (scale_unknown && kind == ActuatorKind::rotor_speed && !u.empty())
+      add("u1…uN", "unit", 0, log_.rows(), "the inputs are rotor speeds, and hover of the vehicle file is another input: write it in rad/s, or a coefficient", true);
     if (u.empty()) return;
     std::size_t outside = 0, first = log_.rows(), last = 0;
     for (auto* c : u)

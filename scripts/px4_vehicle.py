@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Prints what a PX4 log says of its vehicle, as JSON: for `gustlab vehicle new --from-px4 LOG`.
+
+Hubs [m or in units of the arm, x forward, y left, z up], hover throttle, throttle curve and torque ratio, each with its source.
+"""
+
+import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
+import argparse
+import json
+import math
+import sys
+
+import numpy as np
+from pyulog import ULog
+
+KM_DEFAULT = 0.05       # PX4's default moment ratio CA_ROTORn_KM, which says nothing of a vehicle
+MULTICOPTERS = {2: "quadrotor", 13: "hexarotor", 14: "octorotor", 15: "tricopter"}  # MAV_TYPE (MAVLink common.xml)
+LEAST_HOVER_S = 5.0
+
+
+def hubs(parameters):
+    """(hubs, source, metres) from the control allocation of PX4 1.13 and newer; None where the log has none"""
+    count = int(parameters.get("CA_ROTOR_COUNT", 0))
+    if not 3 <= count <= 8:
+        return None
+    rotors = []
+    for i in range(count):
+        x, y, z, moment = (float(parameters.get(f"CA_ROTOR{i}_{key}", 0.0)) for key in ("PX", "PY", "PZ", "KM"))
+        rotors.append({"position_B_m": [x, -y, -z], "counter_clockwise": moment > 0.0})
+    arms = [math.hypot(*rotor["position_B_m"][:2]) for rotor in rotors]
+    # 1 is PX4's default: it needs the proportions alone
+    metres = 0.02 < min(arms) and max(arms) < 1.2 and not all(abs(abs(c) - 1.0) < 1e-6 for r in rotors for c in r["position_B_m"][:2])
+    return rotors, "the log's parameters CA_ROTOR0_PX to KM", metres
+
+
+def hover(log):
+    """median of PX4's estimate of the hover throttle while it was valid, with its spread; None where there is no estimate"""
+    for data in log.data_list:
+        if data.name != "hover_thrust_estimate":
+            continue
+        valid = np.asarray(data.data.get("valid", np.ones(len(data.data["timestamp"])))) > 0
+        values, times = data.data["hover_thrust"][valid], data.data["timestamp"][valid] * 1e-6
+        if len(times) < 10 or times[-1] - times[0] < LEAST_HOVER_S:
+            return None
+        return {"value": round(float(np.median(values)), 4),
+                "source": f"the log's hover_thrust_estimate, median of {times[-1] - times[0]:.0f} s, standard deviation {np.std(values):.2g}"}
+    return None
+
+
+def curve(parameters):
+    """f of thrust ~ f u^2 + (1 - f) u for u = actuator_motors; None where the log does not say"""
+    factor = float(parameters.get("THR_MDL_FAC", 0.0))
+    if factor <= 0.0:
+        return None
+    return {"value": 0.0, "source": f"the log's THR_MDL_FAC is {factor:.3g}: PX4 takes that curve out after actuator_motors, which are shares of thrust"}
+
+
+def torque_ratio(parameters):
+    ratios = [abs(float(parameters.get(f"CA_ROTOR{i}_KM", KM_DEFAULT))) for i in range(int(parameters.get("CA_ROTOR_COUNT", 0)))]
+    if not ratios or any(abs(ratio - KM_DEFAULT) < 1e-4 for ratio in ratios):
+        return None
+    return {"value": round(sum(ratios) / len(ratios), 6), "source": "the log's parameters CA_ROTORn_KM"}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("log", metavar="LOG.ulg")
+    path = parser.parse_args().log
+    try:
+        log = ULog(path, ["hover_thrust_estimate"], disable_str_exceptions=True)
+    except OSError as error:
+        sys.exit(f"{path}: cannot read ({error.strerror})")
+    except Exception as error:  # noqa: BLE001 (pyulog raises whatever a broken file leads to)
+        sys.exit(f"{path}: not a PX4 log that can be read ({type(error).__name__}: {error})")
+    parameters = log.initial_parameters
+    kind = int(parameters.get("MAV_TYPE", 2))
+    if kind not in MULTICOPTERS or int(parameters.get("CA_AIRFRAME", 0)) != 0:
+        sys.exit(f"{path}: not of a multicopter (MAV_TYPE is {kind}, CA_AIRFRAME {int(parameters.get('CA_AIRFRAME', 0))})")
+    found = hubs(parameters)
+    said = {"hubs": found and found[0], "hubs_source": found and found[1], "metres": bool(found and found[2]), "hover": hover(log),
+            "throttle_curve": curve(parameters), "torque_ratio_m": torque_ratio(parameters)}
+    print(json.dumps(said))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,12 @@
+// How far long work is. The work reports it; who shows it, and whether, is the caller's.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+namespace gustlab {
+
+// The stage that begins now, and the share of the whole work that is done (0 to 1, never falling). Called from one thread.
+using ProgressReport = std::function<void(std::string_view stage, double done)>;
+
+}  // namespace gustlab

@@ -1,0 +1,68 @@
+"""`cmake --install`: a tree that can be moved, with completions that complete and a library that others can build on."""
+
+import os
+import shutil
+import subprocess
+import unittest
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ["GUSTLAB_PROGRAM"])
+
+
+def output(*command, **more):
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, check=True, timeout=600, **more).stdout
+
+
+class Installed(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        made = Path(cls.folder.name, "made")
+        # component by component would miss what has none
+        output("cmake", "--install", PROGRAM.parent, "--prefix", made)
+        cls.tree = made.rename(Path(cls.folder.name, "moved"))
+        cls.program = cls.tree / "bin" / "gustlab"
+
+    def test_it_flies_where_it_was_moved_to(self):
+        environment = {key: value for key, value in os.environ.items() if key != "GUSTLAB_HOME"}
+        said = output(self.program, "vehicle", "check", "crazyflie", env=environment)
+        self.assertIn("contradictions        none", said)
+        self.assertIn("gustlab-vehicle/1", output(self.program, "defaults", "vehicle", env=environment))
+
+    def test_man_page_tells_every_command(self):
+        page = (self.tree / "share/man/man1/gustlab.1").read_text(encoding="utf-8")
+        for command in ("sweep", "diagnose", "vehicle new", "vehicle fit"):
+            self.assertIn(f".SS gustlab {command}\n", page)
+        self.assertTrue(page.startswith(".TH GUSTLAB 1"))
+
+    def complete(self, *words):
+        script = self.tree / "share/bash-completion/completions/gustlab"
+        quoted = " ".join(f"'{word}'" for word in words)
+        return output("bash", "-c", f'source "{script}"; COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}; _gustlab; echo "${{COMPREPLY[@]}}"').split()
+
+    def test_bash_completes_commands_options_and_choices(self):
+        self.assertEqual(self.complete("gustlab", "swe"), ["sweep"])
+        self.assertEqual(set(self.complete("gustlab", "vehicle", "")) & {"new", "check", "fit"}, {"new", "check", "fit"})
+        self.assertEqual(self.complete("gustlab", "vehicle", "new", "--thr"), ["--thrust-to-weight", "--throttle-curve"])
+        self.assertEqual(set(self.complete("gustlab", "table", "out", "--format", "")), {"md", "csv", "latex", "json"})
+
+    def test_other_shells_take_their_completions(self):
+        for shell, name in (("zsh", "zsh/site-functions/_gustlab"), ("fish", "fish/vendor_completions.d/gustlab.fish")):
+            script = self.tree / "share" / name
+            self.assertIn("thrust-to-weight", script.read_text(encoding="utf-8"))
+            if shutil.which(shell):
+                output(shell, "-n", script)
+
+    def test_an_own_program_builds_on_it(self):
+        build = Path(self.folder.name, "hover")
+        output("cmake", "-S", ROOT / "examples" / "hover", "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.tree}", "-DCMAKE_BUILD_TYPE=Release")
+        output("cmake", "--build", build)
+        said = output(build / "hover", "crazyflie", env=os.environ | {"GUSTLAB_HOME": str(self.tree / "share/gustlab")})
+        self.assertIn("crazyflie is at (0.50", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
