@@ -1,0 +1,128 @@
+#include "diagnosis/alignment/align.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "diagnosis/alignment/command_offsets.hpp"
+#include "diagnosis/alignment/hold.hpp"
+#include "diagnosis/recording/clock_checks.hpp"
+#include "diagnosis/recording/command_jitter.hpp"
+#include "diagnosis/recording/log_filters.hpp"
+#include "diagnosis/recording/sensor_lateness.hpp"
+#include "diagnosis/recording/vehicle_check.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// logs that were smoothed before they were written tell less than their rate
+constexpr double filtered_rate_hz = 20.0, common_filter_s = 0.022;
+
+ReadingOptions reading_of(const std::vector<FlightLog>& logs, std::vector<LogFinding>& findings) {
+  ReadingOptions reading;
+  for (const FlightLog& log : logs) {
+    if (!motion_filtered(log)) continue;
+    reading.max_rate_hz = filtered_rate_hz;
+    reading.common_filter_s = common_filter_s;
+    findings.push_back({label_of(log.path), "px…wz", "filtered", log.time_s.front(), log.time_s.back(),
+                        "the recording was low-pass filtered before it was written: all columns are filtered once more "
+                        "alike and read at 20 Hz",
+                        false, false});
+  }
+  return reading;
+}
+
+std::vector<FlightData> at_own_rate(const std::vector<FlightLog>& logs, const VehicleModel& vehicle,
+                                    const SensorLateness& late) {
+  std::vector<FlightData> raw = prepare(logs, vehicle, {});
+  for (FlightData& flight : raw) flight.late = late;
+  return raw;
+}
+
+// what depends on commands of a faster loop would come out too small, and look like other physics
+bool find_jitter(const std::vector<FlightData>& flights, std::vector<LogFinding>& findings) {
+  bool any = false;
+  for (const FlightData& flight : flights) {
+    const double share = command_jitter_share(flight);
+    if (share < most_command_jitter) continue;
+    any = true;
+    findings.push_back(
+        {flight.label, "u1…uN", "inconsistent", flight.start_s, flight.start_s + flight.duration_s(),
+         fmt::format("{:.0f} % of the commanded torque jitters from sample to sample: commands of a faster loop were "
+                     "sampled, and what the rotors did between is not known; log at the loop's rate",
+                     100.0 * share),
+         false, false});
+  }
+  return any;
+}
+
+}  // namespace
+
+Aligned align(const Recordings& recordings) {
+  Aligned out;
+  std::vector<LogFinding>& findings = out.remarks.findings;
+  out.vehicle = recordings.vehicle;
+  out.fit = recordings.fit;
+  out.holdout = recordings.holdout;
+  out.reference = recordings.reference;
+  out.reading = reading_of(out.fit, findings);
+  out.attitude = is_recorded(out.fit, {"qw"});
+  out.hold_unknown =
+      std::any_of(out.fit.begin(), out.fit.end(), [](const FlightLog& l) { return l.meta.hold == Hold::unknown; });
+
+  // rotor order, directions and time offsets are judged at the logs' own rate
+  out.raw_fit = prepare(out.fit, out.vehicle, {});
+  if (out.attitude && !out.was_filtered()) out.reading.late = sensor_lateness(out.raw_fit);
+  for (FlightData& flight : out.raw_fit) flight.late = out.reading.late;
+  const std::vector<LogFinding> rotors = check_rotors(out.raw_fit, out.vehicle);
+  findings.insert(findings.end(), rotors.begin(), rotors.end());
+  // what follows is judged with the rotors where they are
+  if (!rotors.empty()) out.raw_fit = at_own_rate(out.fit, out.vehicle, out.reading.late);
+  out.raw_holdout = at_own_rate(out.holdout, out.vehicle, out.reading.late);
+
+  // on another clock than the motion, commands tell forces alone
+  const bool fit_apart = clocks_apart(out.raw_fit, out.vehicle, findings),
+             holdout_apart = clocks_apart(out.raw_holdout, out.vehicle, findings);
+  if (fit_apart || holdout_apart) {
+    out.reading.forces_only = true;
+    for (auto* logs : {&out.fit, &out.holdout})
+      for (FlightLog& log : *logs) log = with_total_thrust(std::move(log), out.vehicle);
+  }
+  out.offset_s = command_offsets(out.raw_fit, out.raw_holdout, out.vehicle, findings);
+  out.commands_jitter = out.hold_unknown && find_jitter(out.raw_fit, findings);
+  return out;
+}
+
+Reading settle_reading(const Aligned& aligned, bool forces_only, int jobs) {
+  Reading out{aligned.reading, {}};
+  out.options.forces_only = out.options.forces_only || forces_only;
+  if (forces_only)
+    out.remarks.notes.emplace_back(
+        "the torques are not what the model says, and no pose says why: only forces are judged");
+  if (!aligned.hold_unknown) return out;
+  out.options.linear_hold = linear_is_likelier(aligned.vehicle, jobs, [&](bool linear) {
+    ReadingOptions trial = out.options;
+    trial.linear_hold = linear;
+    return prepare(aligned.fit, aligned.vehicle, trial);
+  });
+  out.remarks.notes.push_back(
+      fmt::format("the logs do not say how commands are held between samples: {} is the likelier",
+                  *out.options.linear_hold ? "linear" : "zoh"));
+  return out;
+}
+
+Prepared prepare(const Aligned& aligned, const VehicleModel& vehicle, const Reading& reading) {
+  Prepared out;
+  const auto read = [&](const ReadingOptions& how, std::vector<FlightData>& fit, std::vector<FlightData>& holdout) {
+    fit = prepare(aligned.fit, vehicle, how, aligned.offset_s, 0);
+    holdout = prepare(aligned.holdout, vehicle, how, aligned.offset_s, aligned.fit.size());
+  };
+  read(reading.options, out.fit, out.holdout);
+  // one-sample innovations of smoothed logs tell of the smoothing: half a second tells of the vehicle
+  if (aligned.was_filtered()) read(reading.own_rate(), out.fit_own_rate, out.holdout_own_rate);
+  return out;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,135 @@
+#include "diagnosis/recording/recordings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "diagnosis/recording/attitude_check.hpp"
+#include "diagnosis/recording/log_checks.hpp"
+#include "gustlab/errors.hpp"
+#include "vehicle/gaps.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// rows of a log between two times
+FlightLog part_of(const FlightLog& log, double from_s, double to_s) {
+  FlightLog part = log;
+  const auto first = std::lower_bound(log.time_s.begin(), log.time_s.end(), from_s) - log.time_s.begin();
+  const auto last = std::lower_bound(log.time_s.begin(), log.time_s.end(), to_s) - log.time_s.begin();
+  part.time_s.assign(log.time_s.begin() + first, log.time_s.begin() + last);
+  for (std::size_t c = 0; c < log.columns.size(); ++c)
+    part.columns[c].values.assign(log.columns[c].values.begin() + first, log.columns[c].values.begin() + last);
+  return part;
+}
+
+// a log that cannot be read is set aside, and said
+std::vector<FlightLog> read_all(const std::vector<std::string>& paths, Recordings& out) {
+  std::vector<FlightLog> logs;
+  for (const std::string& path : paths) {
+    try {
+      logs.push_back(read_flight_log(path));
+    } catch (const DataError& error) {
+      out.remarks.findings.push_back({label_of(path), "*", "inconsistent", 0.0, 0.0, error.what(), true, false});
+      out.set_aside.push_back({label_of(path), "set_aside", 0.0, 0.0});
+    }
+  }
+  return logs;
+}
+
+// faults come before any physics
+void set_aside(std::vector<FlightLog>& logs, Recordings& out) {
+  std::vector<bool> away(logs.size(), false);
+  const auto note = [&](const std::vector<LogFinding>& findings, std::size_t i) {
+    for (const LogFinding& finding : findings) {
+      if (finding.file != label_of(logs[i].path)) continue;
+      out.remarks.findings.push_back(finding);
+      away[i] = away[i] || finding.sets_flight_aside;
+    }
+  };
+  const std::vector<LogFinding> copies = check_copies(logs);
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    note(copies, i);
+    if (!away[i]) note(check_attitude(logs[i], out.vehicle), i);
+    if (!away[i]) note(check_log(logs[i], out.vehicle), i);
+    if (away[i]) out.set_aside.push_back({label_of(logs[i].path), "set_aside", 0.0, 0.0});
+  }
+  std::size_t at = 0;
+  std::erase_if(logs, [&](const FlightLog&) { return away[at++]; });
+}
+
+std::string nothing_usable(const Remarks& remarks) {
+  std::string text = "no fit flight is usable:";
+  for (const LogFinding& f : remarks.findings)
+    if (f.sets_flight_aside) text += fmt::format("\n  {}: {}{}", f.file, f.column == "*" ? "" : f.column + " ", f.says);
+  return text;
+}
+
+}  // namespace
+
+std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
+
+Recordings read_recordings(const std::vector<std::string>& fit, const std::vector<std::string>& holdout,
+                           const std::vector<std::string>& reference, const std::optional<std::string>& vehicle) {
+  Recordings read;
+  read.fit = read_all(fit, read);
+  read.holdout = read_all(holdout, read);
+  read.reference = read_all(reference, read);
+  if (read.fit.empty()) throw DataError(read.remarks.findings.front().says);
+  const FlightLog& first = read.fit.front();
+  read.vehicle = vehicle ? read_vehicle(*vehicle) : read_vehicle(first.meta.vehicle, first.path);
+  return read;
+}
+
+Recordings check(Recordings recordings) {
+  set_aside(recordings.fit, recordings);
+  set_aside(recordings.holdout, recordings);
+  set_aside(recordings.reference, recordings);
+  if (recordings.fit.empty()) throw DataError(nothing_usable(recordings.remarks));
+  assume_nominal_voltage(recordings.vehicle, recordings.fit.front());
+  if (recordings.holdout.empty() && recordings.fit.size() > 1) {
+    recordings.holdout.push_back(std::move(recordings.fit.back()));
+    recordings.fit.pop_back();
+    recordings.remarks.notes.push_back(
+        fmt::format("no flight was held out by the user: {} is", label_of(recordings.holdout.front().path)));
+  }
+  return recordings;
+}
+
+Recordings with_held_out_part(Recordings recordings) {
+  if (!recordings.holdout.empty()) return recordings;
+  const FlightLog whole = std::move(recordings.fit.front());
+  const double first_s = whole.time_s.front(), last_s = whole.time_s.back(),
+               cut_s = first_s + (last_s - first_s) * 2.0 / 3.0;
+  recordings.fit.front() = part_of(whole, first_s, cut_s);
+  recordings.holdout.push_back(part_of(whole, cut_s, last_s + 1.0));
+  recordings.remarks.notes.emplace_back("there is one flight only: its last third is held out");
+  return recordings;
+}
+
+bool is_recorded(const std::vector<FlightLog>& logs, std::initializer_list<const char*> any_of) {
+  std::ptrdiff_t seen = 0;
+  for (const FlightLog& log : logs)
+    for (const char* name : any_of)
+      if (const auto* column = log.find(name))
+        seen += std::count_if(column->begin(), column->end(), [](double v) { return std::isfinite(v); });
+  return seen > 100;
+}
+
+std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const VehicleModel& vehicle,
+                                const ReadingOptions& options, const std::vector<double>& offset_s, std::size_t first) {
+  std::vector<FlightData> flights;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    flights.push_back(prepare_flight(logs[i], vehicle, options));
+    if (first + i >= offset_s.size()) continue;
+    flights.back().commands.delay(offset_s[first + i]);
+    flights.back().measured_speed.delay(offset_s[first + i]);
+  }
+  return flights;
+}
+
+}  // namespace gustlab::diagnosis
