@@ -141,7 +141,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       column.min = number.info.min;
       column.max = number.info.max;
       column.nominal = *number.value;
-      if (number.info.plausible > 0.0) column.max = number.info.plausible * scale, column.min = -column.max;
+      if (number.info.plausible > 0.0) column.max = number.info.plausible * scale, column.min = std::max(number.info.min, -column.max);
       if (row.name == "saturation") {
         if (number.name != "max_speed") continue;
         column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;
