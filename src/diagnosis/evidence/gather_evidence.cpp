@@ -151,6 +151,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     Evidence& record = records[i];
     record.effect = group.row->name;
     record.group = finding.group;
+    record.rotor = group.rotor;
     record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
     record.gain = finding.gain;
     record.held_out_gain = tested.gain[i];

@@ -56,6 +56,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"force_excess", number(e.force_excess)}, {"force_excess_std", number(e.force_excess_sd)},
                         {"unexplained_delta_chi2", number(e.unexplained_gain)}, {"sensors_share", number(e.sensors_share)}, {"at_bound", e.at_bound},
                         {"horizon_s", e.horizon_s}, {"recovered", e.recovered}, {"recovered_z", e.recovered_z}};
+    if (e.rotor > 0) one["rotor"] = e.rotor;
     for (const auto& [name, value] : e.features) one["features"][std::string(name)] = number(value);
     one["flights"] = ordered_json::array();
     for (const FlightShare& f : e.flights) one["flights"].push_back({{"file", f.file}, {"held_out", f.held_out}, {"share", number(f.share)}, {"std", number(f.deviation)}});
