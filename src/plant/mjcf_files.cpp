@@ -73,7 +73,7 @@ class Reader {
  private:
   static fs::path canonical(const fs::path& path) {
     std::error_code error;
-    const fs::path result = fs::weakly_canonical(fs::absolute(path), error);
+    const fs::path result = fs::weakly_canonical(path.empty() ? fs::path(".") : fs::absolute(path), error);
     return error ? path : result;
   }
 

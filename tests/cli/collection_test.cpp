@@ -105,7 +105,7 @@ set = ["duration_s = 0.5"]
 
   const Said unknown = gustlab({"run", path, "--variant", "shrt", "--trajectory", "hover", "--controller", "pid", "--out", folder.file("x")});
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.err, testing::HasSubstr("--variant shrt: not in this experiment (it has calm, short) did you mean \"short\"?"));
+  EXPECT_THAT(unknown.err, testing::HasSubstr("there is no variant \"shrt\" (it has calm, short) did you mean \"short\"?"));
   const Said twice = gustlab({"sweep", folder.write("t.toml", read_text(path) + "[[variant]]\nname = \"calm\"\n"), "--out", folder.file("y")});
   EXPECT_EQ(twice.exit_code, 2);
   EXPECT_THAT(twice.err, testing::HasSubstr("t.toml:17:8: variant \"calm\" is here twice"));

@@ -193,7 +193,9 @@ class Stores(Commands):
             database.execute(f"PRAGMA journal_mode = {journal}")
             database.execute("PRAGMA user_version = 0")
             database.close()
-            self.refuse(3, "not a result store", "table", "s")
+            # SQLite itself puts two files beside a store with a write-ahead log
+            if journal == "DELETE":
+                self.refuse(3, "not a result store", "table", "s")
             self.call("sweep", "e.toml", "--out", "s", "--resume")
             self.assertEqual((self.folder / "s" / "runs.csv").read_bytes(), (self.folder / "whole" / "runs.csv").read_bytes())
 
@@ -264,7 +266,7 @@ class Settings(Commands):
         self.refuse(2, "vehicle.toml: cannot read", "sweep", "e.toml", "--dry-run")
 
     def test_a_budget_beyond_counting_is_refused(self):
-        self.write("t.toml", 'format = "gustlab-tuning/1"\nflights = 9223372036854775807\nfirst_replicate = 1000\nreplicates = 1\nsearch_seed = 1\n'
+        self.write("t.toml", 'format = "gustlab-tuning/1"\nflights = 9223372036854775807\nfirst_replicate = 1000\nreplicates = 1\nsearch_seeds = [1]\n'
                              '[[controller]]\nname = "pid"\n[[controller.parameters]]\nname = "position_gain"\nmin = 1.0\nmax = 2.0\nstart = 1.5\n')
         self.refuse(2, 't.toml:2:11: "flights" is out of range', "tune", "e.toml", "--tuning", "t.toml", "--out", "o")
 

@@ -18,7 +18,7 @@ def sections(document):
 class Citations(unittest.TestCase):
     def test_every_cited_section_exists(self):
         files = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
-        documents = {path.stem: path for path in [*(ROOT / "docs").glob("*.md"), ROOT / "README.md"]}
+        documents = {path.stem: path for path in [*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "CHANGELOG.md"]}
         known = {name: sections(path) for name, path in documents.items()}
         problems, found = [], 0
         for name in (f for f in files if f.endswith(TEXT)):

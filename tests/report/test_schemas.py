@@ -13,7 +13,7 @@ import jsonschema
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 # formats of files that are not JSON, or that only this program reads again
-OTHERS = {"flight", "vehicle", "experiment", "column-map", "trials", "network", "calibration", "calibrated", "published", "tuning", "score"}
+OTHERS = {"flight", "vehicle", "experiment", "column-map", "trials", "network", "calibration", "calibrated", "published", "tuning", "score", "sets"}
 
 
 def schema(name):

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "diagnosis/estimation/innovation_filter.hpp"
+#include "diagnosis/estimation/noise_model.hpp"
 #include "diagnosis/estimation/row_products.hpp"
 
 namespace gustlab::diagnosis {
