@@ -20,7 +20,7 @@ constexpr double hover_s = 10.0;
 Experiment hover_of(const VehicleModel& vehicle) {
   config::Table document = config::Table::parse(
       fmt::format("name = \"hover\"\nvehicle = {}\ntrajectories = [\"hover\"]\ncontrollers = [\"geometric\"]\nduration_s = {}\n"
-                  "log_source = \"truth\"\n", config::quoted(std::filesystem::absolute(vehicle.source_path).string()), hover_s),
+                  "step_s = 0.0005\nlog_source = \"truth\"\n", config::quoted(std::filesystem::absolute(vehicle.source_path).string()), hover_s),
       "hover");
   return make_experiment(document, "");
 }

@@ -1,6 +1,7 @@
 """`cmake --install`: a tree that can be moved, with completions that complete and a library that others can build on."""
 
 import os
+import re
 import shutil
 import subprocess
 import unittest
@@ -61,7 +62,10 @@ class Installed(unittest.TestCase):
         output("cmake", "-S", ROOT / "examples" / "hover", "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.tree}", "-DCMAKE_BUILD_TYPE=Release")
         output("cmake", "--build", build)
         said = output(build / "hover", "crazyflie", env=os.environ | {"GUSTLAB_HOME": str(self.tree / "share/gustlab")})
-        self.assertIn("crazyflie is at (0.50", said)
+        where = re.match(r"crazyflie is at \((\S+), (\S+), (\S+)\) m after 5.0 s", said)
+        self.assertIsNotNone(where, said)
+        for flown_m, wanted_m in zip(map(float, where.groups()), (0.5, 0.0, 1.5)):
+            self.assertAlmostEqual(flown_m, wanted_m, delta=0.01)
 
 
 if __name__ == "__main__":

@@ -152,6 +152,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.effect = group.row->name;
     record.group = finding.group;
     record.rotor = group.rotor;
+    record.per_flight = group.row->per_flight;
     record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
     record.gain = finding.gain;
     record.held_out_gain = tested.gain[i];

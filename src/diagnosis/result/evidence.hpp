@@ -26,6 +26,7 @@ struct Evidence {
   std::string effect;                 // catalogue name
   int group = -1;
   int rotor = 0;                      // of a rotor's own effect: 1 to N
+  bool per_flight = false;            // its values are each flight's own, fitted to the held-out ones as well
   int parameters = 1;                 // free numbers
   double gain = 0.0;                  // Δχ² when it is left out and all else is fitted anew
   double held_out_gain = 0.0;         // Δχ² on the held-out flights, shared values as they were fitted
