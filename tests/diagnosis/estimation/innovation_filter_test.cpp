@@ -1,0 +1,134 @@
+#include "diagnosis/estimation/innovation_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace gustlab::diagnosis {
+namespace {
+
+constexpr std::size_t samples = 4;
+constexpr Eigen::Index states = 18 * static_cast<Eigen::Index>(samples);
+
+NoiseModel some_noise() {
+  NoiseModel noise;
+  noise.variance = {0.04, 0.09, 0.5, 0.7};
+  noise.time_s = {0.2, 0.3, 0.1, 0.05};
+  noise.white = {1e-4, 2e-4, 3e-3, 4e-3};
+  noise.measurement = {1e-6, 2e-5, 3e-4, 0.01};
+  return noise;
+}
+
+// some samples in which every state drives others, positions in every second one
+LinearFlight some_flight() {
+  LinearFlight flight;
+  for (std::size_t k = 0; k < samples; ++k) {
+    const double dt = 0.01 + 0.001 * static_cast<double>(k);
+    Matrix12 F = Matrix12::Identity();
+    for (int i = 0; i < 3; ++i) {
+      F(i, 3 + i) = F(6 + i, 9 + i) = dt;
+      for (int j = 0; j < 3; ++j) F(3 + i, 6 + j) = dt * (1.0 + i - 2.0 * j), F(9 + i, 3 + j) = 0.3 * dt * (i + j + 1);
+    }
+    flight.F.push_back(F);
+    flight.b.push_back(1e-3 * Vector12::LinSpaced(-1.0, 2.0));
+    flight.interval_s.push_back(dt);
+    flight.starts.push_back(k == 0);
+    Eigen::Matrix<bool, row_count, 1> measured = Eigen::Matrix<bool, row_count, 1>::Constant(true);
+    measured.head<3>().setConstant(k % 2 == 0);
+    flight.measured.push_back(measured);
+    flight.y.push_back(1e-2 * Vector12::LinSpaced(1.0, -1.0 - static_cast<double>(k)));
+    flight.R_WB.push_back(Eigen::AngleAxisd(0.3, Vector3(1.0, 2.0, -1.0).normalized()).toRotationMatrix());
+    flight.force_rows.push_back(Eigen::Matrix<double, 3, 9>::Constant(0.2));
+  }
+  return flight;
+}
+
+// the same as one Gaussian: states of all samples, and what was measured of them
+struct Joint {
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(states), y;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(states, states), H;
+  Eigen::VectorXd R;
+  std::vector<std::size_t> group;
+};
+
+Joint joint(const LinearFlight& flight, const NoiseModel& noise) {
+  using State = Eigen::Matrix<double, 18, 18>;
+  Joint all;
+  State P = State::Zero();
+  constexpr std::array<double, 4> prior = {4e-6, 4e-3, 4e-4, 4e-2};
+  for (int i = 0; i < 12; ++i) P(i, i) = prior[static_cast<std::size_t>(i / 3)];
+  for (int j = 0; j < 6; ++j) P(12 + j, 12 + j) = noise.variance[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])];
+  std::vector<Eigen::Matrix<double, 1, 18>> rows;
+  for (std::size_t k = 0; k < samples; ++k) {
+    const auto at = 18 * static_cast<Eigen::Index>(k);
+    all.covariance.block<18, 18>(at, at) = P;
+    for (int r = 0; r < row_count; ++r) {
+      if (!flight.measured[k][r]) continue;
+      Eigen::RowVectorXd h = Eigen::RowVectorXd::Zero(states);
+      if (r < 9) h[at + (r < 3 ? r : 3 + r)] = 1.0;
+      else h.segment<9>(at + 3) = flight.force_rows[k].row(r - 9), h.segment<3>(at + 12) = flight.R_WB[k].col(r - 9).transpose();
+      all.H.conservativeResize(all.H.rows() + 1, states);
+      all.H.bottomRows<1>() = h;
+      all.R.conservativeResize(all.H.rows()), all.y.conservativeResize(all.H.rows());
+      all.R[all.R.size() - 1] = noise.measurement[static_cast<std::size_t>(r / 3)];
+      all.y[all.y.size() - 1] = flight.y[k][r];
+      all.group.push_back(static_cast<std::size_t>(r / 3));
+    }
+    if (k + 1 == samples) break;
+    const double dt = flight.interval_s[k];
+    State A = State::Zero(), Q = 1e-14 * State::Identity();
+    A.topLeftCorner<12, 12>() = flight.F[k];
+    for (int j = 0; j < 6; ++j) {
+      const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)]);
+      const int moved = j < 3 ? j : 3 + j;
+      A(moved, 12 + j) = 0.5 * dt * dt, A(moved + 3, 12 + j) = dt;
+      A(12 + j, 12 + j) = std::exp(-dt / noise.time_s[g]);
+      Q(12 + j, 12 + j) += noise.variance[g] * (1.0 - A(12 + j, 12 + j) * A(12 + j, 12 + j));
+      Q(moved + 3, moved + 3) += noise.white[g] * dt;
+    }
+    all.mean.segment<18>(at + 18) = A * all.mean.segment<18>(at);
+    all.mean.segment<12>(at + 18) += flight.b[k];
+    all.covariance.block(at + 18, 0, 18, at + 18) = A * all.covariance.block(at, 0, 18, at + 18);
+    all.covariance.block(0, at + 18, at + 18, 18) = all.covariance.block(at + 18, 0, 18, at + 18).transpose();
+    P = A * P * A.transpose() + Q;
+  }
+  return all;
+}
+
+TEST(InnovationFilter, LikelihoodIsThatOfTheJointGaussian) {
+  const Joint all = joint(some_flight(), some_noise());
+  const Eigen::MatrixXd S = all.H * all.covariance * all.H.transpose() + Eigen::MatrixXd(all.R.asDiagonal());
+  const Eigen::VectorXd missed = all.y - all.H * all.mean;
+  const Eigen::LLT<Eigen::MatrixXd> factor(S);
+  const double expected = 2.0 * Eigen::MatrixXd(factor.matrixL()).diagonal().array().log().sum() + missed.dot(factor.solve(missed));
+  EXPECT_NEAR(misfit(some_flight(), some_noise()), expected, 1e-7 * std::abs(expected));
+  FlightData times;
+  times.samples.resize(samples);
+  EXPECT_EQ(whiten(times, some_flight(), some_noise()).minus_two_log_likelihood, misfit(some_flight(), some_noise()));
+}
+
+TEST(InnovationFilter, MomentsOfTheSmootherAreThoseOfTheConditionedGaussian) {
+  const Joint all = joint(some_flight(), some_noise());
+  const Eigen::MatrixXd S = all.H * all.covariance * all.H.transpose() + Eigen::MatrixXd(all.R.asDiagonal());
+  const Eigen::MatrixXd gain = S.ldlt().solve(all.H * all.covariance).transpose();
+  const Eigen::VectorXd mean = all.mean + gain * (all.y - all.H * all.mean), left = all.y - all.H * mean;
+  const Eigen::MatrixXd covariance = all.covariance - gain * all.H * all.covariance, spread = all.H * covariance * all.H.transpose();
+  const Smoothed smoothed = smooth(some_flight(), some_noise());
+  for (Eigen::Index j = 0; j < 6; ++j) {
+    double second = 0.0, lagged = 0.0;
+    for (Eigen::Index at = 12 + j; at < states; at += 18) {
+      second += mean[at] * mean[at] + covariance(at, at);
+      if (at >= 18) lagged += mean[at] * mean[at - 18] + covariance(at, at - 18);
+    }
+    EXPECT_NEAR(smoothed.second[static_cast<std::size_t>(j)], second, 1e-7 * second);
+    EXPECT_NEAR(smoothed.lagged[static_cast<std::size_t>(j)], lagged, 1e-7 * std::abs(lagged));
+  }
+  std::array<double, noise_groups> residual{};
+  for (Eigen::Index i = 0; i < left.size(); ++i) residual[all.group[static_cast<std::size_t>(i)]] += left[i] * left[i] + spread(i, i);
+  for (std::size_t g = 0; g < noise_groups; ++g) EXPECT_NEAR(smoothed.residual[g], residual[g], 1e-6 * residual[g]);
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
