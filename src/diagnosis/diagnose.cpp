@@ -31,16 +31,10 @@ namespace {
 
 constexpr double explained_share = 0.1;   // of all structure, what the omnibus test may still find
 
-// a value that ran into its bound: the model is bent to something that it is not
-std::string at_its_bound(const Catalogue& catalogue, const Selection& selection) {
-  for (const Finding& finding : selection.findings)
-    for (const int c : catalogue.groups()[static_cast<std::size_t>(finding.group)].columns) {
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-      const double value = selection.value[c];
-      if (value == column.nominal || value == 0.0) continue;
-      if (value <= column.min || value >= column.max) return catalogue.groups()[static_cast<std::size_t>(finding.group)].label;
-    }
-  return {};
+// the first group with a value that ran into its bound: the model is bent to something that it is not
+std::string at_its_bound(const Catalogue& catalogue, const std::vector<Evidence>& records) {
+  const auto found = std::find_if(records.begin(), records.end(), [](const Evidence& record) { return record.at_bound; });
+  return found == records.end() ? std::string() : catalogue.groups()[static_cast<std::size_t>(found->group)].label;
 }
 
 std::vector<Disturbance> disturbance_of(const Selection& selection) {
@@ -262,7 +256,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   out.window_file = std::move(verified.window_file);
   out.window = std::move(verified.window);
   suspect_unfelt(fitted.session, fitted.vehicle, out);
-  const std::string bound = at_its_bound(fitted.session.catalogue(), fitted.selection);
+  const std::string bound = at_its_bound(fitted.session.catalogue(), fitted.challenged.records);
   if (!bound.empty()) out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
   out.verdict = conclude(out, fitted.challenged.rest, !bound.empty(), aligned.commands_jitter);
 

@@ -33,7 +33,6 @@ struct Finding {
   double gain = 0.0;               // rise of the loss when it is removed
   double inclusion = 0.0;          // share of half samples that select it
   bool calibration = false;        // below its reporting tolerance: a trim, not missing physics
-  std::string why_not;             // not empty: only suspected
   std::vector<Rival> rivals;       // best first
 };
 
