@@ -29,7 +29,8 @@ struct BenchRow {
   std::string controller;
   Experiment experiment;
   double steps = 0.0;
-  double cpu_ns, one_thread_ns, two_threads_ns;  // least of all rounds, of the whole sweep: CPU time, and time by the clock
+  double cpu_ns, one_thread_ns,
+      two_threads_ns;  // least of all rounds, of the whole sweep: CPU time, and time by the clock
 };
 
 struct Bench {
@@ -51,7 +52,8 @@ void keep_least(double& cpu_ns, double& clock_ns, Function function) {
   const double cpu_start_ns = cpu_now_ns();
   function();
   cpu_ns = std::min(cpu_ns, cpu_now_ns() - cpu_start_ns);
-  clock_ns = std::min(clock_ns, std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count());
+  clock_ns =
+      std::min(clock_ns, std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count());
 }
 
 void fly(BenchRow& row, int jobs) {
@@ -71,7 +73,9 @@ Bench measure(const BenchArguments& options) {
   Bench bench{none, none, {}};
   const Experiment whole = read_experiment(path);
   for (const Choice& controller : whole.controllers)
-    bench.rows.push_back({controller.name, read_experiment(path, {fmt::format("controllers=[\"{}\"]", controller.name)}), 0.0, none, none, none});
+    bench.rows.push_back({controller.name,
+                          read_experiment(path, {fmt::format("controllers=[\"{}\"]", controller.name)}), 0.0, none,
+                          none, none});
   BareStep minimal(BareStep::Model::minimal, whole.flight.step_s), stock(BareStep::Model::stock, whole.flight.step_s);
   double unused_ns = none;
   for (int round = 0; round < options.rounds; ++round) {
@@ -88,10 +92,16 @@ Bench measure(const BenchArguments& options) {
 }
 
 void print_json(const Bench& bench, const std::string& experiment) {
-  nlohmann::ordered_json report{{"format", "gustlab-bench/1"}, {"experiment", experiment}, {"minimal_step_ns", bench.minimal_step_ns}, {"stock_step_ns", bench.stock_step_ns}};
+  nlohmann::ordered_json report{{"format", "gustlab-bench/1"},
+                                {"experiment", experiment},
+                                {"minimal_step_ns", bench.minimal_step_ns},
+                                {"stock_step_ns", bench.stock_step_ns}};
   for (const BenchRow& row : bench.rows) {
     const double step_ns = row.cpu_ns / row.steps;
-    report["controllers"].push_back({{"controller", row.controller}, {"steps", row.steps}, {"step_ns", step_ns}, {"over_minimal", step_ns / bench.minimal_step_ns},
+    report["controllers"].push_back({{"controller", row.controller},
+                                     {"steps", row.steps},
+                                     {"step_ns", step_ns},
+                                     {"over_minimal", step_ns / bench.minimal_step_ns},
                                      {"two_threads_factor", row.one_thread_ns / row.two_threads_ns}});
   }
   fmt::print("{}\n", report.dump(2));
@@ -100,11 +110,12 @@ void print_json(const Bench& bench, const std::string& experiment) {
 void print_table(const Bench& bench, const std::string& experiment) {
   fmt::print("| a step of | CPU time [ns] | over minimal | two threads |\n|---|--:|--:|--:|\n");
   fmt::print("| mj_step, minimal model | {:.0f} | 1.00 | |\n", bench.minimal_step_ns);
-  fmt::print("| mj_step, stock model | {:.0f} | {:.2f} | |\n", bench.stock_step_ns, bench.stock_step_ns / bench.minimal_step_ns);
+  fmt::print("| mj_step, stock model | {:.0f} | {:.2f} | |\n", bench.stock_step_ns,
+             bench.stock_step_ns / bench.minimal_step_ns);
   for (const BenchRow& row : bench.rows) {
     const double step_ns = row.cpu_ns / row.steps;
-    fmt::print("| sweep {}, {} | {:.0f} | {:.2f} | {:.2f} × |\n", experiment, row.controller, step_ns, step_ns / bench.minimal_step_ns,
-               row.one_thread_ns / row.two_threads_ns);
+    fmt::print("| sweep {}, {} | {:.0f} | {:.2f} | {:.2f} × |\n", experiment, row.controller, step_ns,
+               step_ns / bench.minimal_step_ns, row.one_thread_ns / row.two_threads_ns);
   }
 }
 
@@ -113,9 +124,12 @@ void print_table(const Bench& bench, const std::string& experiment) {
 void add_bench(CLI::App& app) {
   const auto options = std::make_shared<BenchArguments>();
   CLI::App* command = app.add_subcommand("bench", "measures a sweep per controller against a bare MuJoCo step");
-  command->add_option("EXPERIMENT", options->experiment, "a TOML file, or its name under experiments/")->capture_default_str();
+  command->add_option("EXPERIMENT", options->experiment, "a TOML file, or its name under experiments/")
+      ->capture_default_str();
   command->add_option("--format", options->format)->check(CLI::IsMember({"md", "json"}))->capture_default_str();
-  command->add_option("--rounds", options->rounds, "the best of so many counts")->check(CLI::Range(1, 1000))->capture_default_str();
+  command->add_option("--rounds", options->rounds, "the best of so many counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->callback([options] {
     interrupted();
     const Bench bench = measure(*options);

@@ -16,19 +16,23 @@ void add_compare(CLI::App& app) {
     double limit_m = 0.5;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("compare", "prints which controller is best where, and when each breaks, over the variants of a sweep");
+  CLI::App* command = app.add_subcommand(
+      "compare", "prints which controller is best where, and when each breaks, over the variants of a sweep");
   options->experiment.add_to(*command);
   command->add_option("DIR", options->folder, "OUT of its finished sweep")->required();
-  command->add_option("--limit", options->limit_m, "planar RMSE in m up to which a run that was completed counts as held")
+  command
+      ->add_option("--limit", options->limit_m, "planar RMSE in m up to which a run that was completed counts as held")
       ->check(positive())
       ->capture_default_str();
   command->add_option("--format", options->format)->check(CLI::IsMember({"md", "json"}))->capture_default_str();
   command->callback([options] {
     std::vector<NamedResults> results;
     for (const Experiment& variant : options->experiment.read_variants())
-      results.push_back({variant.variant.empty() ? variant.name : variant.variant, read_results(variant_folder(options->folder, variant))});
+      results.push_back({variant.variant.empty() ? variant.name : variant.variant,
+                         read_results(variant_folder(options->folder, variant))});
     const std::vector<ComparedVariant> compared = compare(results, options->limit_m);
-    const std::string text = options->format == "json" ? to_json(compared, options->limit_m) : to_markdown(compared, options->limit_m);
+    const std::string text =
+        options->format == "json" ? to_json(compared, options->limit_m) : to_markdown(compared, options->limit_m);
     std::fwrite(text.data(), 1, text.size(), stdout);
   });
 }

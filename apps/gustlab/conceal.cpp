@@ -33,11 +33,14 @@ void conceal(const ConcealArguments& options) {
 
 void add_conceal(CLI::App& app) {
   const auto options = std::make_shared<ConcealArguments>();
-  CLI::App* command = app.add_subcommand("conceal", "flies trials whose vehicle is not quite its model, to test a diagnosis");
+  CLI::App* command =
+      app.add_subcommand("conceal", "flies trials whose vehicle is not quite its model, to test a diagnosis");
   command->add_option("TRIALS", options->trials, "TOML with [[trial]] tables")->required();
   command->add_option("--out", options->out, "folder for the recordings")->required();
   command->add_option("--answers", options->answers, "file for what was concealed; its sha256 is printed")->required();
-  command->add_option("--set", options->overrides, "changes a key of the file: key=value with a dotted key, any number of them")
+  command
+      ->add_option("--set", options->overrides,
+                   "changes a key of the file: key=value with a dotted key, any number of them")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   add_jobs(*command, options->jobs);

@@ -26,9 +26,11 @@ struct Entry {
 
 std::vector<Entry> entries() {
   std::vector<Entry> result;
-  result.push_back({"experiment", "experiment", "the keys of an experiment outside its tables", "", make_experiment_keys()});
+  result.push_back(
+      {"experiment", "experiment", "the keys of an experiment outside its tables", "", make_experiment_keys()});
   for (const TrajectoryRow& row : trajectory_registry())
-    result.push_back({"trajectory", std::string(row.name), std::string(row.says), fmt::format("[trajectory.{}]\n", row.name), row.make()});
+    result.push_back({"trajectory", std::string(row.name), std::string(row.says),
+                      fmt::format("[trajectory.{}]\n", row.name), row.make()});
   for (const ControllerRow& row : controller_registry())
     result.push_back({"controller", std::string(row.name), fmt::format("{} ({})", row.says, row.source),
                       fmt::format("[controller.{}]\n", row.name), row.make()});
@@ -53,7 +55,9 @@ struct DefaultsArguments {
 void run(const DefaultsArguments& options) {
   std::vector<std::string> names(std::begin(templates), std::end(templates));
   if (std::find(names.begin(), names.end(), options.name) != names.end()) {
-    if (options.format != "toml") throw ConfigError(fmt::format("defaults {}: is a commented file (there is no {} of it) leave --format out", options.name, options.format));
+    if (options.format != "toml")
+      throw ConfigError(fmt::format("defaults {}: is a commented file (there is no {} of it) leave --format out",
+                                    options.name, options.format));
     return print_template(options.name);
   }
   bool found = false;
@@ -63,7 +67,9 @@ void run(const DefaultsArguments& options) {
     if (options.format == "toml") {
       fmt::print("{}# {}\n{}{}", found ? "\n" : "", entry.says, entry.head, config::commented_text(*entry.target));
     } else {
-      const nlohmann::ordered_json json{{"kind", entry.kind}, {"name", entry.name}, {"says", entry.says},
+      const nlohmann::ordered_json json{{"kind", entry.kind},
+                                        {"name", entry.name},
+                                        {"says", entry.says},
                                         {"parameters", parameter_table(*entry.target)}};
       fmt::print("{}\n", json.dump(1));
     }
@@ -78,8 +84,12 @@ void run(const DefaultsArguments& options) {
 
 void add_defaults(CLI::App& app) {
   const auto options = std::make_shared<DefaultsArguments>();
-  CLI::App* command = app.add_subcommand("defaults", "a commented TOML: every parameter of an effect, trajectory or controller, or a file to begin with");
-  command->add_option("NAME", options->name, "an effect, a trajectory, a controller, or one of experiment, vehicle, sidecar, column-map")->required();
+  CLI::App* command = app.add_subcommand(
+      "defaults", "a commented TOML: every parameter of an effect, trajectory or controller, or a file to begin with");
+  command
+      ->add_option("NAME", options->name,
+                   "an effect, a trajectory, a controller, or one of experiment, vehicle, sidecar, column-map")
+      ->required();
   command->add_option("--format", options->format)->check(CLI::IsMember({"toml", "json"}))->capture_default_str();
   command->callback([options] { run(*options); });
 }

@@ -34,16 +34,17 @@ constexpr const char* outputs[] = {"diagnosis.json", "augmented.toml", "report.h
 // an existing folder is replaced only when it holds a former diagnosis and nothing else
 void check_out(const std::filesystem::path& out) {
   if (!std::filesystem::exists(out)) return;
-  if (!std::filesystem::is_directory(out)) throw ConfigError(fmt::format("{}: is a file (--out is a folder) name another", out.string()));
+  if (!std::filesystem::is_directory(out))
+    throw ConfigError(fmt::format("{}: is a file (--out is a folder) name another", out.string()));
   for (const auto& entry : std::filesystem::directory_iterator(out))
     if (std::find(std::begin(outputs), std::end(outputs), entry.path().filename().string()) == std::end(outputs))
-      throw ConfigError(fmt::format("{}: holds {} (only a former diagnosis is replaced) name another folder", out.string(),
-                                    entry.path().filename().string()));
+      throw ConfigError(fmt::format("{}: holds {} (only a former diagnosis is replaced) name another folder",
+                                    out.string(), entry.path().filename().string()));
 }
 
 // means of a residual and their 95 % intervals in ten bins of equal count
-void bin(const std::vector<double>& x, const std::vector<double>& y, std::vector<double>* middle, std::vector<double>& mean,
-         std::vector<double>& low, std::vector<double>& high) {
+void bin(const std::vector<double>& x, const std::vector<double>& y, std::vector<double>* middle,
+         std::vector<double>& mean, std::vector<double>& low, std::vector<double>& high) {
   std::vector<std::size_t> order(x.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return x[a] < x[b]; });
@@ -89,8 +90,10 @@ DiagnosisFigures figures_of(const diagnosis::Diagnosis& result) {
 void check_flights(const diagnosis::DiagnoseOptions& wanted) {
   for (const auto* paths : {&wanted.fit, &wanted.holdout, &wanted.reference})
     for (const std::string& path : *paths) {
-      if (std::count(paths->begin(), paths->end(), path) > 1) throw ConfigError(fmt::format("{}: is given twice", path));
-      if (const std::string why = why_unreadable(path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", path, why));
+      if (std::count(paths->begin(), paths->end(), path) > 1)
+        throw ConfigError(fmt::format("{}: is given twice", path));
+      if (const std::string why = why_unreadable(path); !why.empty())
+        throw DataError(fmt::format("{}: cannot read ({})", path, why));
     }
 }
 
@@ -101,7 +104,8 @@ void run(const DiagnoseArguments& options) {
       throw ConfigError("--batch: flights and vehicles are said in its file, not here (leave them out)");
     return diagnose_batch(options.batch, options.out, options.jobs);
   }
-  if (options.flights.empty()) throw ConfigError("diagnose: no flight is named (give flight logs, or --batch SETS.toml)");
+  if (options.flights.empty())
+    throw ConfigError("diagnose: no flight is named (give flight logs, or --batch SETS.toml)");
   diagnosis::DiagnoseOptions wanted;
   wanted.fit = options.flights;
   wanted.holdout = options.holdout;
@@ -112,11 +116,13 @@ void run(const DiagnoseArguments& options) {
   wanted.progress = progress.report();
   const diagnosis::Diagnosis result = diagnose_into(options.out, wanted);
   progress.end();
-  for (const auto& [kind, says] : diagnosis::finding_lines(result.log_findings, result.flights.size())) spdlog::warn("{}: {}", kind, says);
+  for (const auto& [kind, says] : diagnosis::finding_lines(result.log_findings, result.flights.size()))
+    spdlog::warn("{}: {}", kind, says);
   fmt::print("{}: {}", result.vehicle, to_string(result.verdict));
   for (const auto& effect : result.effects) {
     fmt::print("\n  {}", effect.effect);
-    for (const auto& value : effect.parameters) fmt::print(" {} = {:.4g}{}", value.name, value.value, value.unit == "-" ? "" : " " + value.unit);
+    for (const auto& value : effect.parameters)
+      fmt::print(" {} = {:.4g}{}", value.name, value.value, value.unit == "-" ? "" : " " + value.unit);
     fmt::print(" (confidence {:.2f})", effect.confidence);
   }
   fmt::print("\n");
@@ -129,7 +135,8 @@ std::string diagnosed_key(const std::string& out) {
   return read_into((std::filesystem::path(out) / key_file).string(), key).empty() ? key : "";
 }
 
-diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted, const std::string& key) {
+diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted,
+                                   const std::string& key) {
   check_out(out);
   check_folder_can_be_made(out);
   check_flights(wanted);
@@ -149,13 +156,17 @@ diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::Diag
 
 void add_diagnose(CLI::App& app) {
   const auto options = std::make_shared<DiagnoseArguments>();
-  CLI::App* command = app.add_subcommand("diagnose", "names the physics that the simulation of these flights leaves out");
+  CLI::App* command =
+      app.add_subcommand("diagnose", "names the physics that the simulation of these flights leaves out");
   command->add_option("FLIGHT", options->flights, "flight logs of one vehicle, NAME.csv or NAME.csv.gz");
   command->add_option("--holdout", options->holdout, "flights to verify on (default: the last one)");
-  command->add_option("--reference", options->reference,
-                      "normal flights of the same vehicle: without attitude and body rate, mean commands are compared with theirs");
-  command->add_option("--vehicle", options->vehicle, "name under models/ or path to a vehicle.toml (default: what the logs say)");
-  command->add_option("--batch", options->batch, "TOML with [[set]] tables, each with name, fit, holdout, reference, vehicle: each into OUT/NAME");
+  command->add_option(
+      "--reference", options->reference,
+      "normal flights of the same vehicle: without attitude and body rate, mean commands are compared with theirs");
+  command->add_option("--vehicle", options->vehicle,
+                      "name under models/ or path to a vehicle.toml (default: what the logs say)");
+  command->add_option("--batch", options->batch,
+                      "TOML with [[set]] tables, each with name, fit, holdout, reference, vehicle: each into OUT/NAME");
   command->add_option("--out", options->out, "folder for diagnosis.json, augmented.toml and report.html")->required();
   add_jobs(*command, options->jobs);
   command->callback([options] { run(*options); });

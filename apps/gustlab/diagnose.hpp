@@ -9,7 +9,8 @@
 namespace gustlab {
 
 // Diagnoses, and replaces OUT by the result. `key`, if not empty, is kept beside it: what the result was made of.
-diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted, const std::string& key = {});
+diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted,
+                                   const std::string& key = {});
 // The key of a finished diagnosis in OUT; empty when there is none.
 std::string diagnosed_key(const std::string& out);
 

@@ -41,20 +41,29 @@ void gate_command(const GateArguments& options) {
 
 void add_gate(CLI::App& app) {
   const auto options = std::make_shared<GateArguments>();
-  CLI::App* command = app.add_subcommand("gate", "compares a sweep with a baseline, cell by cell in pairs; exit 1 when one is worse");
+  CLI::App* command =
+      app.add_subcommand("gate", "compares a sweep with a baseline, cell by cell in pairs; exit 1 when one is worse");
   command->add_option("DIR", options->folder, "folder of a finished sweep")->required();
   command->add_option("--baseline", options->baseline, "a runs.csv of the same experiment")->required();
   command->add_flag("--update", options->update, "makes the sweep the baseline");
-  command->add_option("--fails-by", options->fails_by, "what fails a cell: margin (its mean error rose beyond it), test (it rose significantly) or both")
+  command
+      ->add_option("--fails-by", options->fails_by,
+                   "what fails a cell: margin (its mean error rose beyond it), test (it rose significantly) or both")
       ->check(CLI::IsMember({"margin", "test", "margin,test"}))
       ->capture_default_str();
-  command->add_option("--margin", options->rule.margin, "rise of a mean error that is allowed, as a share of the baseline's")
+  command
+      ->add_option("--margin", options->rule.margin,
+                   "rise of a mean error that is allowed, as a share of the baseline's")
       ->check(not_negative())
       ->capture_default_str();
-  command->add_option("--level", options->rule.level, "p below which a rise is significant, over all tests together (Holm)")
+  command
+      ->add_option("--level", options->rule.level,
+                   "p below which a rise is significant, over all tests together (Holm)")
       ->check(number_up_to(1.0))
       ->capture_default_str();
-  command->add_option("--floor", options->rule.floor_m, "rise of a mean error that never fails, m")->check(not_negative())->capture_default_str();
+  command->add_option("--floor", options->rule.floor_m, "rise of a mean error that never fails, m")
+      ->check(not_negative())
+      ->capture_default_str();
   command->add_flag("--allow-extra", options->rule.allow_extra, "leaves out runs that the baseline does not have");
   command->add_option("--junit", options->junit, "writes JUnit XML, one test for each cell");
   command->add_option("--summary", options->summary, "writes the Markdown that is printed");

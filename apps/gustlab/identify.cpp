@@ -37,7 +37,8 @@ struct IdentifyArguments {
 
 // an option that nothing reads is a misunderstanding
 void check_options_are_read(const CLI::App& command, const IdentifyArguments& options) {
-  const auto only = [&](std::initializer_list<const char*> names, bool read, const std::string& chosen, const char* readers) {
+  const auto only = [&](std::initializer_list<const char*> names, bool read, const std::string& chosen,
+                        const char* readers) {
     for (const char* name : names)
       if (!read && command.count(name) > 0)
         throw ConfigError(fmt::format("{}: {} has no use for it (it is for {}) leave it out", name, chosen, readers));
@@ -47,7 +48,8 @@ void check_options_are_read(const CLI::App& command, const IdentifyArguments& op
   only({"--ridge"}, optimizer == "stlsq", "optimizer " + optimizer, "stlsq");
   only({"--max-terms"}, optimizer == "best_subset", "optimizer " + optimizer, "best_subset");
   only({"--max-iterations"}, optimizer != "best_subset", "optimizer " + optimizer, "stlsq and sr3");
-  only({"--window", "--degree"}, options.derivative == "savitzky_golay", "derivative " + options.derivative, "savitzky_golay");
+  only({"--window", "--degree"}, options.derivative == "savitzky_golay", "derivative " + options.derivative,
+       "savitzky_golay");
 }
 
 // a flight that is fitted twice counts twice, and one that is fitted proves nothing when it is held out
@@ -76,7 +78,8 @@ VehicleModel named_vehicle(const std::string& name, const FlightLog& log) {
 // the residual force of one flight, in unbroken parts
 std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyArguments& options) {
   const FlightLog log = read_flight_log(path);
-  VehicleModel vehicle = options.vehicle.empty() ? read_vehicle(log.meta.vehicle, path) : named_vehicle(options.vehicle, log);
+  VehicleModel vehicle =
+      options.vehicle.empty() ? read_vehicle(log.meta.vehicle, path) : named_vehicle(options.vehicle, log);
   vehicle.environment = log.meta.environment;
   const RecordedForces forces(log, vehicle, options.known == "thrust" ? Known::thrust : Known::vehicle);
   const KnownModel known = [&](std::size_t row, const VehicleState& state) {
@@ -88,7 +91,8 @@ std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyA
   return force_residual(log, forces.vehicle(), known, options.differentiation, source);
 }
 
-std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::string>& paths, const IdentifyArguments& options) {
+std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::string>& paths,
+                                                     const IdentifyArguments& options) {
   std::vector<std::vector<ResidualSamples>> flights;
   for (const std::string& path : paths) flights.push_back(samples_of(path, options));
   return flights;
@@ -141,17 +145,21 @@ void add_identify(CLI::App& app) {
                    "joined with + (gustlab list terms)")
       ->capture_default_str();
   command->add_option("--optimizer", identify.optimizer, "stlsq | sr3 | best_subset")->capture_default_str();
-  command->add_option("--lambda", identify.lambda,
-                      "sparsity: threshold (stlsq), weight (sr3), price of a term (best_subset); without it, chosen by "
-                      "cross-validation")
+  command
+      ->add_option("--lambda", identify.lambda,
+                   "sparsity: threshold (stlsq), weight (sr3), price of a term (best_subset); without it, chosen by "
+                   "cross-validation")
       ->check(not_negative());
   command->add_option("--nu", identify.nu, "relaxation of sr3")->check(positive())->capture_default_str();
   command->add_option("--penalty", options->penalty, "l0 | l1 | l2, for sr3")->capture_default_str();
   command
       ->add_option("--constraint", identify.constraints, "for sr3, repeatable: \"fx[T sin theta] + fy[T sin phi] = 0\"")
       ->allow_extra_args(false);
-  command->add_option("--ridge", identify.ridge, "for stlsq; default 0.05 with --lambda, otherwise 0")->check(not_negative());
-  command->add_option("--max-terms", identify.max_terms, "for best_subset, per axis; 0: any")->check(not_negative())->capture_default_str();
+  command->add_option("--ridge", identify.ridge, "for stlsq; default 0.05 with --lambda, otherwise 0")
+      ->check(not_negative());
+  command->add_option("--max-terms", identify.max_terms, "for best_subset, per axis; 0: any")
+      ->check(not_negative())
+      ->capture_default_str();
   command->add_option("--tolerance", identify.tolerance, "of sr3")->check(positive());
   command->add_option("--max-iterations", identify.max_iterations, "of stlsq and sr3")->check(positive());
   command->add_flag("--normalize", options->normalize, "columns of equal length (default without --lambda)");
@@ -167,7 +175,8 @@ void add_identify(CLI::App& app) {
       ->check(CLI::IsMember({"vehicle", "thrust"}))
       ->capture_default_str();
   command
-      ->add_option("--derivative", options->derivative, "finite_difference | savitzky_golay, which smooths state and force, too")
+      ->add_option("--derivative", options->derivative,
+                   "finite_difference | savitzky_golay, which smooths state and force, too")
       ->capture_default_str();
   command->add_option("--smooth", options->differentiation.smoothing_window, "samples of a running mean, odd")
       ->capture_default_str();

@@ -22,13 +22,15 @@ namespace {
   for (std::string& word : command) words.push_back(word.data());
   words.push_back(nullptr);
   execv(words[0], words.data());
-  throw std::runtime_error(fmt::format("{}: cannot be started ({}) run scripts/setup.sh", command[0], std::strerror(errno)));
+  throw std::runtime_error(
+      fmt::format("{}: cannot be started ({}) run scripts/setup.sh", command[0], std::strerror(errno)));
 }
 
 }  // namespace
 
 void add_import(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("import", "turns flight computers' logs into flight logs, or says what is in them");
+  CLI::App* command =
+      app.add_subcommand("import", "turns flight computers' logs into flight logs, or says what is in them");
   // its options are the importer's own, --help too
   command->set_help_flag();
   command->fallthrough(false);

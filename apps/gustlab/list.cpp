@@ -35,7 +35,8 @@ ordered_json list_vehicles() {
 ordered_json list_controllers() {
   ordered_json rows = ordered_json::array();
   for (const ControllerRow& row : controller_registry())
-    rows.push_back({{"name", row.name}, {"says", row.says}, {"source", row.source}, {"parameters", parameter_table(*row.make())}});
+    rows.push_back(
+        {{"name", row.name}, {"says", row.says}, {"source", row.source}, {"parameters", parameter_table(*row.make())}});
   return rows;
 }
 
@@ -80,9 +81,12 @@ struct Kind {
   const char* name;
   ordered_json (*list)();
 };
-constexpr Kind listings[] = {{"vehicles", list_vehicles},       {"controllers", list_controllers},
-                          {"trajectories", list_trajectories}, {"effects", list_effects},
-                          {"terms", list_terms},             {"optimizers", list_optimizers}};
+constexpr Kind listings[] = {{"vehicles", list_vehicles},
+                             {"controllers", list_controllers},
+                             {"trajectories", list_trajectories},
+                             {"effects", list_effects},
+                             {"terms", list_terms},
+                             {"optimizers", list_optimizers}};
 
 struct ListArguments {
   std::string kind;
@@ -108,7 +112,8 @@ void run(const ListArguments& options) {
 
 void add_list(CLI::App& app) {
   const auto options = std::make_shared<ListArguments>();
-  CLI::App* command = app.add_subcommand("list", "what there is: vehicles, controllers, trajectories, effects, terms, optimizers");
+  CLI::App* command =
+      app.add_subcommand("list", "what there is: vehicles, controllers, trajectories, effects, terms, optimizers");
   std::vector<std::string> names;
   for (const Kind& kind : listings) names.emplace_back(kind.name);
   command->add_option("KIND", options->kind, "one of them (default: all)")->check(CLI::IsMember(names));

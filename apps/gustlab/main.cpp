@@ -24,8 +24,8 @@ using namespace gustlab;
 
 std::string version_text() {
   const BuildInfo& build = build_info();
-  return fmt::format("gustlab {} ({})\nMuJoCo {}\n{} {}", build.version, build.commit, build.mujoco_version, build.compiler,
-                     build.flags);
+  return fmt::format("gustlab {} ({})\nMuJoCo {}\n{} {}", build.version, build.commit, build.mujoco_version,
+                     build.compiler, build.flags);
 }
 
 // a message may quote a file
@@ -44,7 +44,8 @@ void say(std::string_view message) { fmt::print(stderr, "{}\n", config::printabl
 void start_messages() {
   const char* no_color = std::getenv("NO_COLOR");
   const bool plain = no_color != nullptr && *no_color != '\0';
-  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_st>(plain ? spdlog::color_mode::never : spdlog::color_mode::automatic);
+  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_st>(plain ? spdlog::color_mode::never
+                                                                          : spdlog::color_mode::automatic);
   auto logger = std::make_shared<spdlog::logger>("gustlab", sink);
   auto formatter = std::make_unique<spdlog::pattern_formatter>();
   formatter->add_flag<PrintableText>('*').set_pattern("%^%l%$: %*");
@@ -84,7 +85,8 @@ void check_command(const CLI::App& app, int argc, char** argv) {
   for (const CLI::App* command : app.get_subcommands(nullptr)) known.push_back(command->get_name());
   if (word == argv + argc || std::find(known.begin(), known.end(), *word) != known.end()) return;
   const std::string near = config::suggest(*word, known);
-  throw ConfigError(fmt::format("gustlab: unknown command \"{}\" {}", *word, near.empty() ? "(see gustlab --help)" : near));
+  throw ConfigError(
+      fmt::format("gustlab: unknown command \"{}\" {}", *word, near.empty() ? "(see gustlab --help)" : near));
 }
 
 int run(int argc, char** argv) {
@@ -92,12 +94,15 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* all, const CLI::Error& error) {
     const auto commands = all->get_subcommands();
-    return fmt::format("gustlab: {} (see gustlab {}--help)\n", config::printable(error.what()), commands.empty() ? "" : commands.front()->get_name() + " ");
+    return fmt::format("gustlab: {} (see gustlab {}--help)\n", config::printable(error.what()),
+                       commands.empty() ? "" : commands.front()->get_name() + " ");
   });
   app.fallthrough();
   app.set_version_flag("--version", version_text());
-  app.add_flag_callback("-q,--quiet", [] { spdlog::set_level(spdlog::level::err); }, "errors only");
-  app.add_flag_callback("-v,--verbose", [] { spdlog::set_level(spdlog::level::debug); }, "says more");
+  app.add_flag_callback(
+      "-q,--quiet", [] { spdlog::set_level(spdlog::level::err); }, "errors only");
+  app.add_flag_callback(
+      "-v,--verbose", [] { spdlog::set_level(spdlog::level::debug); }, "says more");
   try {
     start_messages();
     protect_inputs();

@@ -31,11 +31,13 @@ void metrics(const MetricsArguments& options) {
     fmt::print("{}\n", result.dump(2));
     return;
   }
-  fmt::print("| log | error | samples | RMSE [m] | MAE [m] | P95 [m] | Max [m] | RMSE z [m] |\n|---|---|--:|--:|--:|--:|--:|--:|\n");
+  fmt::print(
+      "| log | error | samples | RMSE [m] | MAE [m] | P95 [m] | Max [m] | RMSE z [m] "
+      "|\n|---|---|--:|--:|--:|--:|--:|--:|\n");
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const auto line = [&](const char* kind, const ErrorFigures& e, const std::string& z) {
-      fmt::print("| {} | {} | {} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {} |\n", options.logs[i], kind, figures[i].samples, e.rmse_m, e.mae_m,
-                 e.p95_m, e.max_m, z);
+      fmt::print("| {} | {} | {} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {} |\n", options.logs[i], kind,
+                 figures[i].samples, e.rmse_m, e.mae_m, e.p95_m, e.max_m, z);
     };
     line("planar", figures[i].planar, fmt::format("{:.4f}", figures[i].rmse_z_m));
     line("3-D", figures[i].spatial, "");
@@ -47,7 +49,8 @@ void metrics(const MetricsArguments& options) {
 
 void add_metrics(CLI::App& app) {
   const auto options = std::make_shared<MetricsArguments>();
-  CLI::App* command = app.add_subcommand("metrics", "tracking error of recordings that have a reference, planar and 3-D");
+  CLI::App* command =
+      app.add_subcommand("metrics", "tracking error of recordings that have a reference, planar and 3-D");
   command->add_option("LOG", options->logs, "flight logs with px, py, pz and rpx, rpy, rpz")->required();
   command->add_option("--settle", options->settle_s, "seconds after each log's start that do not count")
       ->check(not_negative())

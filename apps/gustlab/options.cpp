@@ -13,7 +13,8 @@ void ExperimentOptions::add_to(CLI::App& command) {
   command.add_option("--set", set, "changes a key of the experiment: key=value with a dotted key, any number of them")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  command.add_option("--seed", seed, "of every random stream, instead of the experiment's")->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
+  command.add_option("--seed", seed, "of every random stream, instead of the experiment's")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
 }
 
 std::vector<std::string> ExperimentOptions::overrides() const {

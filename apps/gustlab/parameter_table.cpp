@@ -11,7 +11,9 @@ using nlohmann::ordered_json;
 class Lister final : public ParameterVisitor {
  public:
   void number(std::string_view name, double& value, const ParameterInfo& info) override { add(name, value, info); }
-  void integer(std::string_view name, std::int64_t& value, const ParameterInfo& info) override { add(name, value, info); }
+  void integer(std::string_view name, std::int64_t& value, const ParameterInfo& info) override {
+    add(name, value, info);
+  }
   void flag(std::string_view name, bool& value, const ParameterInfo& info) override { add(name, value, info); }
   void text(std::string_view name, std::string& value, const ParameterInfo& info) override { add(name, value, info); }
   void numbers(std::string_view name, std::vector<double>& value, const ParameterInfo& info) override {

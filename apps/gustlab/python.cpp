@@ -16,7 +16,8 @@ namespace {
 std::string read_all(int file) {
   std::string text;
   std::array<char, 4096> part{};
-  for (ssize_t n; (n = read(file, part.data(), part.size())) > 0;) text.append(part.data(), static_cast<std::size_t>(n));
+  for (ssize_t n; (n = read(file, part.data(), part.size())) > 0;)
+    text.append(part.data(), static_cast<std::size_t>(n));
   close(file);
   return text;
 }
@@ -52,7 +53,8 @@ std::string output_of_script(const std::string& script, const std::vector<std::s
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) == 127)
     throw IoError(fmt::format("{}: cannot be run", command[1]));
-  if (WEXITSTATUS(status) != 0) throw DataError(message.empty() ? command[1] + ": failed" : message.substr(0, message.find_last_not_of('\n') + 1));
+  if (WEXITSTATUS(status) != 0)
+    throw DataError(message.empty() ? command[1] + ": failed" : message.substr(0, message.find_last_not_of('\n') + 1));
   return said;
 }
 

@@ -30,11 +30,13 @@ struct ReplayArguments {
 void check_horizons(const std::vector<double>& horizon_s) {
   for (std::size_t h = 0; h < horizon_s.size(); ++h)
     if (!std::isfinite(horizon_s[h]) || horizon_s[h] <= (h > 0 ? horizon_s[h - 1] : 0.0))
-      throw ConfigError(fmt::format("--horizon: {} s does not belong there (horizons are positive and rise)", horizon_s[h]));
+      throw ConfigError(
+          fmt::format("--horizon: {} s does not belong there (horizons are positive and rise)", horizon_s[h]));
 }
 
 void print_text(const nlohmann::ordered_json& block) {
-  fmt::print("{} windows; mean error at the horizon\n\n{:16} {:>9}", block["windows"].get<std::size_t>(), "", "horizon_s");
+  fmt::print("{} windows; mean error at the horizon\n\n{:16} {:>9}", block["windows"].get<std::size_t>(), "",
+             "horizon_s");
   std::vector<std::string> kinds;
   for (const auto& [kind, values] : block["position_m"].items()) {
     kinds.push_back(kind);
@@ -75,7 +77,8 @@ void run(const ReplayArguments& options) {
     const FlightLog log = read_flight_log(path);
     for (const LogRepair& repair : log.repairs) spdlog::warn(repair.says);
     if (!named && log.meta.vehicle.empty())
-      throw DataError(fmt::format("{}: \"vehicle\" is missing (whose flight is this?) name it here or with --vehicle", sidecar_path(path)));
+      throw DataError(fmt::format("{}: \"vehicle\" is missing (whose flight is this?) name it here or with --vehicle",
+                                  sidecar_path(path)));
     VehicleModel vehicle = named ? *named : read_vehicle(log.meta.vehicle, sidecar_path(path));
     if (vehicle.nominal_voltage_V == 0.0) vehicle.nominal_voltage_V = assumed_V;
     assume_nominal_voltage(vehicle, log);
@@ -94,9 +97,11 @@ void run(const ReplayArguments& options) {
 
 void add_replay(CLI::App& app) {
   const auto options = std::make_shared<ReplayArguments>();
-  CLI::App* command = app.add_subcommand("replay", "says how far the simulation is from recorded flights: open-loop rollouts");
+  CLI::App* command =
+      app.add_subcommand("replay", "says how far the simulation is from recorded flights: open-loop rollouts");
   command->add_option("FLIGHT", options->flights, "flight logs, NAME.csv or NAME.csv.gz")->required();
-  command->add_option("--vehicle", options->vehicle, "name under models/ or path to a vehicle.toml (default: what the logs say)");
+  command->add_option("--vehicle", options->vehicle,
+                      "name under models/ or path to a vehicle.toml (default: what the logs say)");
   command->add_option("--with", options->with, "TOML with [[effect]] tables: the model to compare, values are totals");
   command->add_option("--horizon", options->horizon_s, "seconds ahead, rising, separated by commas")
       ->delimiter(',')

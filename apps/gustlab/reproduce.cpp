@@ -52,7 +52,8 @@ bool is_wind(std::string_view effect) { return effect == "gust" || effect == "fa
 std::vector<ResultRow> fly_table(const Experiment& experiment, const std::string& folder, int jobs) {
   const std::atomic<bool>& stop = interrupted();
   Progress progress;
-  const SweepReport report = sweep(experiment, {folder, {}, jobs, true}, stop, [&](std::size_t done, std::size_t all) { progress.show(done, all); });
+  const SweepReport report = sweep(experiment, {folder, {}, jobs, true}, stop,
+                                   [&](std::size_t done, std::size_t all) { progress.show(done, all); });
   progress.end();
   if (report.done < report.planned) throw ExitCode{130};
   return read_results(folder).rows;
@@ -69,16 +70,17 @@ void write(Report& report, const Published& published, const std::vector<Calibra
     table.still = fly_table(experiment, (out / (table.experiment + ".still_air")).string(), jobs);
   }
 
-  const Reproduction reproduction = reproduce(published, report.tables, [&](const PublishedRow& row, std::size_t metric) {
-    if (row.table == proxy_table) return Use::proxy;
-    for (const Calibration& calibration : calibrations) {
-      if (calibration.table != row.table) continue;
-      if (calibration.fits(row.trajectory, row.controller, metric)) return Use::fitted;
-      if (const KnownCell* known = calibration.find_known(row.trajectory, row.controller, metric))
-        return known->by_construction ? Use::by_construction : Use::after_seeing;
-    }
-    return Use::blind;
-  });
+  const Reproduction reproduction =
+      reproduce(published, report.tables, [&](const PublishedRow& row, std::size_t metric) {
+        if (row.table == proxy_table) return Use::proxy;
+        for (const Calibration& calibration : calibrations) {
+          if (calibration.table != row.table) continue;
+          if (calibration.fits(row.trajectory, row.controller, metric)) return Use::fitted;
+          if (const KnownCell* known = calibration.find_known(row.trajectory, row.controller, metric))
+            return known->by_construction ? Use::by_construction : Use::after_seeing;
+        }
+        return Use::blind;
+      });
   const std::string markdown = to_markdown(reproduction, report.tables);
   make_folder((out / "figures").string());
   write_file((out / "figures" / "ours_against_paper.svg").string(), to_svg(reproduction));
@@ -92,7 +94,10 @@ void reproduce_command(const ReproduceArguments& options) {
   std::vector<Report> reports;
   std::vector<Calibration> calibrations;
   if (!options.experiment.empty()) {
-    if (options.table == "all") throw ConfigError("--experiment stands for one table (which of the paper's is it compared with?) name table1, table2 or table3");
+    if (options.table == "all")
+      throw ConfigError(
+          "--experiment stands for one table (which of the paper's is it compared with?) name table1, table2 or "
+          "table3");
     for (Experiment& variant : read_variants(find_experiment(options.experiment))) {
       const std::string folder = variant_folder(options.out, variant);
       published.check_vehicle(options.table, variant);
@@ -119,13 +124,17 @@ void reproduce_command(const ReproduceArguments& options) {
 
 void add_reproduce(CLI::App& app) {
   const auto options = std::make_shared<ReproduceArguments>();
-  CLI::App* command = app.add_subcommand("reproduce", "flies the paper's tables and puts ours beside the published ones");
+  CLI::App* command =
+      app.add_subcommand("reproduce", "flies the paper's tables and puts ours beside the published ones");
   command->add_option("TABLE", options->table, "table1, table2, table3 or all")
       ->check(CLI::IsMember({"table1", "table2", "table3", "all"}))
       ->capture_default_str();
   command->add_option("--experiment", options->experiment,
                       "flown in the place of TABLE's own, each of its variants: every replicate counts");
-  command->add_option("--out", options->out, "folder of reproduction.json, .md, figures, and of the sweeps, which go on where they stand")->required();
+  command
+      ->add_option("--out", options->out,
+                   "folder of reproduction.json, .md, figures, and of the sweeps, which go on where they stand")
+      ->required();
   add_jobs(*command, options->jobs);
   command->callback([options] { reproduce_command(*options); });
 }

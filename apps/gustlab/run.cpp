@@ -26,7 +26,8 @@ struct RunArguments {
 [[noreturn]] void not_there(const std::string& option, const std::string& name, const std::vector<std::string>& known) {
   const std::string near = config::suggest(name, known);
   throw ConfigError(fmt::format("{} {}: not in this experiment (it has {}){}{}", option, name,
-                                known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")), near.empty() ? "" : " ", near));
+                                known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")),
+                                near.empty() ? "" : " ", near));
 }
 
 std::size_t find_choice(const std::vector<Choice>& choices, const std::string& name, const std::string& option) {
@@ -39,7 +40,8 @@ std::size_t find_choice(const std::vector<Choice>& choices, const std::string& n
 }
 
 void run_command(const RunArguments& options) {
-  const Experiment experiment = options.variant.empty() ? options.experiment.read() : options.experiment.read_variants({options.variant}).front();
+  const Experiment experiment =
+      options.variant.empty() ? options.experiment.read() : options.experiment.read_variants({options.variant}).front();
   RunSpec wanted;
   wanted.trajectory = find_choice(experiment.trajectories, options.trajectory, "--trajectory");
   wanted.controller = find_choice(experiment.controllers, options.controller, "--controller");
@@ -47,14 +49,10 @@ void run_command(const RunArguments& options) {
 
   check_files_can_be_written(options.out, {"flight.csv", "flight.meta.toml", "outcome.json"});
   const auto [record, log] = run_logged(experiment, wanted);
-  nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},
-                                 {"experiment", experiment.name},
-                                 {"vehicle", experiment.vehicle.name},
-                                 {"trajectory", options.trajectory},
-                                 {"controller", options.controller},
-                                 {"replicate", wanted.replicate},
-                                 {"outcome", to_string(record.outcome)},
-                                 {"duration_s", record.duration_s},
+  nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},         {"experiment", experiment.name},
+                                 {"vehicle", experiment.vehicle.name},    {"trajectory", options.trajectory},
+                                 {"controller", options.controller},      {"replicate", wanted.replicate},
+                                 {"outcome", to_string(record.outcome)},  {"duration_s", record.duration_s},
                                  {"settle_s", experiment.flight.settle_s}};
   outcome["tracking"] = to_json(record.error);
   make_folder(options.out);
@@ -72,8 +70,10 @@ void add_run(CLI::App& app) {
   options->experiment.add_to(*command);
   command->add_option("--trajectory", options->trajectory, "one of the experiment's")->required();
   command->add_option("--controller", options->controller, "one of the experiment's")->required();
-  command->add_option("--variant", options->variant, "one of the experiment's; without it, what stands outside the [[variant]] tables");
-  command->add_option("--replicate", options->replicate, "which of the seeded gusts; the experiment's first by default");
+  command->add_option("--variant", options->variant,
+                      "one of the experiment's; without it, what stands outside the [[variant]] tables");
+  command->add_option("--replicate", options->replicate,
+                      "which of the seeded gusts; the experiment's first by default");
   command->add_option("--out", options->out, "folder of the results")->required();
   command->callback([options] { run_command(*options); });
 }

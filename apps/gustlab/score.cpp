@@ -30,9 +30,12 @@ void score(const ScoreArguments& options) {
 void add_score(CLI::App& app) {
   const auto options = std::make_shared<ScoreArguments>();
   CLI::App* command = app.add_subcommand("score", "compares diagnoses of concealed trials with the answers");
-  command->add_option("FILE DIR", options->places, "answers (JSON lines) and the folder of their trials, any number of pairs")
+  command
+      ->add_option("FILE DIR", options->places,
+                   "answers (JSON lines) and the folder of their trials, any number of pairs")
       ->required();
-  command->add_option("--diagnosis", options->diagnosis, "folder of the diagnosis in each trial")->capture_default_str();
+  command->add_option("--diagnosis", options->diagnosis, "folder of the diagnosis in each trial")
+      ->capture_default_str();
   command->add_option("--format", options->format)->check(CLI::IsMember({"md", "json"}))->capture_default_str();
   command->callback([options] { score(*options); });
 }

@@ -28,8 +28,8 @@ struct SweepArguments {
 Shard read_shard(const std::string& text) {
   Shard shard;
   int end = 0;
-  if (std::sscanf(text.c_str(), "%zu/%zu%n", &shard.part, &shard.parts, &end) != 2 || end != static_cast<int>(text.size()) ||
-      shard.part < 1 || shard.part > shard.parts)
+  if (std::sscanf(text.c_str(), "%zu/%zu%n", &shard.part, &shard.parts, &end) != 2 ||
+      end != static_cast<int>(text.size()) || shard.part < 1 || shard.part > shard.parts)
     throw ConfigError(fmt::format("--shard {}: not a shard (i/N with 1 ≤ i ≤ N) for example --shard 1/3", text));
   return shard;
 }
@@ -37,17 +37,20 @@ Shard read_shard(const std::string& text) {
 void print_plan(const Experiment& experiment, const Shard& shard) {
   for (const RunSpec& spec : plan(experiment))
     if (shard.has(spec.index))
-      fmt::print("{}{},{},{},{}\n", experiment.variant.empty() ? "" : experiment.variant + ",", experiment.trajectories[spec.trajectory].name,
-                 experiment.controllers[spec.controller].name, spec.replicate, to_hex(spec.key));
+      fmt::print("{}{},{},{},{}\n", experiment.variant.empty() ? "" : experiment.variant + ",",
+                 experiment.trajectories[spec.trajectory].name, experiment.controllers[spec.controller].name,
+                 spec.replicate, to_hex(spec.key));
 }
 
-void sweep_into(const std::string& out, const Experiment& experiment, const Shard& shard, const SweepArguments& options) {
+void sweep_into(const std::string& out, const Experiment& experiment, const Shard& shard,
+                const SweepArguments& options) {
   const std::atomic<bool>& stop = interrupted();
   Progress progress;
   const SweepReport report = sweep(experiment, {out, shard, options.jobs, options.resume, options.logs}, stop,
                                    [&](std::size_t done, std::size_t all) { progress.show(done, all); });
   progress.end();
-  if (!report.redone_because.empty()) spdlog::warn("{}: runs of another program were flown again ({})", out, report.redone_because);
+  if (!report.redone_because.empty())
+    spdlog::warn("{}: runs of another program were flown again ({})", out, report.redone_because);
   if (report.done < report.planned) {
     spdlog::warn("interrupted: {} of {} runs in {} are done, go on with --resume", report.done, report.planned, out);
     throw ExitCode{130};
@@ -74,16 +77,21 @@ void sweep_command(const SweepArguments& options) {
 
 void add_sweep(CLI::App& app) {
   const auto options = std::make_shared<SweepArguments>();
-  CLI::App* command = app.add_subcommand("sweep", "flies every run of an experiment into OUT/runs.sqlite and OUT/runs.csv, of each variant into OUT/VARIANT");
+  CLI::App* command = app.add_subcommand(
+      "sweep",
+      "flies every run of an experiment into OUT/runs.sqlite and OUT/runs.csv, of each variant into OUT/VARIANT");
   options->experiment.add_to(*command);
   command->add_option("--out", options->out, "folder of the results");
-  command->add_option("--variant", options->variants, "flies these only: a [[variant]], or a point of the grid of its [[axis]] tables")
+  command
+      ->add_option("--variant", options->variants,
+                   "flies these only: a [[variant]], or a point of the grid of its [[axis]] tables")
       ->allow_extra_args(false);
   command->add_option("--shard", options->shard, "flies every N-th run, from the i-th on; join with `gustlab merge`")
       ->type_name("i/N")
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "goes on where OUT stands");
-  command->add_flag("--logs", options->logs, "writes the flight log of every run, too: TRAJECTORY_CONTROLLER_REPLICATE.csv");
+  command->add_flag("--logs", options->logs,
+                    "writes the flight log of every run, too: TRAJECTORY_CONTROLLER_REPLICATE.csv");
   command->add_flag("--dry-run", options->dry_run, "prints the plan and flies nothing");
   add_jobs(*command, options->jobs);
   command->callback([options] { sweep_command(*options); });
@@ -95,7 +103,8 @@ void add_merge(CLI::App& app) {
     std::string out;
   };
   const auto options = std::make_shared<MergeOptions>();
-  CLI::App* command = app.add_subcommand("merge", "joins the shards of a sweep; missing, double or unequal runs are errors");
+  CLI::App* command =
+      app.add_subcommand("merge", "joins the shards of a sweep; missing, double or unequal runs are errors");
   command->add_option("DIR", options->folders, "folders of the shards")->required();
   command->add_option("--out", options->out, "folder of the whole")->required();
   command->callback([options] { merge(options->folders, options->out); });

@@ -31,27 +31,34 @@ double mean_of(const std::vector<double>& values, std::size_t first, std::size_t
 }
 
 // what the weights come from and what they reach, for the file and for the screen
-std::vector<std::pair<std::string, std::string>> account(const TrainArguments& options, const std::vector<Experiment>& variants,
-                                                         const std::vector<Condition>& conditions, const Training& training) {
+std::vector<std::pair<std::string, std::string>> account(const TrainArguments& options,
+                                                         const std::vector<Experiment>& variants,
+                                                         const std::vector<Condition>& conditions,
+                                                         const Training& training) {
   std::string resolved;
   for (const Experiment& variant : variants) resolved += resolved_text(variant);
   const std::string name = variants.front().name.substr(0, variants.front().name.rfind('.'));
   const std::size_t epochs = training.prediction.size(), tenth = std::max<std::size_t>(1, epochs / 10);
   const TrainingOptions& t = options.training;
   std::vector<std::pair<std::string, std::string>> lines{
-      {"made by", fmt::format("gustlab train {} --seed {} --epochs {} --adversary {}", name, t.seed, t.epochs, t.loss.adversary)},
+      {"made by",
+       fmt::format("gustlab train {} --seed {} --epochs {} --adversary {}", name, t.seed, t.epochs, t.loss.adversary)},
       {"experiment sha256", sha256(resolved)},
       {"vehicle", variants.front().vehicle.name},
-      {"prediction loss", fmt::format("{:.4g} (m/s^2)^2 in the first tenth of the epochs, {:.4g} in the last", mean_of(training.prediction, 0, tenth),
-                                      mean_of(training.prediction, epochs - tenth, tenth))},
-      {"discriminator", fmt::format("right for {:.3f} of the samples, a fresh one on the finished features for {:.3f}, chance {:.3f}; "
-                                    "cross-entropy {:.3f} nat, of a guess {:.3f}",
-                                    training.accuracy, training.probe_accuracy, training.chance, mean_of(training.confusion, epochs - tenth, tenth), -std::log(training.chance))}};
+      {"prediction loss",
+       fmt::format("{:.4g} (m/s^2)^2 in the first tenth of the epochs, {:.4g} in the last",
+                   mean_of(training.prediction, 0, tenth), mean_of(training.prediction, epochs - tenth, tenth))},
+      {"discriminator",
+       fmt::format("right for {:.3f} of the samples, a fresh one on the finished features for {:.3f}, chance {:.3f}; "
+                   "cross-entropy {:.3f} nat, of a guess {:.3f}",
+                   training.accuracy, training.probe_accuracy, training.chance,
+                   mean_of(training.confusion, epochs - tenth, tenth), -std::log(training.chance))}};
   for (std::size_t c = 0; c < conditions.size(); ++c) {
     const ConditionFigures& figures = training.conditions[c];
     lines.emplace_back(fmt::format("{} {}", figures.held_out ? "held out" : "condition", figures.name),
                        fmt::format("{} samples; rms {:.4f} m/s^2, error of the mean {:.4f}, of the network {:.4f}",
-                                   conditions[c].samples.inputs.rows(), figures.residual_rms, figures.mean_error, figures.network_error));
+                                   conditions[c].samples.inputs.rows(), figures.residual_rms, figures.mean_error,
+                                   figures.network_error));
   }
   return lines;
 }
@@ -73,11 +80,14 @@ void train(TrainArguments options) {
 void add_train(CLI::App& app) {
   const auto options = std::make_shared<TrainArguments>();
   TrainingOptions& training = options->training;
-  CLI::App* command = app.add_subcommand(
-      "train", "learns the features of controller daiml (DAIML) from flights in the wind conditions of an experiment's [[variant]] tables");
+  CLI::App* command = app.add_subcommand("train",
+                                         "learns the features of controller daiml (DAIML) from flights in the wind "
+                                         "conditions of an experiment's [[variant]] tables");
   options->experiment.add_to(*command);
   command->add_option("--out", options->out, "WEIGHTS: the network, a text file")->required();
-  command->add_option("--epochs", training.epochs, "in each, one step per condition")->check(CLI::Range(1, 1000000))->capture_default_str();
+  command->add_option("--epochs", training.epochs, "in each, one step per condition")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   command->add_option("--adversary", training.loss.adversary, "alpha: weight of the discriminator in the loss")
       ->check(number_up_to(1e3))
       ->capture_default_str();

@@ -43,10 +43,14 @@ void tune_command(const Options& options) {
 
 void add_tune(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("tune", "gives every controller the same budget of flights in the same gusts, and writes its best gains");
+  CLI::App* command = app.add_subcommand(
+      "tune", "gives every controller the same budget of flights in the same gusts, and writes its best gains");
   options->experiment.add_to(*command);
   command->add_option("--tuning", options->tuning, "what may vary; NAME.tuning.toml beside the experiment by default");
-  command->add_option("--out", options->out, "folder of gains.toml: [controller.NAME] tables that an experiment can include")->required();
+  command
+      ->add_option("--out", options->out,
+                   "folder of gains.toml: [controller.NAME] tables that an experiment can include")
+      ->required();
   add_jobs(*command, options->jobs);
   command->callback([options] { tune_command(*options); });
 }

@@ -29,7 +29,8 @@ constexpr std::pair<std::string_view, double> mass_units[] = {{"kg", 1.0}, {"g",
 constexpr std::pair<std::string_view, double> length_units[] = {{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"in", 0.0254}};
 
 // "0.25m", "10 in": a number and one of these units, as SI
-double quantity(const std::string& option, const std::string& text, std::span<const std::pair<std::string_view, double>> units) {
+double quantity(const std::string& option, const std::string& text,
+                std::span<const std::pair<std::string_view, double>> units) {
   std::size_t end = 0;
   double value = 0.0;
   try {
@@ -43,11 +44,12 @@ double quantity(const std::string& option, const std::string& text, std::span<co
   for (const auto& [name, factor] : units) {
     known.emplace_back(name);
     if (end == 0 || unit != name) continue;
-    if (!(value > 0.0) || !std::isfinite(value)) throw ConfigError(fmt::format("{}: \"{}\" is not above zero", option, text));
+    if (!(value > 0.0) || !std::isfinite(value))
+      throw ConfigError(fmt::format("{}: \"{}\" is not above zero", option, text));
     return value * factor;
   }
-  throw ConfigError(fmt::format("{}: \"{}\" is not a number with a unit (units: {}) write for example {}", option, text, fmt::join(known, ", "),
-                                units.front().first == "kg" ? "1.2kg" : "0.25m"));
+  throw ConfigError(fmt::format("{}: \"{}\" is not a number with a unit (units: {}) write for example {}", option, text,
+                                fmt::join(known, ", "), units.front().first == "kg" ? "1.2kg" : "0.25m"));
 }
 
 // a name that is safe in a path, in TOML and in XML
@@ -73,7 +75,8 @@ void take_hubs(const nlohmann::json& said, const NewArguments& options, NewVehic
   }
   wanted.hubs_source = said["hubs_source"];
   if (options.arm.empty()) {
-    if (!said["metres"]) throw ConfigError(fmt::format("--arm is missing: {} has the proportions of the airframe only", options.px4_log));
+    if (!said["metres"])
+      throw ConfigError(fmt::format("--arm is missing: {} has the proportions of the airframe only", options.px4_log));
     wanted.hubs_source += " (m)";
     return;
   }
@@ -95,13 +98,15 @@ NewVehicle wanted_vehicle(const NewArguments& options) {
   NewVehicle wanted;
   wanted.name = name_of(options.out);
   wanted.mass_kg = {quantity("--mass", options.mass, mass_units), "given"};
-  if (!options.prop.empty()) wanted.propeller_diameter_m = Sourced{quantity("--prop", options.prop, length_units), "given"};
+  if (!options.prop.empty())
+    wanted.propeller_diameter_m = Sourced{quantity("--prop", options.prop, length_units), "given"};
   if (options.thrust_to_weight) wanted.thrust_to_weight = Sourced{*options.thrust_to_weight, "given"};
   if (options.hover) wanted.hover = Sourced{*options.hover, "given"};
   if (options.throttle_curve) wanted.throttle_curve = Sourced{*options.throttle_curve, "given"};
   if (!options.px4_log.empty()) take_px4_log(options, wanted);
   if (!wanted.hubs.empty()) return wanted;
-  if (options.arm.empty()) throw ConfigError("--arm is missing: the distance from the centre to a motor, with its unit, for example 0.25m");
+  if (options.arm.empty())
+    throw ConfigError("--arm is missing: the distance from the centre to a motor, with its unit, for example 0.25m");
   const double arm_m = quantity("--arm", options.arm, length_units);
   const Layout& layout = find_layout(options.layout.empty() ? "x" : options.layout);
   wanted.hubs = hubs_on_circle(layout, arm_m);
@@ -112,10 +117,12 @@ NewVehicle wanted_vehicle(const NewArguments& options) {
 void make_new(const NewArguments& options) {
   const NewVehicle wanted = wanted_vehicle(options);
   const VehicleFiles files = new_vehicle_files(wanted);
-  const std::filesystem::path folder(options.out), file = folder / "vehicle.toml", body = folder / (wanted.name + ".xml");
+  const std::filesystem::path folder(options.out), file = folder / "vehicle.toml",
+                                                   body = folder / (wanted.name + ".xml");
   for (const auto& path : {file, body})
     if (std::filesystem::exists(path))
-      throw ConfigError(fmt::format("{}: is there already (a vehicle is never overwritten) name another --out", path.string()));
+      throw ConfigError(
+          fmt::format("{}: is there already (a vehicle is never overwritten) name another --out", path.string()));
   make_folder(folder.string());
   write_file(body.string(), files.mjcf);
   write_file(file.string(), files.vehicle_toml);
@@ -123,16 +130,33 @@ void make_new(const NewArguments& options) {
 }
 
 nlohmann::ordered_json to_json(const VehicleModel& vehicle, const VehicleReport& report) {
-  const auto known = [](const std::optional<double>& value) { return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(); };
+  const auto known = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
   nlohmann::ordered_json trim = nlohmann::ordered_json::array();
   for (const RotorTrim& rotor : report.trim)
-    trim.push_back({{"rotor", rotor.site}, {"speed_radps", rotor.speed_radps}, {"throttle", known(rotor.throttle)}, {"pwm", known(rotor.pwm)}});
+    trim.push_back({{"rotor", rotor.site},
+                    {"speed_radps", rotor.speed_radps},
+                    {"throttle", known(rotor.throttle)},
+                    {"pwm", known(rotor.pwm)}});
   const Vector3& a = report.authority_radps2;
-  return {{"format", "gustlab-vehicle-check/1"}, {"vehicle", vehicle.name}, {"mass_kg", report.mass_kg}, {"weight_N", report.weight_N},
-          {"arm_m", report.arm_m}, {"thrust_to_weight", known(report.thrust_to_weight)}, {"speed_scale_known", vehicle.rotor_speed_known},
-          {"angular_acceleration_radps2", {a.x(), a.y(), a.z()}}, {"motor_lag_s", {known(report.lag_up_s), known(report.lag_down_s)}},
-          {"hover", {{"outcome", to_string(report.outcome)}, {"flown_s", report.flown_s}, {"error_m", report.error_m}, {"tilt_rad", report.tilt_rad}, {"trim", trim}}},
-          {"unknown", report.unknown}, {"contradictions", report.contradictions}};
+  return {{"format", "gustlab-vehicle-check/1"},
+          {"vehicle", vehicle.name},
+          {"mass_kg", report.mass_kg},
+          {"weight_N", report.weight_N},
+          {"arm_m", report.arm_m},
+          {"thrust_to_weight", known(report.thrust_to_weight)},
+          {"speed_scale_known", vehicle.rotor_speed_known},
+          {"angular_acceleration_radps2", {a.x(), a.y(), a.z()}},
+          {"motor_lag_s", {known(report.lag_up_s), known(report.lag_down_s)}},
+          {"hover",
+           {{"outcome", to_string(report.outcome)},
+            {"flown_s", report.flown_s},
+            {"error_m", report.error_m},
+            {"tilt_rad", report.tilt_rad},
+            {"trim", trim}}},
+          {"unknown", report.unknown},
+          {"contradictions", report.contradictions}};
 }
 
 void print_report(const VehicleModel& vehicle, const VehicleReport& report) {
@@ -140,14 +164,22 @@ void print_report(const VehicleModel& vehicle, const VehicleReport& report) {
   const Vector3& a = report.authority_radps2;
   say("vehicle", fmt::format("{}, {} rotors", vehicle.name, vehicle.rotor_count));
   say("mass, weight", fmt::format("{:.4g} kg, {:.4g} N", report.mass_kg, report.weight_N));
-  say("thrust to weight", report.thrust_to_weight ? fmt::format("{:.3g}", *report.thrust_to_weight) : "unknown: the file does not limit the rotors ([thrust] max_speed_radps)");
+  say("thrust to weight", report.thrust_to_weight
+                              ? fmt::format("{:.3g}", *report.thrust_to_weight)
+                              : "unknown: the file does not limit the rotors ([thrust] max_speed_radps)");
   say("turns in hover", fmt::format("roll {:.3g}, pitch {:.3g}, yaw {:.3g} rad/s^2 at most", a.x(), a.y(), a.z()));
-  say("motor lag", !report.lag_up_s ? "none in the file" : report.lag_down_s ? fmt::format("{:.3g} s up, {:.3g} s down", *report.lag_up_s, *report.lag_down_s) : fmt::format("{:.3g} s", *report.lag_up_s));
-  say("simulated hover", report.outcome == Outcome::completed ? fmt::format("{:.2g} mm from the reference, tilted by {:.2g} deg", 1e3 * report.error_m, report.tilt_rad * 180.0 / pi)
-                                                              : std::string(to_string(report.outcome)));
+  say("motor lag", !report.lag_up_s    ? "none in the file"
+                   : report.lag_down_s ? fmt::format("{:.3g} s up, {:.3g} s down", *report.lag_up_s, *report.lag_down_s)
+                                       : fmt::format("{:.3g} s", *report.lag_up_s));
+  say("simulated hover", report.outcome == Outcome::completed
+                             ? fmt::format("{:.2g} mm from the reference, tilted by {:.2g} deg", 1e3 * report.error_m,
+                                           report.tilt_rad * 180.0 / pi)
+                             : std::string(to_string(report.outcome)));
   for (const RotorTrim& rotor : report.trim)
-    say("  " + rotor.site, fmt::format("{:.4g} rad/s{}{}{}", rotor.speed_radps, vehicle.rotor_speed_known ? "" : " (scale estimated)",
-                                       rotor.throttle ? fmt::format(", throttle {:.3f}", *rotor.throttle) : "", rotor.pwm ? fmt::format(", pwm {:.0f}", *rotor.pwm) : ""));
+    say("  " + rotor.site,
+        fmt::format("{:.4g} rad/s{}{}{}", rotor.speed_radps, vehicle.rotor_speed_known ? "" : " (scale estimated)",
+                    rotor.throttle ? fmt::format(", throttle {:.3f}", *rotor.throttle) : "",
+                    rotor.pwm ? fmt::format(", pwm {:.0f}", *rotor.pwm) : ""));
   for (const std::string& gap : report.unknown) say("left out", gap);
   for (const std::string& contradiction : report.contradictions) say("contradiction", contradiction);
   if (report.contradictions.empty()) say("contradictions", "none");
@@ -163,24 +195,37 @@ void check(const std::string& name, const std::string& format) {
 
 void add_new(CLI::App& group) {
   const auto options = std::make_shared<NewArguments>();
-  CLI::App* command = group.add_subcommand("new", "writes vehicle.toml and its MJCF from a few numbers; every number says where it comes from");
+  CLI::App* command = group.add_subcommand(
+      "new", "writes vehicle.toml and its MJCF from a few numbers; every number says where it comes from");
   std::vector<std::string> names;
   for (const Layout& layout : layouts()) names.emplace_back(layout.name);
   command->add_option("--mass", options->mass, "of the whole vehicle, with its unit: 1.2kg, 650g")->required();
-  command->add_option("--arm", options->arm, "from the centre to a motor, with its unit: 0.25m, 110mm (not needed where --from-px4 tells it)");
-  command->add_option("--prop", options->prop, "diameter of a propeller, with its unit: 10in (default: estimated from the distance of the motors)");
-  command->add_option("--thrust-to-weight", options->thrust_to_weight, "thrust of all rotors at full throttle over the weight")->check(positive());
-  command->add_option("--hover", options->hover, "throttle in hover, 0 to 1, in place of --thrust-to-weight")->check(positive());
-  command->add_option("--throttle-curve", options->throttle_curve, "f of thrust ~ f u^2 + (1 - f) u (default: estimated)")->check(number_up_to(1.0));
-  command->add_option("--layout", options->layout, fmt::format("{} (default: the log's, or x)", fmt::join(names, " | ")));
-  command->add_option("--from-px4", options->px4_log, "a PX4 log: places and directions of the rotors, hover throttle, throttle curve");
+  command->add_option("--arm", options->arm,
+                      "from the centre to a motor, with its unit: 0.25m, 110mm (not needed where --from-px4 tells it)");
+  command->add_option(
+      "--prop", options->prop,
+      "diameter of a propeller, with its unit: 10in (default: estimated from the distance of the motors)");
+  command
+      ->add_option("--thrust-to-weight", options->thrust_to_weight,
+                   "thrust of all rotors at full throttle over the weight")
+      ->check(positive());
+  command->add_option("--hover", options->hover, "throttle in hover, 0 to 1, in place of --thrust-to-weight")
+      ->check(positive());
+  command
+      ->add_option("--throttle-curve", options->throttle_curve, "f of thrust ~ f u^2 + (1 - f) u (default: estimated)")
+      ->check(number_up_to(1.0));
+  command->add_option("--layout", options->layout,
+                      fmt::format("{} (default: the log's, or x)", fmt::join(names, " | ")));
+  command->add_option("--from-px4", options->px4_log,
+                      "a PX4 log: places and directions of the rotors, hover throttle, throttle curve");
   command->add_option("--out", options->out, "folder of the vehicle; its name is the vehicle's")->capture_default_str();
   command->callback([options] { make_new(*options); });
 }
 
 void add_check(CLI::App& group) {
   const auto name = std::make_shared<std::string>(), format = std::make_shared<std::string>("text");
-  CLI::App* command = group.add_subcommand("check", "flies a hover in simulation and looks for contradictions; exit 1 when there are some");
+  CLI::App* command = group.add_subcommand(
+      "check", "flies a hover in simulation and looks for contradictions; exit 1 when there are some");
   command->add_option("VEHICLE", *name, "name under models/ or path to a vehicle.toml")->required();
   command->add_option("--format", *format)->check(CLI::IsMember({"text", "json"}))->capture_default_str();
   command->callback([name, format] { check(*name, *format); });

@@ -36,7 +36,9 @@ struct FitArguments {
 // Where the fitted vehicle goes: nothing there is overwritten.
 void check_new(const fs::path& folder, const VehicleModel& vehicle) {
   for (const fs::path& path : {folder / "vehicle.toml", folder / fs::path(vehicle.mjcf_path).filename()})
-    if (fs::exists(path)) throw ConfigError(fmt::format("{}: is there already (a vehicle is never overwritten) name another --out", path.string()));
+    if (fs::exists(path))
+      throw ConfigError(
+          fmt::format("{}: is there already (a vehicle is never overwritten) name another --out", path.string()));
 }
 
 void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const std::string& text) {
@@ -49,14 +51,15 @@ void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const st
 
 // physics of the vehicle itself: not of one flight, of the room, of a sensor, and no damage
 bool is_constant(const EffectRow& row) {
-  return !row.per_flight && !row.external && !row.replay_only && row.diagnosable && row.place != Place::measurement && row.name != "rotor_loss" &&
-         row.name != "slung_load" && row.name != "wall_effect";
+  return !row.per_flight && !row.external && !row.replay_only && row.diagnosable && row.place != Place::measurement &&
+         row.name != "rotor_loss" && row.name != "slung_load" && row.name != "wall_effect";
 }
 
 std::string with_spread(double value, double deviation) { return fmt::format("{:.4g} ± {:.2g}", value, deviation); }
 
 std::string source_of(const diagnosis::EffectFinding& finding, std::size_t flights) {
-  std::string text = fmt::format("fitted on {} {} by gustlab vehicle fit", flights, flights == 1 ? "flight" : "flights");
+  std::string text =
+      fmt::format("fitted on {} {} by gustlab vehicle fit", flights, flights == 1 ? "flight" : "flights");
   if (finding.classmates.size() > 1) {
     std::vector<std::string> others(finding.classmates.begin() + 1, finding.classmates.end());
     text += fmt::format("; the flights cannot tell it from {}", fmt::join(others, ", "));
@@ -65,12 +68,14 @@ std::string source_of(const diagnosis::EffectFinding& finding, std::size_t fligh
 }
 
 // one finding into the file: under its own key where the file has one for it, otherwise as an [[effect]]
-void take(const diagnosis::EffectFinding& finding, const VehicleModel& vehicle, const std::string& source, std::string& text) {
+void take(const diagnosis::EffectFinding& finding, const VehicleModel& vehicle, const std::string& source,
+          std::string& text) {
   const auto& first = finding.parameters.front();
   const double factor = 1.0 + first.value;
   if (finding.effect == "yaw_torque_ratio") {
     const double ratio_m = vehicle.rotors[0].torque_ratio_m;
-    set_key(text, "thrust", "torque_ratio", fmt::format("{:.5g}", ratio_m * factor), fmt::format("m, sd {:.2g}: {}", ratio_m * first.deviation, source));
+    set_key(text, "thrust", "torque_ratio", fmt::format("{:.5g}", ratio_m * factor),
+            fmt::format("m, sd {:.2g}: {}", ratio_m * first.deviation, source));
     return;
   }
   const auto thrust = config::Table::parse(text, vehicle.source_path).table("thrust");
@@ -83,7 +88,8 @@ void take(const diagnosis::EffectFinding& finding, const VehicleModel& vehicle, 
   drop_effect(text, finding.effect);
   text += fmt::format("\n[[effect]]\ntype = \"{}\"\n# {}\n", finding.effect, source);
   for (const auto& value : finding.parameters)
-    text += fmt::format("{} = {}  # {}, sd {:.2g}\n", value.name, config::shortest(value.value), value.unit, value.deviation);
+    text += fmt::format("{} = {}  # {}, sd {:.2g}\n", value.name, config::shortest(value.value), value.unit,
+                        value.deviation);
 }
 
 void print_errors(const nlohmann::ordered_json& fit) {
@@ -92,13 +98,14 @@ void print_errors(const nlohmann::ordered_json& fit) {
   const auto &before = fit["position_m"]["before"], &after = fit["position_m"]["after"];
   for (std::size_t h = 0; h < horizon.size(); ++h)
     if (before[h].is_number() && after[h].is_number())
-      fmt::print("position error {:.2g} s ahead on held-out flights: {:.3g} m before, {:.3g} m after\n", horizon[h].get<double>(), before[h].get<double>(),
-                 after[h].get<double>());
+      fmt::print("position error {:.2g} s ahead on held-out flights: {:.3g} m before, {:.3g} m after\n",
+                 horizon[h].get<double>(), before[h].get<double>(), after[h].get<double>());
 }
 
 void fit_flights(const FitArguments& options) {
   const FlightLog first = read_flight_log(options.logs.front());
-  const VehicleModel vehicle = options.vehicle.empty() ? read_vehicle(first.meta.vehicle, first.path) : read_vehicle(options.vehicle);
+  const VehicleModel vehicle =
+      options.vehicle.empty() ? read_vehicle(first.meta.vehicle, first.path) : read_vehicle(options.vehicle);
   check_new(options.out, vehicle);
   Progress progress;
   diagnosis::DiagnoseOptions wanted;
@@ -116,10 +123,12 @@ void fit_flights(const FitArguments& options) {
       if (row == nullptr || !is_constant(*row) || finding.parameters.empty()) continue;
       take(finding, vehicle, source_of(finding, options.logs.size()), text);
       for (const auto& value : finding.parameters)
-        fmt::print("{:<20} {} = {}{}\n", finding.effect, value.name, with_spread(value.value, value.deviation), value.unit == "-" ? "" : " " + value.unit);
+        fmt::print("{:<20} {} = {}{}\n", finding.effect, value.name, with_spread(value.value, value.deviation),
+                   value.unit == "-" ? "" : " " + value.unit);
     }
   for (const diagnosis::NotIdentifiable& unknown : found.not_identifiable)
-    if (const EffectRow* row = find_effect(unknown.effect); row != nullptr && is_constant(*row)) fmt::print("{:<20} stays unknown: {}\n", unknown.effect, unknown.why);
+    if (const EffectRow* row = find_effect(unknown.effect); row != nullptr && is_constant(*row))
+      fmt::print("{:<20} stays unknown: {}\n", unknown.effect, unknown.why);
   print_errors(found.fit);
   write_vehicle(options.out, vehicle, text);
 }
@@ -128,18 +137,24 @@ void fit_flights(const FitArguments& options) {
 void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::string& source, std::string& text) {
   const auto& c = *stand.input_thrust;
   const std::string map = fmt::format("[{:.5g}, {:.5g}, {:.5g}]", c[0], c[1], c[2]), key = stand.input + "_thrust";
-  const std::string says = fmt::format("N of one rotor, rms of the residual {:.2g} N: {}", stand.thrust_misfit_N, source);
+  const std::string says =
+      fmt::format("N of one rotor, rms of the residual {:.2g} N: {}", stand.thrust_misfit_N, source);
   for (const std::string& old : {stand.input, key}) drop_key(text, "actuator", old);
   fmt::print("{:<20} {} (rms of the residual {:.2g} N)\n", key, map, stand.thrust_misfit_N);
   if (stand.coefficient_Ns2 || vehicle.rotor_speed_known) return set_key(text, "actuator", key, map, says);
   const double full = stand.input == "pwm" ? 65535.0 : 1.0, linear = c[1] * full, square = c[2] * full * full;
   const double wanted_N = vehicle.hover_thrust_N() - c[0];
-  const double hover = square == 0.0 ? wanted_N / linear : (std::sqrt(linear * linear + 4.0 * square * wanted_N) - linear) / (2.0 * square);
+  const double hover = square == 0.0 ? wanted_N / linear
+                                     : (std::sqrt(linear * linear + 4.0 * square * wanted_N) - linear) / (2.0 * square);
   if (!(hover > 0.0 && hover < 1.0))
-    throw DataError(fmt::format("the rotor on the stand does not carry its share of the weight, {:.3g} N, at any {} (check --vehicle and the unit of thrust)",
-                                vehicle.hover_thrust_N(), stand.input));
-  set_key(text, "thrust", "hover", fmt::format("{:.5g}", hover * full), fmt::format("{} that carries the weight: {}", stand.input, source));
-  set_key(text, "actuator", "throttle_curve", fmt::format("{:.4g}", std::clamp(square / (linear + square), 0.0, 1.0)), source);
+    throw DataError(
+        fmt::format("the rotor on the stand does not carry its share of the weight, {:.3g} N, at any {} (check "
+                    "--vehicle and the unit of thrust)",
+                    vehicle.hover_thrust_N(), stand.input));
+  set_key(text, "thrust", "hover", fmt::format("{:.5g}", hover * full),
+          fmt::format("{} that carries the weight: {}", stand.input, source));
+  set_key(text, "actuator", "throttle_curve", fmt::format("{:.4g}", std::clamp(square / (linear + square), 0.0, 1.0)),
+          source);
 }
 
 void fit_stand(const FitArguments& options) {
@@ -147,10 +162,12 @@ void fit_stand(const FitArguments& options) {
   check_new(options.out, vehicle);
   const ThrustStand stand = read_thrust_stand(options.thrust_stand);
   std::string text = read_file<ConfigError>(vehicle.source_path);
-  const std::string source = fmt::format("thrust stand, {} rows of {}", stand.rows, fs::path(options.thrust_stand).filename().string());
+  const std::string source =
+      fmt::format("thrust stand, {} rows of {}", stand.rows, fs::path(options.thrust_stand).filename().string());
   const auto set = [&](const char* key, const std::optional<Estimate>& estimate, const char* unit) {
     if (!estimate) return;
-    set_key(text, "thrust", key, fmt::format("{:.5g}", estimate->value), fmt::format("{}, sd {:.2g}: {}", unit, estimate->deviation, source));
+    set_key(text, "thrust", key, fmt::format("{:.5g}", estimate->value),
+            fmt::format("{}, sd {:.2g}: {}", unit, estimate->deviation, source));
     fmt::print("{:<20} {} {}\n", key, with_spread(estimate->value, estimate->deviation), unit);
   };
   if (stand.coefficient_Ns2) {
@@ -161,11 +178,14 @@ void fit_stand(const FitArguments& options) {
   set("coefficient", stand.coefficient_Ns2, "N/(rad/s)^2");
   set("torque_ratio", stand.torque_ratio_m, "m");
   if (stand.nominal_voltage_V)
-    set_key(text, "thrust", "nominal_voltage_V", fmt::format("{:.4g}", *stand.nominal_voltage_V), "V, mean of the rows: " + source);
+    set_key(text, "thrust", "nominal_voltage_V", fmt::format("{:.4g}", *stand.nominal_voltage_V),
+            "V, mean of the rows: " + source);
   if (stand.voltage_exponent) {
     drop_effect(text, "battery_sag");
-    text += fmt::format("\n[[effect]]\ntype = \"battery_sag\"\n# {}\nexponent = {:.4g}  # sd {:.2g}\n", source, stand.voltage_exponent->value, stand.voltage_exponent->deviation);
-    fmt::print("{:<20} exponent = {}\n", "battery_sag", with_spread(stand.voltage_exponent->value, stand.voltage_exponent->deviation));
+    text += fmt::format("\n[[effect]]\ntype = \"battery_sag\"\n# {}\nexponent = {:.4g}  # sd {:.2g}\n", source,
+                        stand.voltage_exponent->value, stand.voltage_exponent->deviation);
+    fmt::print("{:<20} exponent = {}\n", "battery_sag",
+               with_spread(stand.voltage_exponent->value, stand.voltage_exponent->deviation));
   }
   for (const std::string& unknown : stand.unknown) fmt::print("stays unknown: {}\n", unknown);
   write_vehicle(options.out, vehicle, text);
@@ -173,7 +193,8 @@ void fit_stand(const FitArguments& options) {
 
 void fit(const FitArguments& options) {
   if (options.logs.empty() == options.thrust_stand.empty())
-    throw ConfigError("vehicle fit takes flight logs or --thrust-stand FILE.csv, one of them (see gustlab vehicle fit --help)");
+    throw ConfigError(
+        "vehicle fit takes flight logs or --thrust-stand FILE.csv, one of them (see gustlab vehicle fit --help)");
   if (options.thrust_stand.empty()) return fit_flights(options);
   if (options.vehicle.empty()) throw ConfigError("--vehicle is missing: whose rotor was on the thrust stand?");
   if (!options.holdout.empty()) throw ConfigError("--holdout: a thrust stand has no flights to hold out leave it out");
@@ -184,12 +205,17 @@ void fit(const FitArguments& options) {
 
 void add_vehicle_fit(CLI::App& group) {
   const auto options = std::make_shared<FitArguments>();
-  CLI::App* command = group.add_subcommand("fit", "estimates what a vehicle file does not know, from flights or a thrust stand, into a new vehicle file");
-  command->add_option("LOG", options->logs, "flight logs of one vehicle; thrust, torque ratio, inertia, lag, drag and battery as far as they tell them");
+  CLI::App* command = group.add_subcommand(
+      "fit", "estimates what a vehicle file does not know, from flights or a thrust stand, into a new vehicle file");
+  command->add_option(
+      "LOG", options->logs,
+      "flight logs of one vehicle; thrust, torque ratio, inertia, lag, drag and battery as far as they tell them");
   command->add_option("--holdout", options->holdout, "flights to verify on (default: the last one)");
   command->add_option("--thrust-stand", options->thrust_stand,
-                      "CSV of one rotor: thrust_N (or thrust_gf, thrust_kgf), speed_radps (or speed_rpm), torque_Nm, voltage_V, throttle (or pulse_us, pwm)");
-  command->add_option("--vehicle", options->vehicle, "name under models/ or path to a vehicle.toml (default: what the logs say)");
+                      "CSV of one rotor: thrust_N (or thrust_gf, thrust_kgf), speed_radps (or speed_rpm), torque_Nm, "
+                      "voltage_V, throttle (or pulse_us, pwm)");
+  command->add_option("--vehicle", options->vehicle,
+                      "name under models/ or path to a vehicle.toml (default: what the logs say)");
   command->add_option("--out", options->out, "folder of the new vehicle")->required();
   add_jobs(*command, options->jobs);
   command->callback([options] { fit(*options); });

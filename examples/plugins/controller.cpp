@@ -16,7 +16,8 @@ class MyController {
  public:
   // every parameter once: name, member, unit, help, bounds
   void visit(ParameterVisitor& visitor) {
-    visitor.number("limit_weights", limit_, {.help = "largest horizontal force, of the weight", .min = 0.0, .max = 2.0});
+    visitor.number("limit_weights", limit_,
+                   {.help = "largest horizontal force, of the weight", .min = 0.0, .max = 2.0});
   }
 
   void reset(const OffboardSetup& setup) {

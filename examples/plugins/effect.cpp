@@ -13,7 +13,9 @@ namespace {
 class MyEffect final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
-    visitor.number("stiffness", stiffness_Npm_, {.unit = "N/m", .help = "of the spring", .min = 0.0, .max = 1e3, .natural = 0.01, .scale = Scale::weight});
+    visitor.number(
+        "stiffness", stiffness_Npm_,
+        {.unit = "N/m", .help = "of the spring", .min = 0.0, .max = 1e3, .natural = 0.01, .scale = Scale::weight});
     visitor.vector("anchor", anchor_W_m_, {.unit = "m", .help = "where it pulls to, world axes", .natural = 0.0});
   }
 

@@ -15,7 +15,8 @@ class MyTrajectory final : public Trajectory {
     visitor.number("amplitude_m", amplitude_m_, {.unit = "m", .help = "half of the way", .min = 0.0, .max = 1000.0});
     visitor.number("period_s", period_s_, {.unit = "s", .help = "to and fro once", .min = 0.1, .max = 1e4});
     visitor.vector("center_m", center_W_m_, {.unit = "m", .help = "middle of the way, altitude included"});
-    visitor.number("ramp_s", ramp_s_, {.unit = "s", .help = "time to reach the full speed from rest", .min = 0.0, .max = 1e3});
+    visitor.number("ramp_s", ramp_s_,
+                   {.unit = "s", .help = "time to reach the full speed from rest", .min = 0.0, .max = 1e3});
   }
 
   Reference at(double time_s) const override {

@@ -27,14 +27,14 @@ std::string_view to_string(Place place);
 // The command's way to the rotors during one step. `command` is the mean over the step of what is asked for.
 struct Actuation {
   int count = 0;
-  double time_s = 0.0;      // start of the step
+  double time_s = 0.0;  // start of the step
   double step_s = 0.0;
-  double voltage_V = 0.0;   // 0: not known
-  bool speed_is_measured = false;      // rotor speed in the log drives the body; only command → speed is modelled
-  RotorArray command_radps{};          // in, and changed by delay, saturation, sag
-  RotorArray start_speed_radps{};      // Ω at the start of the step
-  RotorArray end_speed_radps{};        // Ω at its end; the command when there is no lag
-  RotorArray mean_speed_radps{};       // what the air feels during the step; likewise
+  double voltage_V = 0.0;          // 0: not known
+  bool speed_is_measured = false;  // rotor speed in the log drives the body; only command → speed is modelled
+  RotorArray command_radps{};      // in, and changed by delay, saturation, sag
+  RotorArray start_speed_radps{};  // Ω at the start of the step
+  RotorArray end_speed_radps{};    // Ω at its end; the command when there is no lag
+  RotorArray mean_speed_radps{};   // what the air feels during the step; likewise
   // changes what is asked of rotor i; a lag, which comes later, starts from it
   void set_command(std::size_t i, double speed_radps) {
     command_radps[i] = end_speed_radps[i] = mean_speed_radps[i] = speed_radps;
@@ -50,14 +50,14 @@ struct Actuation {
 // The flight condition at one instant. Velocities are of the centre of mass.
 struct Flow {
   double time_s = 0.0;
-  Vector3 position_W_m = Vector3::Zero();       // of the body's origin
-  Vector3 velocity_W_mps = Vector3::Zero();     // of the centre of mass
+  Vector3 position_W_m = Vector3::Zero();    // of the body's origin
+  Vector3 velocity_W_mps = Vector3::Zero();  // of the centre of mass
   Matrix3 R_WB = Matrix3::Identity();
   Vector3 body_rate_B_radps = Vector3::Zero();
   Vector3 air_velocity_B_mps = Vector3::Zero();  // v_r = Rᵀ(v − wind); steady_wind changes it
   double voltage_V = 0.0;
   bool speed_is_measured = false;
-  const VehicleModel* vehicle = nullptr;        // with body effects applied
+  const VehicleModel* vehicle = nullptr;  // with body effects applied
 };
 
 // The rotors at one instant. Hubs are from the centre of mass.
@@ -88,7 +88,7 @@ struct Measured {
 struct MeasurementContext {
   double time_s = 0.0;
   Vector3 angular_acceleration_B_radps2 = Vector3::Zero();
-  std::int64_t tick = 0;                         // counts observations, for random streams
+  std::int64_t tick = 0;  // counts observations, for random streams
   struct Past {
     virtual ~Past() = default;
     virtual VehicleState at(double time_s) const = 0;  // interpolated truth; never later than now
@@ -120,25 +120,38 @@ class Effect : public Parameterized {
 
 // What a log must tell, or its sidecar or the vehicle file know, before an effect can be told from it.
 enum class Need : unsigned {
-  nothing = 0, attitude = 1, motion = 2, torque = 4, accelerometer = 8, ground = 16, ceiling = 32, wall = 64,
-  rotor_radius = 128, rotor_speed = 256, torque_ratio = 512
+  nothing = 0,
+  attitude = 1,
+  motion = 2,
+  torque = 4,
+  accelerometer = 8,
+  ground = 16,
+  ceiling = 32,
+  wall = 64,
+  rotor_radius = 128,
+  rotor_speed = 256,
+  torque_ratio = 512
 };
-constexpr Need operator|(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
-constexpr Need operator&(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) & static_cast<unsigned>(b)); }
+constexpr Need operator|(Need a, Need b) {
+  return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
+}
+constexpr Need operator&(Need a, Need b) {
+  return static_cast<Need>(static_cast<unsigned>(a) & static_cast<unsigned>(b));
+}
 
 // A row of the registry: what is said of an effect without making one. Order of rows is the catalogue's (DIAGNOSIS.md §5).
 struct EffectRow {
   std::string_view name;
   Place place;
-  int order;                    // of application within its place
-  bool per_flight;              // fitted per flight, otherwise per vehicle
-  bool diagnosable;             // false: simulator only (measurement_noise, sindy_residual)
-  bool external;                // a disturbance from outside, logged as fx…tz
-  bool replay_only = false;     // true of the loop that was recorded and of no other
-  bool commanded = false;       // seen only in how the vehicle answers its commands
+  int order;                 // of application within its place
+  bool per_flight;           // fitted per flight, otherwise per vehicle
+  bool diagnosable;          // false: simulator only (measurement_noise, sindy_residual)
+  bool external;             // a disturbance from outside, logged as fx…tz
+  bool replay_only = false;  // true of the loop that was recorded and of no other
+  bool commanded = false;    // seen only in how the vehicle answers its commands
   Need needs = Need::nothing;
-  std::string_view says;        // one plain sentence of what it does
-  std::string_view shows_in;    // the flight that makes it visible
+  std::string_view says;           // one plain sentence of what it does
+  std::string_view shows_in;       // the flight that makes it visible
   std::string_view confused_with;  // rivals, and what separates them
   std::string_view source;
   std::unique_ptr<Effect> (*make)();

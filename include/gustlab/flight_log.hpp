@@ -24,27 +24,27 @@ struct LogColumn {
 bool is_rotor_column(std::string_view name);
 
 struct LogMeta {
-  std::string vehicle;                      // as written: a name under models/ or a path
+  std::string vehicle;  // as written: a name under models/ or a path
   ActuatorKind actuator = ActuatorKind::rotor_speed;
-  std::string source = "recording";         // simulation | recording
+  std::string source = "recording";  // simulation | recording
   Hold hold = Hold::unknown;
   std::string notes;
   Environment environment;
   // free keys, values as TOML literals; condition is shown and never fitted
   std::vector<std::pair<std::string, std::string>> condition;
-  std::vector<std::pair<std::string, std::string>> origin;     // original file, sha256, importer, known issues
+  std::vector<std::pair<std::string, std::string>> origin;  // original file, sha256, importer, known issues
 };
 
 // What was found and repaired while reading, in words; file:line:col first.
 struct LogRepair {
-  std::string kind;   // duplicate | quaternion_norm | unknown_column
+  std::string kind;  // duplicate | quaternion_norm | unknown_column
   std::string says;
 };
 
 struct FlightLog {
-  std::string path;                  // as given
-  std::vector<double> time_s;        // strictly increasing
-  std::vector<LogColumn> columns;    // every column but time_s, in file order
+  std::string path;                // as given
+  std::vector<double> time_s;      // strictly increasing
+  std::vector<LogColumn> columns;  // every column but time_s, in file order
   LogMeta meta;
   std::vector<LogRepair> repairs;
 

@@ -16,9 +16,9 @@ namespace gustlab {
 
 // What a vehicle's size is multiplied with to give a parameter's natural size and tolerance.
 enum class Scale {
-  one,     // the number itself
-  weight,  // m g, N
-  arm,     // mean horizontal distance of the hubs from the centre of mass, m
+  one,                     // the number itself
+  weight,                  // m g, N
+  arm,                     // mean horizontal distance of the hubs from the centre of mass, m
   rotor_torque_per_speed,  // m g · arm / sum of hover speeds, N m/(rad/s)
   yaw_inertia,             // J_zz, kg m²
 };
@@ -57,7 +57,9 @@ class ParameterVisitor {
   // three numbers of one meaning, written as an array [x, y, z]
   virtual void vector(std::string_view name, Vector3& value, const ParameterInfo& info) = 0;
   // a visitor that does not know of files sees the path
-  virtual void file(std::string_view name, InputFile& value, const ParameterInfo& info) { text(name, value.path, info); }
+  virtual void file(std::string_view name, InputFile& value, const ParameterInfo& info) {
+    text(name, value.path, info);
+  }
 };
 
 // Anything with declared parameters.

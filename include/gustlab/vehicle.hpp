@@ -11,12 +11,12 @@
 namespace gustlab {
 
 struct Rotor {
-  std::string site;                             // the MJCF site that carries it
-  Vector3 position_B_m = Vector3::Zero();       // hub, from the body's origin
-  Vector3 axis_B = Vector3::UnitZ();            // unit vector along which it pushes
-  double direction = 1.0;                       // +1: turns counter-clockwise seen from above
-  double thrust_coefficient_Ns2 = 0.0;          // thrust = coefficient Ω², N/(rad/s)²
-  double torque_ratio_m = 0.0;                  // reaction torque = ratio × thrust
+  std::string site;                        // the MJCF site that carries it
+  Vector3 position_B_m = Vector3::Zero();  // hub, from the body's origin
+  Vector3 axis_B = Vector3::UnitZ();       // unit vector along which it pushes
+  double direction = 1.0;                  // +1: turns counter-clockwise seen from above
+  double thrust_coefficient_Ns2 = 0.0;     // thrust = coefficient Ω², N/(rad/s)²
+  double torque_ratio_m = 0.0;             // reaction torque = ratio × thrust
 };
 
 // Maps other actuator inputs to rotor speed (FORMATS.md §2): Ω = slope u + offset, or f = c0 + c1 u + c2 u² in N.
@@ -55,24 +55,24 @@ struct CollisionShape {
 struct VehicleModel {
   std::string name;
   double mass_kg = 0.0;
-  double rated_mass_kg = 0.0;                     // of the vehicle file, which defines hover; 0: mass_kg
-  Vector3 center_of_mass_B_m = Vector3::Zero();   // from the body's origin
-  Matrix3 inertia_B_kgm2 = Matrix3::Identity();   // about the centre of mass, body axes
-  double gravity_mps2 = 9.81;                     // MuJoCo's default
+  double rated_mass_kg = 0.0;                    // of the vehicle file, which defines hover; 0: mass_kg
+  Vector3 center_of_mass_B_m = Vector3::Zero();  // from the body's origin
+  Matrix3 inertia_B_kgm2 = Matrix3::Identity();  // about the centre of mass, body axes
+  double gravity_mps2 = 9.81;                    // MuJoCo's default
   int rotor_count = 0;
   std::array<Rotor, max_rotors> rotors;
-  double max_speed_radps = 0.0;                   // infinite: the vehicle file does not say
-  double rotor_radius_m = 0.0;                    // 0: unknown
-  double nominal_voltage_V = 0.0;                 // 0: unknown
-  bool rotor_speed_known = true;                  // false: thrust is known from `hover`, and the scale of speeds is assumed
-  bool torque_ratio_known = true;                 // false: the rotors' torque ratio is estimated from their size
+  double max_speed_radps = 0.0;    // infinite: the vehicle file does not say
+  double rotor_radius_m = 0.0;     // 0: unknown
+  double nominal_voltage_V = 0.0;  // 0: unknown
+  bool rotor_speed_known = true;   // false: thrust is known from `hover`, and the scale of speeds is assumed
+  bool torque_ratio_known = true;  // false: the rotors' torque ratio is estimated from their size
   ActuatorMap actuator;
   Environment environment;
-  std::vector<EffectSpec> effects;                // physics that the nominal vehicle already has
-  std::vector<CollisionShape> shapes;             // what touches the ground
-  std::string mjcf_path;                          // where it was read from, for messages
+  std::vector<EffectSpec> effects;     // physics that the nominal vehicle already has
+  std::vector<CollisionShape> shapes;  // what touches the ground
+  std::string mjcf_path;               // where it was read from, for messages
   std::string source_path;
-  std::string source_bytes;                       // vehicle.toml and MJCF as read: part of a run's key
+  std::string source_bytes;  // vehicle.toml and MJCF as read: part of a run's key
 
   double weight_N() const { return mass_kg * gravity_mps2; }
   // Thrust and speed of one rotor when equal rotors carry the weight that the vehicle file says. A rotor's drag or thrust

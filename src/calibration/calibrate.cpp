@@ -29,7 +29,9 @@ double from_unit(const OpenParameter& p, double unit) {
   return std::clamp(std::stod(fmt::format("{:.3g}", value)), p.min, p.max);
 }
 
-std::string quoted_list(const std::vector<std::string>& names) { return fmt::format("[\"{}\"]", fmt::join(names, "\", \"")); }
+std::string quoted_list(const std::vector<std::string>& names) {
+  return fmt::format("[\"{}\"]", fmt::join(names, "\", \""));
+}
 
 void add_once(std::vector<std::string>& names, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
@@ -54,12 +56,13 @@ class Objective {
       add_once(controllers, cell.controller);
       const PublishedRow* row = published.find(calibration.table, cell.trajectory, cell.controller);
       if (row == nullptr)
-        throw ConfigError(fmt::format("{}: {} has no row {} {} (a target is a cell that was published)", cell.where, calibration.table,
-                                      cell.trajectory, cell.controller));
+        throw ConfigError(fmt::format("{}: {} has no row {} {} (a target is a cell that was published)", cell.where,
+                                      calibration.table, cell.trajectory, cell.controller));
       published_.push_back(statistic_of(row->figures[cell.metric], cell.statistic));
       if (!(published_.back() > 0.0))
-        throw ConfigError(fmt::format("{}: the {} of {} {} is published as zero (the loss is a logarithm) leave it out", cell.where,
-                                      statistic_names[static_cast<std::size_t>(cell.statistic)], cell.trajectory, cell.controller));
+        throw ConfigError(fmt::format("{}: the {} of {} {} is published as zero (the loss is a logarithm) leave it out",
+                                      cell.where, statistic_names[static_cast<std::size_t>(cell.statistic)],
+                                      cell.trajectory, cell.controller));
       published_runs_ = row->figures[cell.metric].n;
     }
     overrides_.push_back("trajectories=" + quoted_list(trajectories));
@@ -105,7 +108,8 @@ class Objective {
       // one draw of gusts for all cells
       for (std::size_t i = 0; i < best_runs_.size(); ++i) {
         for (std::size_t run = 0; run < drawn.size(); ++run)
-          drawn[run] = best_runs_[i][static_cast<std::size_t>(stream.uniform4(run, table)[0] * static_cast<double>(best_runs_[i].size()))];
+          drawn[run] = best_runs_[i][static_cast<std::size_t>(stream.uniform4(run, table)[0] *
+                                                              static_cast<double>(best_runs_[i].size()))];
         figures[i] = statistic_of(summarize(drawn), stage_.targets[i].statistic);
       }
       if (!(distance(figures, best.figures) < paper)) ++far;
@@ -124,7 +128,8 @@ class Objective {
     const std::vector<RunRecord> records = fly_all(experiment, runs, jobs_);
     best.flights += static_cast<std::int64_t>(runs.size());
 
-    const auto crashed = std::count_if(records.begin(), records.end(), [](const RunRecord& r) { return r.outcome != Outcome::completed; });
+    const auto crashed = std::count_if(records.begin(), records.end(),
+                                       [](const RunRecord& r) { return r.outcome != Outcome::completed; });
     double loss = crash_loss * static_cast<double>(crashed) / static_cast<double>(records.size());
     figures_.clear();
     runs_.clear();
@@ -147,7 +152,7 @@ class Objective {
   int jobs_;
   std::vector<double> published_, figures_;            // of each target
   std::vector<std::vector<double>> runs_, best_runs_;  // of each target, by replicate
-  std::size_t published_runs_ = 0;  // in a row of the table
+  std::size_t published_runs_ = 0;                     // in a row of the table
   std::map<std::vector<double>, double> known_;
 };
 
@@ -157,16 +162,20 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
                                    const Calibration& calibration, const Published& published, int jobs,
                                    const std::atomic<bool>& stop,
                                    const std::function<void(std::size_t done, std::size_t all)>& progress) {
-  check_override(experiment_path, overrides, fmt::format("first_replicate={}", calibration.first_replicate), calibration.first_where);
-  check_override(experiment_path, overrides, fmt::format("replicates={}", calibration.replicates), calibration.count_where);
-  check_fresh({"calibrates", calibration.first_where, calibration.first_replicate, calibration.replicates}, experiment_path, overrides);
+  check_override(experiment_path, overrides, fmt::format("first_replicate={}", calibration.first_replicate),
+                 calibration.first_where);
+  check_override(experiment_path, overrides, fmt::format("replicates={}", calibration.replicates),
+                 calibration.count_where);
+  check_fresh({"calibrates", calibration.first_where, calibration.first_replicate, calibration.replicates},
+              experiment_path, overrides);
   published.check_vehicle(calibration.table, read_experiment(experiment_path, overrides));
   std::size_t all = 0, before = 0;
   for (const CalibrationStage& stage : calibration.stages) {
     all += static_cast<std::size_t>(stage.evaluations);
     const Objective checked(experiment_path, overrides, calibration, stage, published, jobs);
     for (const OpenParameter& parameter : stage.parameters)
-      check_override(experiment_path, overrides, fmt::format("{}={}", parameter.key, config::shortest(parameter.start)), parameter.where);
+      check_override(experiment_path, overrides, fmt::format("{}={}", parameter.key, config::shortest(parameter.start)),
+                     parameter.where);
   }
 
   std::vector<std::string> held = overrides;
@@ -186,8 +195,9 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
       return objective(at);
     };
     using Evaluate = decltype(evaluate);
-    search.set_min_objective(
-        [](const std::vector<double>& at, std::vector<double>&, void* data) { return (*static_cast<Evaluate*>(data))(at); }, &evaluate);
+    search.set_min_objective([](const std::vector<double>& at, std::vector<double>&,
+                                void* data) { return (*static_cast<Evaluate*>(data))(at); },
+                             &evaluate);
     search.set_lower_bounds(0.0);
     search.set_upper_bounds(1.0);
     search.set_initial_step(0.15);

@@ -60,7 +60,7 @@ struct Calibration {
   std::string table;
   std::int64_t first_replicate = 1001, replicates = 10;
   std::vector<CalibrationStage> stages;
-  std::vector<KnownCell> known{};  // [[known]]
+  std::vector<KnownCell> known{};                  // [[known]]
   std::string first_where = {}, count_where = {};  // file:line:col of the replicates
 
   // whether a stage looks at the cell

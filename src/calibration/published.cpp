@@ -32,7 +32,8 @@ PublishedRow read_row(Table& table) {
   for (std::size_t i = 0; i < published_metrics.size(); ++i) {
     const auto figure = table.numbers(published_metrics[i]);
     if (!figure || figure->size() != 2 || !((*figure)[0] > 0.0) || (*figure)[1] < 0.0)
-      table.fail(published_metrics[i], fmt::format("\"{}\" is no figure", published_metrics[i]), "a mean above zero and a standard deviation", "write [0.25, 0.07]");
+      table.fail(published_metrics[i], fmt::format("\"{}\" is no figure", published_metrics[i]),
+                 "a mean above zero and a standard deviation", "write [0.25, 0.07]");
     row.figures[i] = {n, (*figure)[0], (*figure)[1], std::numeric_limits<double>::quiet_NaN()};
   }
   return row;
@@ -46,8 +47,14 @@ void read_orders(Table& document, std::vector<Claim>& claims) {
     for (const std::string& metric : need_texts(table, "metrics"))
       for (std::size_t k = 0; k < controllers.size(); ++k)
         for (std::size_t more = k + 1; more < controllers.size(); ++more)
-          claims.push_back({ClaimKind::less, {name, trajectory, controllers[k]}, {name, trajectory, controllers[more]},
-                            find_published_metric(metric, table.where("metrics")), 0.0, true, "", {}});
+          claims.push_back({ClaimKind::less,
+                            {name, trajectory, controllers[k]},
+                            {name, trajectory, controllers[more]},
+                            find_published_metric(metric, table.where("metrics")),
+                            0.0,
+                            true,
+                            "",
+                            {}});
   }
   for (Table& table : document.tables("trajectory_orders")) {
     const std::string name = table.need_text("table"), controller = table.need_text("controller");
@@ -55,8 +62,14 @@ void read_orders(Table& document, std::vector<Claim>& claims) {
     const std::size_t metric = need_metric(table, "metric");
     for (std::size_t k = 0; k < trajectories.size(); ++k)
       for (std::size_t more = k + 1; more < trajectories.size(); ++more)
-        claims.push_back({ClaimKind::less, {name, trajectories[k], controller}, {name, trajectories[more], controller}, metric,
-                          0.0, true, "", {}});
+        claims.push_back({ClaimKind::less,
+                          {name, trajectories[k], controller},
+                          {name, trajectories[more], controller},
+                          metric,
+                          0.0,
+                          true,
+                          "",
+                          {}});
   }
 }
 
@@ -64,8 +77,14 @@ void read_orders(Table& document, std::vector<Claim>& claims) {
 void read_pairs(Table& document, std::string_view key, ClaimKind kind, std::vector<Claim>& claims) {
   for (Table& table : document.tables(key)) {
     const std::string name = table.need_text("table"), trajectory = table.need_text("trajectory");
-    Claim claim{kind, {name, trajectory, table.need_text("controller")}, {name, trajectory, table.need_text("than")},
-                need_metric(table, "metric"), 0.0, true, "", {}};
+    Claim claim{kind,
+                {name, trajectory, table.need_text("controller")},
+                {name, trajectory, table.need_text("than")},
+                need_metric(table, "metric"),
+                0.0,
+                true,
+                "",
+                {}};
     if (kind == ClaimKind::reduced) claim.by = table.need_number("by");
     claims.push_back(claim);
   }
@@ -73,14 +92,32 @@ void read_pairs(Table& document, std::string_view key, ClaimKind kind, std::vect
 
 void read_others(Table& document, std::vector<Claim>& claims) {
   for (Table& table : document.tables("runaways"))
-    claims.push_back({ClaimKind::runaway, {table.need_text("table"), "", table.need_text("controller")}, {},
-                      find_published_metric("max_xy_m", ""), 0.0, true, "", {}});
+    claims.push_back({ClaimKind::runaway,
+                      {table.need_text("table"), "", table.need_text("controller")},
+                      {},
+                      find_published_metric("max_xy_m", ""),
+                      0.0,
+                      true,
+                      "",
+                      {}});
   for (Table& table : document.tables("completions"))
-    claims.push_back({ClaimKind::completion, {table.need_text("table"), "", table.need_text("controller")}, {}, 0, 0.0,
-                      table.flag("all").value_or(true), "", {}});
+    claims.push_back({ClaimKind::completion,
+                      {table.need_text("table"), "", table.need_text("controller")},
+                      {},
+                      0,
+                      0.0,
+                      table.flag("all").value_or(true),
+                      "",
+                      {}});
   for (Table& table : document.tables("below"))
-    claims.push_back({ClaimKind::below, {table.need_text("table"), "", ""}, {table.need_text("than"), "", ""}, 0, 0.0, true,
-                      table.need_text("except_trajectory"), need_metric(table, "except_metric")});
+    claims.push_back({ClaimKind::below,
+                      {table.need_text("table"), "", ""},
+                      {table.need_text("than"), "", ""},
+                      0,
+                      0.0,
+                      true,
+                      table.need_text("except_trajectory"),
+                      need_metric(table, "except_metric")});
 }
 
 }  // namespace
@@ -88,11 +125,13 @@ void read_others(Table& document, std::vector<Claim>& claims) {
 std::size_t find_published_metric(const std::string& name, const std::string& where) {
   const auto place = std::find(published_metrics.begin(), published_metrics.end(), name);
   if (place == published_metrics.end())
-    throw ConfigError(fmt::format("{}: \"{}\" is no metric (a table has {})", where, name, fmt::join(published_metrics, ", ")));
+    throw ConfigError(
+        fmt::format("{}: \"{}\" is no metric (a table has {})", where, name, fmt::join(published_metrics, ", ")));
   return static_cast<std::size_t>(place - published_metrics.begin());
 }
 
-const PublishedRow* Published::find(std::string_view table, std::string_view trajectory, std::string_view controller) const {
+const PublishedRow* Published::find(std::string_view table, std::string_view trajectory,
+                                    std::string_view controller) const {
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const PublishedRow& candidate) {
     return candidate.table == table && candidate.trajectory == trajectory && candidate.controller == controller;
   });
@@ -102,16 +141,19 @@ const PublishedRow* Published::find(std::string_view table, std::string_view tra
 void Published::check_vehicle(const std::string& table, const Experiment& experiment) const {
   const auto of = vehicles.find(table);
   if (of != vehicles.end() && of->second != experiment.vehicle.name)
-    throw ConfigError(fmt::format("{}: {} flies {} (the paper's is of {}) its figures are not to be compared with another vehicle's", table,
-                                  experiment.name, experiment.vehicle.name, of->second));
+    throw ConfigError(
+        fmt::format("{}: {} flies {} (the paper's is of {}) its figures are not to be compared with another vehicle's",
+                    table, experiment.name, experiment.vehicle.name, of->second));
 }
 
 Published read_published(const std::string& path) {
   Table document = Table::read_file(path);
   if (document.need_text("format") != published_format)
-    document.fail("format", "this is no table of published figures", "", fmt::format("write format = \"{}\"", published_format));
+    document.fail("format", "this is no table of published figures", "",
+                  fmt::format("write format = \"{}\"", published_format));
   Published published;
-  for (Table& table : document.tables("vehicles")) published.vehicles[table.need_text("table")] = table.need_text("vehicle");
+  for (Table& table : document.tables("vehicles"))
+    published.vehicles[table.need_text("table")] = table.need_text("vehicle");
   for (Table& table : document.tables("rows")) published.rows.push_back(read_row(table));
   read_orders(document, published.claims);
   read_pairs(document, "reductions", ClaimKind::reduced, published.claims);

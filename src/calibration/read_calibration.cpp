@@ -21,11 +21,14 @@ std::vector<std::string> need_texts(Table& table, std::string_view key) {
 }
 
 OpenParameter read_parameter(Table& table) {
-  OpenParameter parameter{table.need_text("key"), table.need_number("min"), table.need_number("max"), table.need_number("start"),
-                          table.flag("log").value_or(false), table.text("unit").value_or(""), table.where("key")};
+  OpenParameter parameter{
+      table.need_text("key"),     table.need_number("min"),          table.need_number("max"),
+      table.need_number("start"), table.flag("log").value_or(false), table.text("unit").value_or(""),
+      table.where("key")};
   if (!(parameter.min < parameter.max) || parameter.start < parameter.min || parameter.start > parameter.max)
     table.fail("start", "\"min\", \"start\" and \"max\" are out of order", "the search starts inside its range", "");
-  if (parameter.log && parameter.min <= 0.0) table.fail("min", "\"min\" has no logarithm", "log = true", "write a number above zero");
+  if (parameter.log && parameter.min <= 0.0)
+    table.fail("min", "\"min\" has no logarithm", "log = true", "write a number above zero");
   return parameter;
 }
 
@@ -45,18 +48,21 @@ CalibrationStage read_stage(Table& table) {
   CalibrationStage stage;
   stage.name = table.need_text("name");
   stage.evaluations = table.integer("evaluations").value_or(stage.evaluations);
-  if (stage.evaluations < 1 || stage.evaluations > 1000000) table.fail("evaluations", "\"evaluations\" is out of range", "from 1 to 1000000", "");
+  if (stage.evaluations < 1 || stage.evaluations > 1000000)
+    table.fail("evaluations", "\"evaluations\" is out of range", "from 1 to 1000000", "");
   for (Table& target : table.tables("targets")) {
     const std::vector<Statistic> statistics = read_statistics(target);
     for (const std::string& trajectory : need_texts(target, "trajectories"))
       for (const std::string& controller : need_texts(target, "controllers"))
         for (const std::string& metric : need_texts(target, "metrics"))
           for (const Statistic statistic : statistics)
-            stage.targets.push_back({trajectory, controller, find_published_metric(metric, target.where("metrics")), statistic, target.where("controllers")});
+            stage.targets.push_back({trajectory, controller, find_published_metric(metric, target.where("metrics")),
+                                     statistic, target.where("controllers")});
   }
   for (Table& parameter : table.tables("parameters")) stage.parameters.push_back(read_parameter(parameter));
   if (stage.targets.empty()) table.fail("targets", "\"targets\" is empty", "a stage fits parameters to cells", "");
-  if (stage.parameters.empty()) table.fail("parameters", "\"parameters\" is empty", "a stage fits parameters to cells", "");
+  if (stage.parameters.empty())
+    table.fail("parameters", "\"parameters\" is empty", "a stage fits parameters to cells", "");
   return stage;
 }
 
@@ -64,16 +70,19 @@ CalibrationStage read_stage(Table& table) {
 void read_known(Table& table, std::vector<KnownCell>& known) {
   const std::string because = table.need_text("because");
   if (because != "by construction" && because != "chosen after seeing")
-    table.fail("because", fmt::format("\"{}\" is no reason", because), "", "write \"by construction\" or \"chosen after seeing\"");
+    table.fail("because", fmt::format("\"{}\" is no reason", because), "",
+               "write \"by construction\" or \"chosen after seeing\"");
   for (const std::string& trajectory : need_texts(table, "trajectories"))
     for (const std::string& controller : need_texts(table, "controllers"))
       for (const std::string& metric : need_texts(table, "metrics"))
-        known.push_back({trajectory, controller, find_published_metric(metric, table.where("metrics")), because == "by construction"});
+        known.push_back({trajectory, controller, find_published_metric(metric, table.where("metrics")),
+                         because == "by construction"});
 }
 
 }  // namespace
 
-const KnownCell* Calibration::find_known(std::string_view trajectory, std::string_view controller, std::size_t metric) const {
+const KnownCell* Calibration::find_known(std::string_view trajectory, std::string_view controller,
+                                         std::size_t metric) const {
   for (const KnownCell& cell : known)
     if (cell.trajectory == trajectory && cell.controller == controller && cell.metric == metric) return &cell;
   return nullptr;

@@ -13,7 +13,9 @@ class Hash {
     for (const char c : bytes) value_ = (value_ ^ static_cast<unsigned char>(c)) * prime;
     return *this;
   }
-  std::array<std::uint64_t, 2> words() const { return {static_cast<std::uint64_t>(value_ >> 64), static_cast<std::uint64_t>(value_)}; }
+  std::array<std::uint64_t, 2> words() const {
+    return {static_cast<std::uint64_t>(value_ >> 64), static_cast<std::uint64_t>(value_)};
+  }
 
  private:
   using Word = unsigned __int128;

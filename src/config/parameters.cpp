@@ -72,7 +72,8 @@ class Reader final : public ParameterVisitor {
       try {
         value.path = find_resource(value.path);
       } catch (const ConfigError&) {
-        table_.fail(name, fmt::format("\"{}\" is not there", value.path), "a path is relative to this file, or to the folder of gustlab", "");
+        table_.fail(name, fmt::format("\"{}\" is not there", value.path),
+                    "a path is relative to this file, or to the folder of gustlab", "");
       }
     }
     if (const std::string why = read_into(value.path, value.bytes); !why.empty())

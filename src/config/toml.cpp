@@ -30,13 +30,20 @@ std::string place(const toml::source_region& source, const std::string& path) {
 
 std::string name(toml::node_type type) {
   switch (type) {
-    case toml::node_type::table: return "a table";
-    case toml::node_type::array: return "an array";
-    case toml::node_type::string: return "a string";
-    case toml::node_type::integer: return "an integer";
-    case toml::node_type::floating_point: return "a number";
-    case toml::node_type::boolean: return "true or false";
-    default: return "a date or time";
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "a string";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
   }
 }
 
@@ -86,7 +93,9 @@ void check_depth(std::string_view text, const std::string& path) {
     } else if (c == '"' || c == '\'') {
       // to the end of the string, which toml++ judges; a newline ends one that is never closed
       const bool several = text.substr(i, 3) == std::string(3, c);
-      for (i += several ? 3 : 1; i < text.size() && (several ? text.substr(i, 3) != std::string(3, c) : text[i] != c && text[i] != '\n'); ++i) {
+      for (i += several ? 3 : 1;
+           i < text.size() && (several ? text.substr(i, 3) != std::string(3, c) : text[i] != c && text[i] != '\n');
+           ++i) {
         if (c == '"' && text[i] == '\\') ++i;
         if (i < text.size() && text[i] == '\n') ++line, begin = i + 1;
       }
@@ -94,7 +103,9 @@ void check_depth(std::string_view text, const std::string& path) {
       else if (i < text.size() && text[i] == '\n') --i;
     } else if (c == '.') {
       if (++dots > most_dots)
-        throw ConfigError(fmt::format("{}:{}:{}: a key of more than {} parts (nothing is nested as deep) write a shorter one", path, line, i - begin + 1, most_dots));
+        throw ConfigError(
+            fmt::format("{}:{}:{}: a key of more than {} parts (nothing is nested as deep) write a shorter one", path,
+                        line, i - begin + 1, most_dots));
     } else if (c != ' ' && c != '\t' && c != '_' && c != '-' && !std::isalnum(static_cast<unsigned char>(c))) {
       dots = 0;
       if (c == '\n') ++line, begin = i + 1;
@@ -115,7 +126,8 @@ toml::table parse_override(const std::string& text) {
   const std::string where = std::string(command_line) + text;
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw ConfigError(fmt::format("{}: not an override (there is no key before an equals sign) write --set key=value", where));
+    throw ConfigError(
+        fmt::format("{}: not an override (there is no key before an equals sign) write --set key=value", where));
   check_depth(text, where);
   try {
     return toml::parse(text, where);
@@ -128,7 +140,8 @@ toml::table parse_override(const std::string& text) {
 void add_leaves(const toml::table& table, const std::string& prefix, std::vector<std::string>& keys) {
   for (const auto& [key, value] : table) {
     const std::string name = prefix + std::string(key.str());
-    if (const toml::table* inner = value.as_table(); inner != nullptr && !inner->empty()) add_leaves(*inner, name + ".", keys);
+    if (const toml::table* inner = value.as_table(); inner != nullptr && !inner->empty())
+      add_leaves(*inner, name + ".", keys);
     else keys.push_back(name);
   }
 }
@@ -293,7 +306,8 @@ std::optional<std::vector<double>> Table::numbers(std::string_view key) {
 std::optional<std::vector<std::string>> Table::texts(std::string_view key) {
   toml::node* node = node_->ask(key);
   if (node == nullptr) return std::nullopt;
-  if (const auto path = node->source().path; node->is_string() && path && path->starts_with(command_line)) return split_words(**node->as_string());
+  if (const auto path = node->source().path; node->is_string() && path && path->starts_with(command_line))
+    return split_words(**node->as_string());
   GUSTLAB_EXPECT(node, node->is_array(), key, "an array of strings");
   std::vector<std::string> values;
   for (const toml::node& item : *node->as_array()) {
@@ -388,8 +402,8 @@ void Table::finish() const {
     const bool overridden = entry->second.source().path && entry->second.source().path->starts_with(command_line);
     const std::vector<std::string> known(node_->asked.begin(), node_->asked.end());
     const bool elsewhere = overridden || !node_->places.empty();
-    std::string message = fmt::format("{}: unknown key \"{}\"",
-                                      elsewhere ? where(key) : place(entry->first.source(), node_->path), key);
+    std::string message =
+        fmt::format("{}: unknown key \"{}\"", elsewhere ? where(key) : place(entry->first.source(), node_->path), key);
     if (known.empty()) message += " (none is known here)";
     else if (const std::string near = suggest(key, known); !near.empty()) message += " " + near;
     else message += fmt::format(" (known: {})", fmt::join(known, ", "));

@@ -29,7 +29,7 @@ class Table {
   bool has(std::string_view key) const;
   std::string where(std::string_view key = {}) const;  // file:line:col of a key, or of the table
   const std::string& path() const;
-  std::vector<std::string> keys() const;               // in file order
+  std::vector<std::string> keys() const;  // in file order
 
   // std::nullopt when absent; ConfigError on a wrong type. number() also takes an integer.
   std::optional<double> number(std::string_view key);
@@ -41,7 +41,7 @@ class Table {
   std::optional<std::vector<std::string>> texts(std::string_view key);
   std::optional<std::vector<std::vector<double>>> number_rows(std::string_view key);  // [[1, 2], [3, 4]]
   std::optional<Table> table(std::string_view key);
-  std::vector<Table> tables(std::string_view key);     // array of tables; empty when absent
+  std::vector<Table> tables(std::string_view key);  // array of tables; empty when absent
   // the value as a TOML literal, whatever it is
   std::optional<std::string> literal(std::string_view key);
   // of an array, entry by entry

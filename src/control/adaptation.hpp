@@ -27,10 +27,10 @@ class Adaptation {
   using Covariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_terms, max_terms>;
 
   struct Options {
-    double leak_radps = 0.1;          // λ
-    double noise = 1.0;               // R, (unit of y)² s
-    double growth = 4.0;              // Q = growth · I, 1/s
-    double start_covariance = 1.0;    // P(0) = · I
+    double leak_radps = 0.1;        // λ
+    double noise = 1.0;             // R, (unit of y)² s
+    double growth = 4.0;            // Q = growth · I, 1/s
+    double start_covariance = 1.0;  // P(0) = · I
     CovarianceLaw law = CovarianceLaw::corrected;
   };
 

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double degree = pi / 180.0;
 
-constexpr double angle_p = 4.5;                                                  // ATC_ANG_*_P, 1/s
-constexpr double tilt_deceleration_radps2 = 0.5 * 1100.0 * degree;               // half of ATC_ACCEL_R_MAX
-constexpr double yaw_deceleration_radps2 = 0.5 * 270.0 * degree;                 // half of ATC_ACCEL_Y_MAX
+constexpr double angle_p = 4.5;                                     // ATC_ANG_*_P, 1/s
+constexpr double tilt_deceleration_radps2 = 0.5 * 1100.0 * degree;  // half of ATC_ACCEL_R_MAX
+constexpr double yaw_deceleration_radps2 = 0.5 * 270.0 * degree;    // half of ATC_ACCEL_Y_MAX
 // ATC_RAT_*: torque as a share of the motors' range per rad/s
 const PidGains rate_gains{{0.135, 0.135, 0.18}, {0.135, 0.135, 0.018}, {0.0036, 0.0036, 0.0}, {3.7, 3.7, 27.8}};
 constexpr double target_cutoff_hz = 20.0;      // ATC_RAT_*_FLTT
@@ -27,13 +27,16 @@ constexpr double thrust_expo = 0.65;           // MOT_THST_EXPO
 class ArduPilotLoop final : public LowLevelLoop {
  public:
   ArduPilotLoop(const VehicleModel& vehicle, double period_s)
-      : period_s_(period_s), count_(vehicle.rotor_count), max_speed_radps_(vehicle.max_speed_radps),
+      : period_s_(period_s),
+        count_(vehicle.rotor_count),
+        max_speed_radps_(vehicle.max_speed_radps),
         full_speed_radps_(PwmMap(vehicle).speed_of_pwm(PwmMap::full)),
         coefficient_Ns2_(vehicle.rotors[0].thrust_coefficient_Ns2) {
     for (int i = 0; i < count_; ++i) {
       const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
       const Vector3 hub = rotor.position_B_m - vehicle.center_of_mass_B_m;
-      share_[static_cast<std::size_t>(i)] = 0.5 * Vector3(hub.y() > 0.0 ? 1.0 : -1.0, hub.x() > 0.0 ? -1.0 : 1.0, -rotor.direction);
+      share_[static_cast<std::size_t>(i)] =
+          0.5 * Vector3(hub.y() > 0.0 ? 1.0 : -1.0, hub.x() > 0.0 ? -1.0 : 1.0, -rotor.direction);
     }
   }
 
@@ -91,8 +94,9 @@ class ArduPilotLoop final : public LowLevelLoop {
     RotorCommand command;
     for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
       const double share = std::clamp(thrust + scale * tilt[i] + room * share_[i].z() * torque.z(), 0.0, 1.0);
-      const double throttle = (thrust_expo - 1.0 + std::sqrt((1.0 - thrust_expo) * (1.0 - thrust_expo) + 4.0 * thrust_expo * share)) /
-                              (2.0 * thrust_expo);
+      const double throttle =
+          (thrust_expo - 1.0 + std::sqrt((1.0 - thrust_expo) * (1.0 - thrust_expo) + 4.0 * thrust_expo * share)) /
+          (2.0 * thrust_expo);
       command.speed_radps[i] = limited(throttle * full_speed_radps_, max_speed_radps_);
     }
     return command;

@@ -37,7 +37,8 @@ class CrazyflieLoop final : public LowLevelLoop {
     const double yaw_rad = last_angle_deg_.z() * degree, c = std::cos(yaw_rad), s = std::sin(yaw_rad);
     const Vector3 z = wanted.attitude_WB * Vector3::UnitZ();
     wanted_deg_ = Vector3(std::asin(limited(s * z.x() - c * z.y(), 1.0)), std::atan2(c * z.x() + s * z.y(), z.z()),
-                          yaw_of(wanted.attitude_WB)) / degree;
+                          yaw_of(wanted.attitude_WB)) /
+                  degree;
     thrust_pwm_ = std::clamp(mixer_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full);
   }
 
@@ -56,8 +57,9 @@ class CrazyflieLoop final : public LowLevelLoop {
     // rate error → torque in counts
     const Vector3 rate_change = (last_rate_degps_ - rate_degps) / period_s_;
     last_rate_degps_ = rate_degps;
-    const Vector3 torque = limited(rate_.update(wanted_rate_degps - rate_degps, derivative_.update(rate_change), period_s_),
-                                   Vector3::Constant(torque_limit));
+    const Vector3 torque =
+        limited(rate_.update(wanted_rate_degps - rate_degps, derivative_.update(rate_change), period_s_),
+                Vector3::Constant(torque_limit));
 
     return mixer_.speeds(thrust_pwm_, torque);
   }

@@ -18,7 +18,8 @@ inline constexpr std::array<std::string_view, daiml_inputs> daiml_input_names{
     "vx_W_mps", "vy_W_mps", "vz_W_mps", "qw", "qx", "qy", "qz", "thrust", "torque_x", "torque_y", "torque_z"};
 
 // quaternion with w ≥ 0
-std::array<double, daiml_inputs> daiml_input(const VehicleModel& vehicle, const Mixer& mixer, const Vector3& velocity_W_mps,
-                                             const Quaternion& attitude_WB, const RotorArray& rotor_speed_radps);
+std::array<double, daiml_inputs> daiml_input(const VehicleModel& vehicle, const Mixer& mixer,
+                                             const Vector3& velocity_W_mps, const Quaternion& attitude_WB,
+                                             const RotorArray& rotor_speed_radps);
 
 }  // namespace gustlab

@@ -199,7 +199,8 @@ std::vector<FeatureTerm> parse_terms(std::span<const std::string> texts) {
     }
     const std::string& name = terms.back().name();
     if (std::any_of(terms.begin(), terms.end() - 1, [&](const FeatureTerm& before) { return before.name() == name; }))
-      throw ParameterError("terms", "term \"" + name + "\" is here twice (one coefficient cannot be told from the other) keep one");
+      throw ParameterError(
+          "terms", "term \"" + name + "\" is here twice (one coefficient cannot be told from the other) keep one");
   }
   return terms;
 }

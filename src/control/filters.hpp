@@ -17,10 +17,8 @@ class LowPass1 {
       : gain_(time_constant_s > 0.0 ? 1.0 - std::exp(-period_s / time_constant_s) : 1.0), value_(start) {}
 
   const Value& update(const Value& input) {
-    if (gain_ == 1.0)
-      value_ = input;
-    else
-      value_ += gain_ * (input - value_);
+    if (gain_ == 1.0) value_ = input;
+    else value_ += gain_ * (input - value_);
     return value_;
   }
   const Value& value() const { return value_; }

@@ -14,7 +14,10 @@ namespace {
 class GenericLoop final : public LowLevelLoop {
  public:
   GenericLoop(const VehicleModel& vehicle, double period_s)
-      : period_s_(period_s), inertia_B_kgm2_(vehicle.inertia_B_kgm2), mixer_(vehicle), bandwidths_(bandwidths_of(vehicle, period_s)),
+      : period_s_(period_s),
+        inertia_B_kgm2_(vehicle.inertia_B_kgm2),
+        mixer_(vehicle),
+        bandwidths_(bandwidths_of(vehicle, period_s)),
         lead_(vehicle, period_s) {
     const Vector3 rate(bandwidths_.rate, bandwidths_.rate, bandwidths_.yaw_rate);
     const Vector3 authority = (vehicle.inertia_B_kgm2.inverse() * mixer_.torque_authority_B_Nm()).cwiseAbs();

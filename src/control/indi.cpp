@@ -22,7 +22,7 @@ constexpr double firmware_most_thrust = 60000.0;
 
 // pinv(G) y. On its side, a vehicle's thrust is not turned by pitch, or by roll: there it is left as it is.
 Vector3 times_pseudo_inverse(const Matrix3& G, const Vector3& y) {
-  constexpr double least_share = 1e-3;   // a column of what the three span
+  constexpr double least_share = 1e-3;  // a column of what the three span
   Matrix3 inverse;
   bool invertible = false;
   G.computeInverseWithCheck(inverse, invertible, least_share * G.col(0).norm() * G.col(0).norm());
@@ -45,7 +45,11 @@ IndiOptions scaled(IndiOptions options, const VehicleModel& vehicle, LowLevel ki
 }
 
 IndiAttitude::IndiAttitude(const VehicleModel& vehicle, LowLevel kind, const IndiOptions& options, double period_s)
-    : counts_(kind == LowLevel::crazyflie), options_(options), period_s_(period_s), mixer_(vehicle), lead_(vehicle, period_s) {
+    : counts_(kind == LowLevel::crazyflie),
+      options_(options),
+      period_s_(period_s),
+      mixer_(vehicle),
+      lead_(vehicle, period_s) {
   if (counts_) {
     legacy_ = LegacyMixer(vehicle);
     torque_per_acceleration_ = (firmware_g1 + Vector3(0.0, 0.0, firmware_g2)).cwiseInverse().asDiagonal();
@@ -86,13 +90,18 @@ RotorCommand IndiAttitude::update(const Observation& observation, const ThrustAt
   const Vector3 torque = limited(torque_f + increment, limit_);
   actuator_ += actuator_follows_ * (torque - actuator_);
 
-  if (counts_) return legacy_.speeds(std::clamp(legacy_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full), torque);
+  if (counts_)
+    return legacy_.speeds(std::clamp(legacy_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full), torque);
   return lead_.update(mixer_.speeds(wanted.thrust_N, torque));
 }
 
 IndiPosition::IndiPosition(const VehicleModel& vehicle, LowLevel kind, const IndiOptions& options, double period_s)
-    : counts_(kind == LowLevel::crazyflie), options_(options), period_s_(period_s), mass_kg_(vehicle.mass_kg),
-      gravity_mps2_(vehicle.gravity_mps2), legacy_(vehicle) {
+    : counts_(kind == LowLevel::crazyflie),
+      options_(options),
+      period_s_(period_s),
+      mass_kg_(vehicle.mass_kg),
+      gravity_mps2_(vehicle.gravity_mps2),
+      legacy_(vehicle) {
   if (counts_) {
     acceleration_per_thrust_ = firmware_k_thrust;
     most_thrust_ = firmware_most_thrust;
@@ -146,8 +155,13 @@ ThrustAttitude IndiPosition::update(const Observation& observation, const Refere
 
 IndiForce::IndiForce(const VehicleModel& vehicle, const IndiOptions& options, double bandwidth_radps, double damping,
                      double period_s)
-    : options_(options), period_s_(period_s), k_p_(bandwidth_radps * bandwidth_radps), k_v_(2.0 * damping * bandwidth_radps),
-      mass_kg_(vehicle.mass_kg), gravity_mps2_(vehicle.gravity_mps2), mixer_(vehicle),
+    : options_(options),
+      period_s_(period_s),
+      k_p_(bandwidth_radps * bandwidth_radps),
+      k_v_(2.0 * damping * bandwidth_radps),
+      mass_kg_(vehicle.mass_kg),
+      gravity_mps2_(vehicle.gravity_mps2),
+      mixer_(vehicle),
       model_follows_(follows(nominal_motor_lag_s(vehicle), period_s)) {}
 
 void IndiForce::reset(const Observation& first) {
@@ -161,12 +175,13 @@ ThrustAttitude IndiForce::update(const Observation& observation, const Reference
     model_speed_radps_[i] += model_follows_ * (command_radps_[i] - model_speed_radps_[i]);
   const Quaternion& q = observation.attitude_WB;
   const Vector3 thrust_f = thrust_.update(q * mixer_.force_B_N(model_speed_radps_));
-  const Vector3 acceleration_f = acceleration_.update(q * observation.specific_force_B_mps2 - gravity_mps2_ * Vector3::UnitZ());
+  const Vector3 acceleration_f =
+      acceleration_.update(q * observation.specific_force_B_mps2 - gravity_mps2_ * Vector3::UnitZ());
   const Vector3 wanted_acceleration = reference.acceleration_W_mps2 -
                                       k_p_ * (observation.position_W_m - reference.position_W_m) -
                                       k_v_ * (observation.velocity_W_mps - reference.velocity_W_mps);
-  const Vector3 force = tilt_limited(thrust_f + mass_kg_ * (wanted_acceleration - acceleration_f), options_.tilt_limit_rad,
-                                     0.1 * mass_kg_ * gravity_mps2_);
+  const Vector3 force = tilt_limited(thrust_f + mass_kg_ * (wanted_acceleration - acceleration_f),
+                                     options_.tilt_limit_rad, 0.1 * mass_kg_ * gravity_mps2_);
   const double along_N = std::clamp(force.dot(q * Vector3::UnitZ()), 0.0, 0.95 * mixer_.max_thrust_N());
   return {along_N, attitude_along(force, reference.yaw_rad)};
 }

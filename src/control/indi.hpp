@@ -15,11 +15,11 @@
 namespace gustlab {
 
 struct IndiOptions {
-  double attitude_gain = 5.0;   // rate wanted per attitude error, 1/s
-  double rate_gain = 24.0;      // angular acceleration wanted per rate error, 1/s
-  double position_gain = 1.0;   // velocity wanted per position error, 1/s
-  double velocity_gain = 5.0;   // acceleration wanted per velocity error, 1/s
-  double filter_hz = 8.0;       // second-order Butterworth of every sensor and actuator
+  double attitude_gain = 5.0;  // rate wanted per attitude error, 1/s
+  double rate_gain = 24.0;     // angular acceleration wanted per rate error, 1/s
+  double position_gain = 1.0;  // velocity wanted per position error, 1/s
+  double velocity_gain = 5.0;  // acceleration wanted per velocity error, 1/s
+  double filter_hz = 8.0;      // second-order Butterworth of every sensor and actuator
   double tilt_limit_rad = 10.0 * pi / 180.0;
 };
 
@@ -82,7 +82,8 @@ class IndiPosition {
 class IndiForce {
  public:
   IndiForce() = default;
-  IndiForce(const VehicleModel& vehicle, const IndiOptions& options, double bandwidth_radps, double damping, double period_s);
+  IndiForce(const VehicleModel& vehicle, const IndiOptions& options, double bandwidth_radps, double damping,
+            double period_s);
 
   void reset(const Observation& first);
   ThrustAttitude update(const Observation& observation, const Reference& reference);

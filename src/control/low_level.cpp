@@ -15,8 +15,10 @@ LowLevel low_level_of(std::string_view choice, const VehicleModel& vehicle) {
   if (choice == "ardupilot") return LowLevel::ardupilot;
   if (choice == "generic") return LowLevel::generic;
   if (choice != "auto")
-    throw ParameterError("low_level", fmt::format("low_level = \"{}\" is unknown (it names the attitude and rate loops) "
-                                                  "use auto, crazyflie, ardupilot or generic", choice));
+    throw ParameterError("low_level",
+                         fmt::format("low_level = \"{}\" is unknown (it names the attitude and rate loops) "
+                                     "use auto, crazyflie, ardupilot or generic",
+                                     choice));
   // a firmware's gains fit the vehicle that they were tuned on
   if (vehicle.rotor_count == 4) {
     if (vehicle.name == "crazyflie") return LowLevel::crazyflie;
@@ -27,18 +29,24 @@ LowLevel low_level_of(std::string_view choice, const VehicleModel& vehicle) {
 
 double base_rate_hz(LowLevel loop) {
   switch (loop) {
-    case LowLevel::crazyflie: return 500.0;  // firmware: ATTITUDE_RATE
-    case LowLevel::ardupilot: return 400.0;  // firmware: SCHED_LOOP_RATE
-    case LowLevel::generic: return 500.0;
+    case LowLevel::crazyflie:
+      return 500.0;  // firmware: ATTITUDE_RATE
+    case LowLevel::ardupilot:
+      return 400.0;  // firmware: SCHED_LOOP_RATE
+    case LowLevel::generic:
+      return 500.0;
   }
   return 500.0;
 }
 
 std::unique_ptr<LowLevelLoop> make_low_level(LowLevel loop, const VehicleModel& vehicle, double period_s) {
   switch (loop) {
-    case LowLevel::crazyflie: return make_crazyflie_loop(vehicle, period_s);
-    case LowLevel::ardupilot: return make_ardupilot_loop(vehicle, period_s);
-    case LowLevel::generic: return make_generic_loop(vehicle, period_s);
+    case LowLevel::crazyflie:
+      return make_crazyflie_loop(vehicle, period_s);
+    case LowLevel::ardupilot:
+      return make_ardupilot_loop(vehicle, period_s);
+    case LowLevel::generic:
+      return make_generic_loop(vehicle, period_s);
   }
   return nullptr;
 }
@@ -60,9 +68,12 @@ Bandwidths bandwidths_of(const VehicleModel& vehicle, double period_s) {
 
 double attitude_bandwidth(LowLevel loop, const VehicleModel& vehicle, double period_s) {
   switch (loop) {
-    case LowLevel::crazyflie: return 6.0;  // firmware: PID_ROLL_KP
-    case LowLevel::ardupilot: return 4.5;  // firmware: ATC_ANG_RLL_P
-    case LowLevel::generic: return bandwidths_of(vehicle, period_s).attitude;
+    case LowLevel::crazyflie:
+      return 6.0;  // firmware: PID_ROLL_KP
+    case LowLevel::ardupilot:
+      return 4.5;  // firmware: ATC_ANG_RLL_P
+    case LowLevel::generic:
+      return bandwidths_of(vehicle, period_s).attitude;
   }
   return 0.0;
 }
@@ -71,8 +82,11 @@ int ticks_per_update(std::string_view parameter, double rate_hz, double period_s
   const double ticks = 1.0 / (rate_hz * period_s);
   const double whole = std::round(ticks);
   if (!(whole >= 1.0) || std::abs(ticks - whole) > 1e-6 * whole)
-    throw ParameterError(parameter, fmt::format("{} = {} does not divide the base rate of {:.6g} Hz (a slower loop runs every n-th tick) "
-                                                "use base rate / n", parameter, rate_hz, 1.0 / period_s));
+    throw ParameterError(
+        parameter,
+        fmt::format("{} = {} does not divide the base rate of {:.6g} Hz (a slower loop runs every n-th tick) "
+                    "use base rate / n",
+                    parameter, rate_hz, 1.0 / period_s));
   return static_cast<int>(whole);
 }
 

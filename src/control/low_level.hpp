@@ -32,7 +32,8 @@ enum class LowLevel { crazyflie, ardupilot, generic };
 // automatic, crazyflie, ardupilot or generic; automatic goes by the vehicle's name. Throws ParameterError on any other.
 LowLevel low_level_of(std::string_view choice, const VehicleModel& vehicle);
 inline constexpr std::string_view low_level_help =
-    "attitude and rate loops: auto, crazyflie, ardupilot (both as their firmware) or generic (gains from mass and inertia)";
+    "attitude and rate loops: auto, crazyflie, ardupilot (both as their firmware) or generic (gains from mass and "
+    "inertia)";
 
 // Rate at which update() is called: Crazyflie 500 Hz, ArduPilot 400 Hz, generic 500 Hz.
 double base_rate_hz(LowLevel loop);

@@ -55,10 +55,12 @@ class Reader {
            "train it again");
   }
   void expect_key(std::string_view key) const {
-    if (words_[0] != key) fail(0, "\"" + std::string(words_[0]) + "\" stands where \"" + std::string(key) + "\" should", "train it again");
+    if (words_[0] != key)
+      fail(0, "\"" + std::string(words_[0]) + "\" stands where \"" + std::string(key) + "\" should", "train it again");
   }
   [[noreturn]] void fail(std::size_t word, const std::string& problem, const std::string& suggestion) const {
-    const std::size_t column = word < words_.size() ? static_cast<std::size_t>(words_[word].data() - line_.data()) : line_.size();
+    const std::size_t column =
+        word < words_.size() ? static_cast<std::size_t>(words_[word].data() - line_.data()) : line_.size();
     throw DataError(path_ + ":" + std::to_string(line_number_) + ":" + std::to_string(column + 1) + ": " + problem +
                     " (a network of format " + std::string(format) + ") " + suggestion);
   }
@@ -98,7 +100,8 @@ NetworkWeights parse_network(const std::string& text, const std::string& path) {
   while (reader.next("inputs")[0] == "#") {
     const std::string_view line = reader.line();
     const std::size_t colon = line.find(": ");
-    if (colon == std::string_view::npos || colon < 2) reader.fail(0, "a provenance line reads `# KEY: VALUE`", "add the colon");
+    if (colon == std::string_view::npos || colon < 2)
+      reader.fail(0, "a provenance line reads `# KEY: VALUE`", "add the colon");
     network.provenance.emplace_back(line.substr(2, colon - 2), line.substr(colon + 2));
   }
   reader.expect_key("inputs");
@@ -108,7 +111,8 @@ NetworkWeights parse_network(const std::string& text, const std::string& path) {
   network.mean = numbers(reader, "mean", width);
   network.scale = numbers(reader, "scale", width);
   for (std::size_t i = 0; i < width; ++i)
-    if (!(network.scale[static_cast<Eigen::Index>(i)] > 0.0)) reader.fail(i + 1, "a scale is not positive", "train it again");
+    if (!(network.scale[static_cast<Eigen::Index>(i)] > 0.0))
+      reader.fail(i + 1, "a scale is not positive", "train it again");
 
   reader.next("layers");
   reader.expect_key("layers");
@@ -172,7 +176,8 @@ std::string network_text(const NetworkWeights& weights) {
 
 Network::Network(NetworkWeights weights) : weights_(std::move(weights)) {
   values_.push_back(Eigen::VectorXd::Zero(weights_.mean.size()));
-  for (const NetworkWeights::Layer& layer : weights_.layers) values_.push_back(Eigen::VectorXd::Zero(layer.bias.size()));
+  for (const NetworkWeights::Layer& layer : weights_.layers)
+    values_.push_back(Eigen::VectorXd::Zero(layer.bias.size()));
 }
 
 const Eigen::VectorXd& Network::evaluate(std::span<const double> input) {

@@ -11,25 +11,33 @@ namespace gustlab {
 
 void OffboardOptions::visit(ParameterVisitor& visitor) {
   visitor.text("low_level", low_level, {.help = low_level_help});
-  visitor.number("rate_hz", rate_hz, {.unit = "Hz", .help = "of the force law; divides the base rate", .min = 1.0, .max = 1000.0});
+  visitor.number("rate_hz", rate_hz,
+                 {.unit = "Hz", .help = "of the force law; divides the base rate", .min = 1.0, .max = 1000.0});
   visitor.number("delay_s", delay_s, {.unit = "s", .help = "age of what the force law sees", .min = 0.0, .max = 0.5});
   visitor.text("thrust_estimate", thrust_estimate,
                {.help = "thrust from the command, through the nominal rotor lag, or from the measured rotor_speed"});
   visitor.number("bandwidth_radps", bandwidth_radps,
-                 {.unit = "rad/s", .help = "of the position error, K_p = w²; 0: 0.27 of the attitude loop's", .min = 0.0, .max = 50.0});
+                 {.unit = "rad/s",
+                  .help = "of the position error, K_p = w²; 0: 0.27 of the attitude loop's",
+                  .min = 0.0,
+                  .max = 50.0});
   visitor.number("damping", damping, {.help = "K_v = 2 damping w", .min = 0.0, .max = 10.0});
-  visitor.number("tilt_limit_deg", tilt_limit_deg, {.unit = "deg", .help = "of the wanted attitude", .min = 1.0, .max = 80.0});
-  visitor.flag("feedforward", feedforward, {.help = "the law is told velocity and acceleration of the reference; otherwise they count as zero"});
+  visitor.number("tilt_limit_deg", tilt_limit_deg,
+                 {.unit = "deg", .help = "of the wanted attitude", .min = 1.0, .max = 80.0});
+  visitor.flag("feedforward", feedforward,
+               {.help = "the law is told velocity and acceleration of the reference; otherwise they count as zero"});
 }
 
 double OffboardFrame::base_rate_hz(const OffboardOptions& options, const VehicleModel& vehicle) const {
   return gustlab::base_rate_hz(low_level_of(options.low_level, vehicle));
 }
 
-OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const ControllerSetup& setup, const Observation& first) {
+OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const ControllerSetup& setup,
+                                   const Observation& first) {
   if (options.thrust_estimate != "command" && options.thrust_estimate != "rotor_speed")
-    throw ParameterError("thrust_estimate", "thrust_estimate = \"" + options.thrust_estimate +
-                                                "\" is unknown (where the thrust is known from) use command or rotor_speed");
+    throw ParameterError("thrust_estimate",
+                         "thrust_estimate = \"" + options.thrust_estimate +
+                             "\" is unknown (where the thrust is known from) use command or rotor_speed");
   feedforward_ = options.feedforward;
   from_rotor_speed_ = options.thrust_estimate == "rotor_speed";
   vehicle_ = setup.vehicle;
@@ -41,8 +49,8 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
   ticks_ = ticks_per_update("rate_hz", options.rate_hz, period_s_);
   tick_ = 0;
   tilt_limit_rad_ = options.tilt_limit_deg * pi / 180.0;
-  const double w = options.bandwidth_radps > 0.0 ? options.bandwidth_radps
-                                                 : 0.27 * attitude_bandwidth(kind, vehicle_, period_s_);
+  const double w =
+      options.bandwidth_radps > 0.0 ? options.bandwidth_radps : 0.27 * attitude_bandwidth(kind, vehicle_, period_s_);
   k_p_ = w * w;
   k_v_ = 2.0 * options.damping * w;
 
@@ -63,8 +71,7 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
 bool OffboardFrame::observe(const Observation& observation, const Reference& reference, OffboardInput& input) {
   // thrust of the period that ends now
   RotorArray& speed = model_speed_radps_;
-  if (from_rotor_speed_)
-    speed = observation.rotor_speed_radps;
+  if (from_rotor_speed_) speed = observation.rotor_speed_radps;
   else
     for (std::size_t i = 0; i < speed.size(); ++i) speed[i] += model_follows_ * (command_radps_[i] - speed[i]);
   impulse_W_Ns_ += period_s_ * (observation.attitude_WB * mixer_.force_B_N(speed));

@@ -31,20 +31,20 @@ struct OffboardOptions {
 
 struct OffboardSetup {
   VehicleModel vehicle;
-  double period_s = 0.02;          // of the law
-  double bandwidth_radps = 1.6;    // of the position error's PD
+  double period_s = 0.02;        // of the law
+  double bandwidth_radps = 1.6;  // of the position error's PD
 };
 
 struct OffboardInput {
   double time_s = 0.0;
-  Observation seen;                       // delayed
+  Observation seen;  // delayed
   Reference reference;
-  Vector3 position_error_W_m;             // e_p = p − p_d
-  Vector3 velocity_error_W_mps;           // e_v = v − v_d
-  Vector3 acceleration_command_W_mps2;    // a_cmd = a_d − K_p e_p − K_v e_v
+  Vector3 position_error_W_m;           // e_p = p − p_d
+  Vector3 velocity_error_W_mps;         // e_v = v − v_d
+  Vector3 acceleration_command_W_mps2;  // a_cmd = a_d − K_p e_p − K_v e_v
   // both over the same interval, that between the last two poses seen
-  Vector3 acceleration_W_mps2;            // a_meas, finite difference of the velocity
-  Vector3 thrust_W_N;                     // u_prev, mean of the estimated thrust vector
+  Vector3 acceleration_W_mps2;  // a_meas, finite difference of the velocity
+  Vector3 thrust_W_N;           // u_prev, mean of the estimated thrust vector
 };
 
 // The part of an offboard controller that does not depend on its law.

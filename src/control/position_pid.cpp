@@ -36,7 +36,9 @@ void CrazyfliePosition::reset() {
 ThrustAttitude CrazyfliePosition::update(const Observation& observation, const Reference& reference) {
   const double yaw_rad = yaw_of(observation.attitude_WB);
   const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
-  const auto to_heading = [&](const Vector3& v) { return Vector3(c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z()); };
+  const auto to_heading = [&](const Vector3& v) {
+    return Vector3(c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z());
+  };
 
   // position → velocity
   Vector3 wanted_velocity = limited(
@@ -88,7 +90,8 @@ ThrustAttitude ForcePosition::update(const Observation& observation, const Refer
   const double p = options_.position_xy_p;
   Vector3 wanted_velocity = p * error;
   if (distance > 1e-9) {
-    const double speed = limited(square_root_law(distance, p, options_.deceleration_xy_mps2), options_.velocity_limit_xy_mps);
+    const double speed =
+        limited(square_root_law(distance, p, options_.deceleration_xy_mps2), options_.velocity_limit_xy_mps);
     wanted_velocity.head<2>() = error.head<2>() * (speed / distance);
   }
   wanted_velocity.z() = limited(square_root_law(error.z(), options_.position_z_p, options_.deceleration_z_mps2),

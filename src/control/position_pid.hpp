@@ -41,8 +41,8 @@ class CrazyfliePosition {
 class ForcePosition {
  public:
   struct Options {
-    double position_xy_p = 1.0, position_z_p = 1.0;                                 // 1/s
-    double velocity_xy_p = 2.0, velocity_xy_i = 1.0, velocity_xy_d = 0.5;           // 1/s, 1/s², –
+    double position_xy_p = 1.0, position_z_p = 1.0;                        // 1/s
+    double velocity_xy_p = 2.0, velocity_xy_i = 1.0, velocity_xy_d = 0.5;  // 1/s, 1/s², –
     double velocity_z_p = 5.0, velocity_z_i = 2.5;
     double error_cutoff_hz = 5.0, derivative_cutoff_hz = 5.0;
     double integral_limit_mps2 = 10.0;

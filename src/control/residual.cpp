@@ -6,19 +6,27 @@
 namespace gustlab {
 
 void ResidualAdaptation::visit(ParameterVisitor& visitor) {
-  visitor.number("leak_radps", options_.leak_radps, {.unit = "1/s", .help = "lambda: how fast parameters are forgotten", .min = 0.0, .max = 10.0});
-  visitor.number("noise", options_.noise, {.unit = "m^2/s^3", .help = "R of the measured residual, per mass", .min = 1e-6, .max = 1e6});
+  visitor.number("leak_radps", options_.leak_radps,
+                 {.unit = "1/s", .help = "lambda: how fast parameters are forgotten", .min = 0.0, .max = 10.0});
+  visitor.number("noise", options_.noise,
+                 {.unit = "m^2/s^3", .help = "R of the measured residual, per mass", .min = 1e-6, .max = 1e6});
   visitor.number("growth", options_.growth, {.unit = "1/s", .help = "Q = growth I", .min = 0.0, .max = 1e6});
-  visitor.number("start_covariance", options_.start_covariance, {.help = "P(0) = start_covariance I", .min = 1e-9, .max = 1e6});
-  visitor.text("covariance_law", covariance_law_, {.help = "corrected, or printed: the paper's, without the trailing P"});
-  visitor.number("sliding_radps", sliding_radps_, {.unit = "rad/s", .help = "Lambda of s = e_v + Lambda e_p", .min = 0.0, .max = 50.0});
-  visitor.number("filter_hz", filter_hz_, {.unit = "Hz", .help = "low-pass of a_meas and u_prev; 0: none", .min = 0.0, .max = 100.0});
-  visitor.number("limit_weights", limit_weights_, {.help = "largest force that is cancelled, of the weight", .min = 0.0, .max = 2.0});
+  visitor.number("start_covariance", options_.start_covariance,
+                 {.help = "P(0) = start_covariance I", .min = 1e-9, .max = 1e6});
+  visitor.text("covariance_law", covariance_law_,
+               {.help = "corrected, or printed: the paper's, without the trailing P"});
+  visitor.number("sliding_radps", sliding_radps_,
+                 {.unit = "rad/s", .help = "Lambda of s = e_v + Lambda e_p", .min = 0.0, .max = 50.0});
+  visitor.number("filter_hz", filter_hz_,
+                 {.unit = "Hz", .help = "low-pass of a_meas and u_prev; 0: none", .min = 0.0, .max = 100.0});
+  visitor.number("limit_weights", limit_weights_,
+                 {.help = "largest force that is cancelled, of the weight", .min = 0.0, .max = 2.0});
 }
 
 void ResidualAdaptation::reset(const OffboardSetup& setup, const Adaptation::Parameters& start) {
   if (covariance_law_ != "corrected" && covariance_law_ != "printed")
-    throw ParameterError("covariance_law", "covariance_law = \"" + covariance_law_ + "\" is unknown (how P evolves) use corrected or printed");
+    throw ParameterError("covariance_law", "covariance_law = \"" + covariance_law_ +
+                                               "\" is unknown (how P evolves) use corrected or printed");
   options_.law = covariance_law_ == "printed" ? CovarianceLaw::printed : CovarianceLaw::corrected;
   mass_kg_ = setup.vehicle.mass_kg;
   weight_N_ = setup.vehicle.weight_N();

@@ -30,8 +30,8 @@ void ResidualModel::prepare() {
   const std::pair<const char*, const std::vector<double>&> axes[] = {{"fx", fx_}, {"fy", fy_}, {"fz", fz_}};
   for (const auto& [name, axis] : axes)
     if (axis.size() != names_.size())
-      throw ParameterError(name, fmt::format("{} must have one number per term (there are {} terms and {} numbers)", name,
-                                             names_.size(), axis.size()));
+      throw ParameterError(name, fmt::format("{} must have one number per term (there are {} terms and {} numbers)",
+                                             name, names_.size(), axis.size()));
   coefficients_.resize(3, static_cast<Eigen::Index>(names_.size()));
   for (std::size_t i = 0; i < names_.size(); ++i)
     coefficients_.col(static_cast<Eigen::Index>(i)) << fx_[i], fy_[i], fz_[i];

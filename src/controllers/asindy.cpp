@@ -30,7 +30,8 @@ ResidualModel read_model(const InputFile& file) {
     config::at_place(spec, [&] { identified.model.prepare(); });
     return identified.model;
   }
-  throw ConfigError(file.path + ": no [[effect]] of type \"sindy_residual\" (a model lists the active terms) name a file that "
+  throw ConfigError(file.path +
+                    ": no [[effect]] of type \"sindy_residual\" (a model lists the active terms) name a file that "
                     "`gustlab identify --out` wrote");
 }
 
@@ -47,10 +48,12 @@ const std::vector<std::string> default_terms{"1", "T sin theta", "T sin phi"};
 class AdaptiveSindy {
  public:
   void visit(ParameterVisitor& visitor) {
-    visitor.texts("terms", term_names_, {.help = "active terms: the union over the three axes of what SINDy identified"});
+    visitor.texts("terms", term_names_,
+                  {.help = "active terms: the union over the three axes of what SINDy identified"});
     visitor.file("model", model_, {.help = "file that `gustlab identify --out` wrote: its terms instead"});
-    visitor.flag("start_at_model", start_at_model_,
-                 {.help = "coefficients start at the model's, in N of the vehicle it was identified on; otherwise at zero"});
+    visitor.flag(
+        "start_at_model", start_at_model_,
+        {.help = "coefficients start at the model's, in N of the vehicle it was identified on; otherwise at zero"});
     residual_.visit(visitor);
   }
 
@@ -66,9 +69,10 @@ class AdaptiveSindy {
       terms_.assign(model.terms().begin(), model.terms().end());
     }
     if (terms_.empty() || terms_.size() > Adaptation::max_terms)
-      throw ParameterError(model_.path.empty() ? "terms" : "model",
-                           fmt::format("{} has {} terms (1 to {} terms can adapt)", model_.path.empty() ? "\"terms\"" : model_.path,
-                                       terms_.size(), Adaptation::max_terms));
+      throw ParameterError(
+          model_.path.empty() ? "terms" : "model",
+          fmt::format("{} has {} terms (1 to {} terms can adapt)", model_.path.empty() ? "\"terms\"" : model_.path,
+                      terms_.size(), Adaptation::max_terms));
     phi_ = Adaptation::Row::Zero(static_cast<Eigen::Index>(terms_.size()));
 
     Adaptation::Parameters start = Adaptation::Parameters::Zero(phi_.cols(), 3);

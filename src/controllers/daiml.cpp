@@ -19,7 +19,8 @@ namespace {
 class Daiml {
  public:
   void visit(ParameterVisitor& visitor) {
-    visitor.file("weights", weights_, {.help = "file that `gustlab train` wrote; \"\": a constant is the only feature"});
+    visitor.file("weights", weights_,
+                 {.help = "file that `gustlab train` wrote; \"\": a constant is the only feature"});
     residual_.visit(visitor);
   }
 
@@ -27,18 +28,20 @@ class Daiml {
     vehicle_ = setup.vehicle;
     mixer_ = Mixer(vehicle_);
     network_ = weights_.bytes.empty() ? Network() : Network(parse_network(weights_.bytes, weights_.path));
-    if (!weights_.bytes.empty() && !std::equal(daiml_input_names.begin(), daiml_input_names.end(), network_.weights().inputs.begin(),
-                                         network_.weights().inputs.end()))
+    if (!weights_.bytes.empty() && !std::equal(daiml_input_names.begin(), daiml_input_names.end(),
+                                               network_.weights().inputs.begin(), network_.weights().inputs.end()))
       throw ParameterError("weights", weights_.path + " looks at other inputs (see its line `inputs`) train it again");
     if (network_.outputs() + 1 > Adaptation::max_terms)
-      throw ParameterError("weights", weights_.path + " has more than " + std::to_string(Adaptation::max_terms - 1) + " outputs");
+      throw ParameterError("weights",
+                           weights_.path + " has more than " + std::to_string(Adaptation::max_terms - 1) + " outputs");
     phi_ = Adaptation::Row::Ones(network_.outputs() + 1);
     residual_.reset(setup, Adaptation::Parameters::Zero(phi_.cols(), 3));
   }
 
   Vector3 update(const OffboardInput& in) {
     if (network_.outputs() > 0) {
-      const auto input = daiml_input(vehicle_, mixer_, in.seen.velocity_W_mps, in.seen.attitude_WB, in.seen.rotor_speed_radps);
+      const auto input =
+          daiml_input(vehicle_, mixer_, in.seen.velocity_W_mps, in.seen.attitude_WB, in.seen.rotor_speed_radps);
       phi_.head(network_.outputs()) = network_.evaluate(input).transpose();
     }
     return residual_.update(in, phi_);

@@ -29,7 +29,8 @@ class Geometric {
   Vector3 update(const OffboardInput& in) {
     // s = e_p + e_v/w: the position error with some lead
     const Vector3 s = in.position_error_W_m + in.velocity_error_W_mps / w_;
-    sum_W_mps2_ = limited(sum_W_mps2_ + 0.25 * integral_ * w_ * w_ * w_ * period_s_ * s, Vector3::Constant(limit_mps2_));
+    sum_W_mps2_ =
+        limited(sum_W_mps2_ + 0.25 * integral_ * w_ * w_ * w_ * period_s_ * s, Vector3::Constant(limit_mps2_));
     return mass_kg_ * (in.acceleration_command_W_mps2 - sum_W_mps2_) + weight_W_N_;
   }
 

@@ -16,15 +16,29 @@ class Indi final : public Controller {
   void visit(ParameterVisitor& visitor) override {
     visitor.text("low_level", low_level_, {.help = low_level_help});
     visitor.text("law", law_, {.help = "outer loop: firmware (Crazyflie) or flatness (Tal & Karaman)"});
-    visitor.text("inner", inner_, {.help = "inner loop: indi, or low_level for the vehicle's usual attitude and rate loops"});
-    visitor.number("position_gain", options_.position_gain, {.unit = "1/s", .help = "velocity per position error (firmware law)", .min = 0.0, .max = 50.0});
-    visitor.number("velocity_gain", options_.velocity_gain, {.unit = "1/s", .help = "acceleration per velocity error (firmware law)", .min = 0.0, .max = 50.0});
-    visitor.number("attitude_gain", options_.attitude_gain, {.unit = "1/s", .help = "rate per attitude error", .min = 0.0, .max = 50.0});
-    visitor.number("rate_gain", options_.rate_gain, {.unit = "1/s", .help = "angular acceleration per rate error", .min = 0.1, .max = 200.0});
-    visitor.number("filter_hz", options_.filter_hz, {.unit = "Hz", .help = "second-order filter of sensors and actuators", .min = 0.0, .max = 200.0});
-    visitor.number("bandwidth_radps", bandwidth_radps_, {.unit = "rad/s", .help = "of the position error, K_p = w² (flatness law); 0: 0.27 of the attitude gain", .min = 0.0, .max = 50.0});
+    visitor.text("inner", inner_,
+                 {.help = "inner loop: indi, or low_level for the vehicle's usual attitude and rate loops"});
+    visitor.number("position_gain", options_.position_gain,
+                   {.unit = "1/s", .help = "velocity per position error (firmware law)", .min = 0.0, .max = 50.0});
+    visitor.number("velocity_gain", options_.velocity_gain,
+                   {.unit = "1/s", .help = "acceleration per velocity error (firmware law)", .min = 0.0, .max = 50.0});
+    visitor.number("attitude_gain", options_.attitude_gain,
+                   {.unit = "1/s", .help = "rate per attitude error", .min = 0.0, .max = 50.0});
+    visitor.number("rate_gain", options_.rate_gain,
+                   {.unit = "1/s", .help = "angular acceleration per rate error", .min = 0.1, .max = 200.0});
+    visitor.number("filter_hz", options_.filter_hz,
+                   {.unit = "Hz", .help = "second-order filter of sensors and actuators", .min = 0.0, .max = 200.0});
+    visitor.number("bandwidth_radps", bandwidth_radps_,
+                   {.unit = "rad/s",
+                    .help = "of the position error, K_p = w² (flatness law); 0: 0.27 of the attitude gain",
+                    .min = 0.0,
+                    .max = 50.0});
     visitor.number("damping", damping_, {.help = "K_v = 2 damping w (flatness law)", .min = 0.0, .max = 10.0});
-    visitor.number("tilt_limit_deg", tilt_limit_deg_, {.unit = "deg", .help = "0: 10 (the Crazyflie firmware's clamp), 30 on other vehicles and in flatness", .min = 0.0, .max = 80.0});
+    visitor.number("tilt_limit_deg", tilt_limit_deg_,
+                   {.unit = "deg",
+                    .help = "0: 10 (the Crazyflie firmware's clamp), 30 on other vehicles and in flatness",
+                    .min = 0.0,
+                    .max = 80.0});
   }
 
   double rate_hz(const VehicleModel& vehicle) const override { return base_rate_hz(low_level_of(low_level_, vehicle)); }

@@ -18,11 +18,16 @@ class PidController final : public Controller {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.text("low_level", low_level_, {.help = low_level_help});
-    visitor.number("rate_hz", rate_hz_, {.unit = "Hz", .help = "of the position loop; 0: the firmware's", .min = 0.0, .max = 1000.0});
-    visitor.number("position_gain", position_gain_, {.help = "times the firmware's position gain", .min = 0.0, .max = 20.0});
-    visitor.number("velocity_gain", velocity_gain_, {.help = "times the firmware's velocity gain", .min = 0.0, .max = 20.0});
-    visitor.number("integral_gain", integral_gain_, {.help = "times the firmware's integral gains", .min = 0.0, .max = 20.0});
-    visitor.number("tilt_limit_deg", tilt_limit_deg_, {.unit = "deg", .help = "0: the firmware's", .min = 0.0, .max = 80.0});
+    visitor.number("rate_hz", rate_hz_,
+                   {.unit = "Hz", .help = "of the position loop; 0: the firmware's", .min = 0.0, .max = 1000.0});
+    visitor.number("position_gain", position_gain_,
+                   {.help = "times the firmware's position gain", .min = 0.0, .max = 20.0});
+    visitor.number("velocity_gain", velocity_gain_,
+                   {.help = "times the firmware's velocity gain", .min = 0.0, .max = 20.0});
+    visitor.number("integral_gain", integral_gain_,
+                   {.help = "times the firmware's integral gains", .min = 0.0, .max = 20.0});
+    visitor.number("tilt_limit_deg", tilt_limit_deg_,
+                   {.unit = "deg", .help = "0: the firmware's", .min = 0.0, .max = 80.0});
     visitor.text("feedforward", feedforward_,
                  {.help = "of the reference: firmware (Crazyflie none, others full), none, velocity, full"});
   }
@@ -73,8 +78,9 @@ class PidController final : public Controller {
     if (feedforward_ == "none") return FeedForward::none;
     if (feedforward_ == "velocity") return FeedForward::velocity;
     if (feedforward_ == "full") return FeedForward::full;
-    throw ParameterError("feedforward", "feedforward = \"" + feedforward_ +
-                                            "\" is unknown (what of the reference is fed forward) use firmware, none, velocity or full");
+    throw ParameterError(
+        "feedforward", "feedforward = \"" + feedforward_ +
+                           "\" is unknown (what of the reference is fed forward) use firmware, none, velocity or full");
   }
 
   // each loop a third as fast as the one below it

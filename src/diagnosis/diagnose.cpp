@@ -29,11 +29,12 @@
 namespace gustlab::diagnosis {
 namespace {
 
-constexpr double explained_share = 0.1;   // of all structure, what the omnibus test may still find
+constexpr double explained_share = 0.1;  // of all structure, what the omnibus test may still find
 
 // the first group with a value that ran into its bound: the model is bent to something that it is not
 std::string at_its_bound(const Catalogue& catalogue, const std::vector<Evidence>& records) {
-  const auto found = std::find_if(records.begin(), records.end(), [](const Evidence& record) { return record.at_bound; });
+  const auto found =
+      std::find_if(records.begin(), records.end(), [](const Evidence& record) { return record.at_bound; });
   return found == records.end() ? std::string() : catalogue.groups()[static_cast<std::size_t>(found->group)].label;
 }
 
@@ -50,7 +51,8 @@ std::vector<Disturbance> disturbance_of(const Selection& selection) {
 Air air_of(const Session& session, const NoiseModel& left) {
   const auto calm = reference_floor(session.vehicle());
   const auto rms = [](double twice, double once) { return std::sqrt((2.0 * twice * twice + once * once) / 3.0); };
-  return {rms(left.rms(0), left.rms(1)), rms(left.rms(2), left.rms(3)), rms(calm[0], calm[1]), rms(calm[2], calm[3]), {}};
+  return {
+      rms(left.rms(0), left.rms(1)), rms(left.rms(2), left.rms(3)), rms(calm[0], calm[1]), rms(calm[2], calm[3]), {}};
 }
 
 // Of the mean velocity error half a second ahead, what a model could take away: all but what the disturbance that nothing explains does
@@ -59,24 +61,29 @@ Air air_of(const Session& session, const NoiseModel& left) {
 std::optional<double> predictable_share(const NoiseModel& left, double error_mps, double noise_mps) {
   if (!std::isfinite(error_mps) || !(error_mps > 0.0)) return std::nullopt;
   constexpr double ahead_s = 0.5;
-  const double mean_of_norm = 2.0 * std::sqrt(2.0 / pi);   // of three equal normal components
+  const double mean_of_norm = 2.0 * std::sqrt(2.0 / pi);  // of three equal normal components
   double variance = 0.0;
   for (const std::size_t group : {0, 0, 1}) {
     const double t = left.time_s[group];
-    variance += (2.0 * left.variance[group] * t * (ahead_s - t * (1.0 - std::exp(-ahead_s / t))) + left.white[group] * ahead_s) / 3.0;
+    variance += (2.0 * left.variance[group] * t * (ahead_s - t * (1.0 - std::exp(-ahead_s / t))) +
+                 left.white[group] * ahead_s) /
+                3.0;
   }
   const double chance = std::hypot(mean_of_norm * std::sqrt(variance), std::isfinite(noise_mps) ? noise_mps : 0.0);
   return std::max(0.0, 1.0 - chance / error_mps);
 }
 
-std::vector<ResidualPlot> residual_plots(const Session& session, const Selection& selection, const std::vector<Mismatch>& mismatch) {
+std::vector<ResidualPlot> residual_plots(const Session& session, const Selection& selection,
+                                         const std::vector<Mismatch>& mismatch) {
   std::vector<ResidualPlot> plots;
-  const Blocks before = blocks(session, selection.smoothed_nominal), after = blocks(session, selection.smoothed_selected);
+  const Blocks before = blocks(session, selection.smoothed_nominal),
+               after = blocks(session, selection.smoothed_selected);
   for (const Mismatch& m : mismatch) {
     if (!m.significant || m.where.empty()) continue;
     const std::string_view names[] = {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
     const auto channel = std::find(std::begin(names), std::end(names), m.channel) - std::begin(names);
-    const auto variable = std::find(before.variable.begin(), before.variable.end(), m.where.front().variable) - before.variable.begin();
+    const auto variable =
+        std::find(before.variable.begin(), before.variable.end(), m.where.front().variable) - before.variable.begin();
     ResidualPlot plot{m.channel, m.unit, m.where.front().variable, {}, {}, {}};
     for (std::size_t b = 0; b < before.wrench.size(); ++b) {
       plot.x.push_back(before.value[b][variable]);
@@ -90,11 +97,11 @@ std::vector<ResidualPlot> residual_plots(const Session& session, const Selection
 
 // Effects that were fitted to the flights and stood the challenge, and what is left beside them.
 struct Fitted {
-  VehicleModel vehicle;                       // as the reference flights have it, where there are any
+  VehicleModel vehicle;  // as the reference flights have it, where there are any
   std::vector<EffectFinding> reference_effects;
   std::vector<FlightUse> used;
   std::vector<FlightData> holdout;
-  std::vector<FlightLog> proof;               // held-out logs with their command offsets taken out
+  std::vector<FlightLog> proof;  // held-out logs with their command offsets taken out
   Session session;
   Selection selection;
   Challenge challenged;
@@ -103,16 +110,20 @@ struct Fitted {
 
 std::vector<FlightUse> uses_of(const Aligned& aligned, const Prepared& flights) {
   std::vector<FlightUse> uses;
-  for (const FlightLog& log : aligned.reference) uses.push_back({label_of(log.path), "reference", log.time_s.back() - log.time_s.front(), 0.0});
+  for (const FlightLog& log : aligned.reference)
+    uses.push_back({label_of(log.path), "reference", log.time_s.back() - log.time_s.front(), 0.0});
   std::size_t at = 0;
-  for (const FlightData& flight : flights.fit) uses.push_back({flight.label, "fit", flight.duration_s(), aligned.offset_s[at++]});
-  for (const FlightData& flight : flights.holdout) uses.push_back({flight.label, "holdout", flight.duration_s(), aligned.offset_s[at++]});
+  for (const FlightData& flight : flights.fit)
+    uses.push_back({flight.label, "fit", flight.duration_s(), aligned.offset_s[at++]});
+  for (const FlightData& flight : flights.holdout)
+    uses.push_back({flight.label, "holdout", flight.duration_s(), aligned.offset_s[at++]});
   return uses;
 }
 
 std::vector<FlightLog> proof_flights(const Aligned& aligned) {
   std::vector<FlightLog> proof;
-  for (const FlightLog& log : aligned.holdout) proof.push_back(with_later_inputs(log, aligned.offset_s[aligned.fit.size() + proof.size()]));
+  for (const FlightLog& log : aligned.holdout)
+    proof.push_back(with_later_inputs(log, aligned.offset_s[aligned.fit.size() + proof.size()]));
   return proof;
 }
 
@@ -129,8 +140,10 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
   std::vector<EffectFinding> reference_effects;
   std::optional<Reference> reference;
   if (!aligned.reference.empty()) {
-    ReferenceFit normal = fit_reference(prepare(aligned.reference, vehicle, reading.options),
-                                        aligned.was_filtered() ? prepare(aligned.reference, vehicle, reading.own_rate()) : std::vector<FlightData>{}, vehicle, jobs);
+    ReferenceFit normal = fit_reference(
+        prepare(aligned.reference, vehicle, reading.options),
+        aligned.was_filtered() ? prepare(aligned.reference, vehicle, reading.own_rate()) : std::vector<FlightData>{},
+        vehicle, jobs);
     vehicle = std::move(normal.vehicle);
     reference_effects = std::move(normal.effects);
     reference = std::move(normal.known);
@@ -140,26 +153,35 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
   Session session(std::move(flights.fit), vehicle, jobs, std::move(flights.fit_own_rate));
   if (reference) session.compare_with(std::move(*reference));
   if (session.catalogue().filter_feigns_lags())
-    reading.remarks.notes.push_back(fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not told from those of the filter, "
-                                                "which the commands did not pass", 1e3 * filter_feigns_s));
+    reading.remarks.notes.push_back(
+        fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not "
+                    "told from those of the filter, "
+                    "which the commands did not pass",
+                    1e3 * filter_feigns_s));
   tell(options, "choosing effects", 0.1);
   Selection selection = select_effects(session, {});
   tell(options, "testing them on other flights", 0.5);
   std::vector<FlightLog> proof = proof_flights(aligned);
-  Challenge challenged = challenge(session, selection, {flights.holdout, flights.holdout_own_rate, proof},
-                                   [&] { return std::min(pose_lateness_s(aligned.raw_fit), pose_lateness_s(aligned.raw_holdout)); }, jobs);
-  return {std::move(vehicle), std::move(reference_effects), std::move(used), std::move(flights.holdout), std::move(proof), std::move(session),
-          std::move(selection), std::move(challenged), std::move(reading.remarks)};
+  Challenge challenged = challenge(
+      session, selection, {flights.holdout, flights.holdout_own_rate, proof},
+      [&] { return std::min(pose_lateness_s(aligned.raw_fit), pose_lateness_s(aligned.raw_holdout)); }, jobs);
+  return {std::move(vehicle),        std::move(reference_effects), std::move(used),      std::move(flights.holdout),
+          std::move(proof),          std::move(session),           std::move(selection), std::move(challenged),
+          std::move(reading.remarks)};
 }
 
 // Moments that depend on the velocity are not told without a pose, and would be charged to what can be.
-bool torques_mislead(const Aligned& aligned, const Fitted& fitted) { return !aligned.attitude && !fitted.challenged.rest.alarms.empty(); }
+bool torques_mislead(const Aligned& aligned, const Fitted& fitted) {
+  return !aligned.attitude && !fitted.challenged.rest.alarms.empty();
+}
 
 std::string speeds_note(const Session& session, const Selection& selection, const std::vector<FlightData>& holdout) {
-  return fmt::format("commands foretell the rotors' speeds to {:.3g} rad/s instead of {:.3g} (rms, held-out flights); measured speeds drive "
-                     "the body's predictions, which that does not change",
-                     speeds_left_radps(holdout, session.catalogue(), selection.value),
-                     speeds_left_radps(holdout, session.catalogue(), session.catalogue().nominal()));
+  return fmt::format(
+      "commands foretell the rotors' speeds to {:.3g} rad/s instead of {:.3g} (rms, held-out flights); measured speeds "
+      "drive "
+      "the body's predictions, which that does not change",
+      speeds_left_radps(holdout, session.catalogue(), selection.value),
+      speeds_left_radps(holdout, session.catalogue(), session.catalogue().nominal()));
 }
 
 // what was found, and where the simulation and the recordings differ; the session is linearised at the nominal vehicle then
@@ -172,7 +194,8 @@ Diagnosis describe(Fitted& fitted) {
   out.evidence = fitted.challenged.records;
   out.evidence.insert(out.evidence.end(), fitted.challenged.withdrawn.begin(), fitted.challenged.withdrawn.end());
   explain(session, selection, fitted.challenged, out);
-  if (std::any_of(out.effects.begin(), out.effects.end(), [&](const EffectFinding& e) { return session.seen_in_speeds(session.catalogue().find(e.effect)); }))
+  if (std::any_of(out.effects.begin(), out.effects.end(),
+                  [&](const EffectFinding& e) { return session.seen_in_speeds(session.catalogue().find(e.effect)); }))
     out.notes.push_back(speeds_note(session, selection, fitted.holdout));
   if (rest.names_gust) explain_gust(session, rest.gust, out);
   out.disturbance = disturbance_of(selection);
@@ -185,7 +208,8 @@ Diagnosis describe(Fitted& fitted) {
 }
 
 // What the names recover of the held-out error, by rollouts in the simulator.
-Verification verify_names(const Diagnosis& named, const std::vector<FlightLog>& proof, const VehicleModel& vehicle, int jobs) {
+Verification verify_names(const Diagnosis& named, const std::vector<FlightLog>& proof, const VehicleModel& vehicle,
+                          int jobs) {
   config::Table found = config::Table::parse(augmented_toml(named), "augmented.toml");
   return verify(proof, vehicle, config::read_effects(found), jobs);
 }
@@ -195,13 +219,15 @@ void suspect_unfelt(const Session& session, const VehicleModel& vehicle, Diagnos
   std::vector<int> named;
   for (const EffectFinding& effect : out.effects) named.push_back(session.catalogue().find(effect.effect));
   if (!SubsetSearch(session.catalogue(), vehicle, 0.0).allowed(named))
-    suspect(out, "only suspected: without a drag no wind is felt", [](const EffectFinding& effect) { return effect.effect != "steady_wind"; });
+    suspect(out, "only suspected: without a drag no wind is felt",
+            [](const EffectFinding& effect) { return effect.effect != "steady_wind"; });
 }
 
 Verdict conclude(const Diagnosis& out, const Remainder& rest, bool at_bound, bool commands_jitter) {
   if (commands_jitter) return Verdict::insufficient_data;
   if (out.effects.empty()) return rest.alarms.empty() && !at_bound ? Verdict::consistent : Verdict::unexplained;
-  const bool quiet = std::all_of(rest.alarms.begin(), rest.alarms.end(), [](const Alarm& a) { return a.kind == "omnibus"; });
+  const bool quiet =
+      std::all_of(rest.alarms.begin(), rest.alarms.end(), [](const Alarm& a) { return a.kind == "omnibus"; });
   return quiet && rest.omnibus_share < explained_share ? Verdict::explained : Verdict::partly_explained;
 }
 
@@ -251,13 +277,15 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   Verification verified = verify_names(out, fitted.proof, fitted.vehicle, jobs);
   out.fit = std::move(verified.fit);
   if (!out.fit.is_null())
-    out.air.predictable_share = predictable_share(fitted.selection.noise_selected, half_a_second_ahead(out.fit, "velocity_mps", "before"),
-                                                  half_a_second_ahead(out.fit, "velocity_mps", "noise"));
+    out.air.predictable_share =
+        predictable_share(fitted.selection.noise_selected, half_a_second_ahead(out.fit, "velocity_mps", "before"),
+                          half_a_second_ahead(out.fit, "velocity_mps", "noise"));
   out.window_file = std::move(verified.window_file);
   out.window = std::move(verified.window);
   suspect_unfelt(fitted.session, fitted.vehicle, out);
   const std::string bound = at_its_bound(fitted.session.catalogue(), fitted.challenged.records);
-  if (!bound.empty()) out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
+  if (!bound.empty())
+    out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
   out.verdict = conclude(out, fitted.challenged.rest, !bound.empty(), aligned.commands_jitter);
 
   tell(options, "looking for a flight that would tell more", 0.85);
@@ -274,7 +302,8 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
 Diagnosis diagnose(const DiagnoseOptions& options) {
   tell(options, "reading the flights", 0.0);
   Recordings recordings = check(read_recordings(options.fit, options.holdout, options.reference, options.vehicle));
-  return is_recorded(recordings.fit, {"qw", "wx"}) ? diagnose_motion(std::move(recordings), options) : diagnose_hover(recordings);
+  return is_recorded(recordings.fit, {"qw", "wx"}) ? diagnose_motion(std::move(recordings), options)
+                                                   : diagnose_hover(recordings);
 }
 
 }  // namespace gustlab::diagnosis

@@ -11,12 +11,12 @@
 namespace gustlab::diagnosis {
 
 struct DiagnoseOptions {
-  std::vector<std::string> fit;       // flight logs
-  std::vector<std::string> holdout;   // empty: the last flight, or the last third of the only one
-  std::vector<std::string> reference; // normal flights of the vehicle, for logs without attitude and body rate
-  std::optional<std::string> vehicle; // overrides the logs'
+  std::vector<std::string> fit;        // flight logs
+  std::vector<std::string> holdout;    // empty: the last flight, or the last third of the only one
+  std::vector<std::string> reference;  // normal flights of the vehicle, for logs without attitude and body rate
+  std::optional<std::string> vehicle;  // overrides the logs'
   int jobs = 1;
-  ProgressReport progress;            // empty: nobody is told
+  ProgressReport progress;  // empty: nobody is told
 };
 
 // Throws DataError when no fit flight is usable.

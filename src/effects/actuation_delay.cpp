@@ -14,8 +14,13 @@ class ActuationDelay final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("delay", delay_s_,
-                   {.unit = "s", .help = "from command to rotor", .min = 0.0, .max = 1.0, .natural = 0.005,
-                    .tolerance = 0.003, .plausible = 0.15});
+                   {.unit = "s",
+                    .help = "from command to rotor",
+                    .min = 0.0,
+                    .max = 1.0,
+                    .natural = 0.005,
+                    .tolerance = 0.003,
+                    .plausible = 0.15});
   }
 
   void prepare(const VehicleModel& vehicle, double, const RandomStream&) override {

@@ -11,11 +11,19 @@ class AttitudeOffset final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("x", x_rad_,
-                   {.unit = "rad", .help = "roll of the logged frame against the body", .min = -0.5, .max = 0.5,
-                    .natural = 0.01, .plausible = 0.2});
+                   {.unit = "rad",
+                    .help = "roll of the logged frame against the body",
+                    .min = -0.5,
+                    .max = 0.5,
+                    .natural = 0.01,
+                    .plausible = 0.2});
     visitor.number("y", y_rad_,
-                   {.unit = "rad", .help = "pitch of the logged frame against the body", .min = -0.5, .max = 0.5,
-                    .natural = 0.01, .plausible = 0.2});
+                   {.unit = "rad",
+                    .help = "pitch of the logged frame against the body",
+                    .min = -0.5,
+                    .max = 0.5,
+                    .natural = 0.01,
+                    .plausible = 0.2});
   }
 
   void on_measurement(const MeasurementContext&, Measured& measured) const override {

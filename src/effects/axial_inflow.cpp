@@ -12,8 +12,11 @@ class AxialInflow final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("at_hover", at_hover_,
-                   {.unit = "N s/m", .help = "thrust of the whole vehicle lost per speed of climb, at hover speed",
-                    .min = 0.0, .natural = 0.05, .scale = Scale::weight});
+                   {.unit = "N s/m",
+                    .help = "thrust of the whole vehicle lost per speed of climb, at hover speed",
+                    .min = 0.0,
+                    .natural = 0.05,
+                    .scale = Scale::weight});
   }
 
   void prepare(const VehicleModel& vehicle, double, const RandomStream&) override {

@@ -15,11 +15,17 @@ class BatterySag final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("exponent", exponent_,
-                   {.unit = "-", .help = "thrust goes with this power of the voltage, where it is known", .min = -5.0,
-                    .max = 5.0, .natural = 0.5});
+                   {.unit = "-",
+                    .help = "thrust goes with this power of the voltage, where it is known",
+                    .min = -5.0,
+                    .max = 5.0,
+                    .natural = 0.5});
     visitor.number("rate", rate_ps_,
-                   {.unit = "1/s", .help = "share of thrust lost per second of flight, where voltage is not known",
-                    .min = 0.0, .max = 0.1, .natural = 0.002});
+                   {.unit = "1/s",
+                    .help = "share of thrust lost per second of flight, where voltage is not known",
+                    .min = 0.0,
+                    .max = 0.1,
+                    .natural = 0.002});
   }
 
   void on_actuation(Actuation& actuation) const override {

@@ -14,7 +14,9 @@ class CeilingEffect final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("strength", strength_,
-                   {.unit = "-", .help = "how much more a rotor pushes, in units of (R / 4 distance)²", .min = 0.0,
+                   {.unit = "-",
+                    .help = "how much more a rotor pushes, in units of (R / 4 distance)²",
+                    .min = 0.0,
                     .natural = 5.0});
   }
 

@@ -13,14 +13,26 @@ class CenterOfMass final : public Effect {
     // the torque of 1.2 % of one of four rotors is 0.003 arms of centre of mass
     constexpr double natural = 0.02, tolerance = 0.003, plausible = 0.25;
     visitor.number("x", offset_B_m_.x(),
-                   {.unit = "m", .help = "forward of the MJCF's centre of mass", .natural = natural,
-                    .tolerance = tolerance, .scale = Scale::arm, .plausible = plausible});
+                   {.unit = "m",
+                    .help = "forward of the MJCF's centre of mass",
+                    .natural = natural,
+                    .tolerance = tolerance,
+                    .scale = Scale::arm,
+                    .plausible = plausible});
     visitor.number("y", offset_B_m_.y(),
-                   {.unit = "m", .help = "left of the MJCF's centre of mass", .natural = natural,
-                    .tolerance = tolerance, .scale = Scale::arm, .plausible = plausible});
+                   {.unit = "m",
+                    .help = "left of the MJCF's centre of mass",
+                    .natural = natural,
+                    .tolerance = tolerance,
+                    .scale = Scale::arm,
+                    .plausible = plausible});
     visitor.number("z", offset_B_m_.z(),
-                   {.unit = "m", .help = "above the MJCF's centre of mass", .natural = natural,
-                    .tolerance = tolerance, .scale = Scale::arm, .plausible = plausible});
+                   {.unit = "m",
+                    .help = "above the MJCF's centre of mass",
+                    .natural = natural,
+                    .tolerance = tolerance,
+                    .scale = Scale::arm,
+                    .plausible = plausible});
   }
 
   void on_body(VehicleModel& vehicle) const override { vehicle.center_of_mass_B_m += offset_B_m_; }

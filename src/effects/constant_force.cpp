@@ -12,11 +12,23 @@ class ConstantForce final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     constexpr double natural = 0.02, plausible = 0.33;  // of the weight
     visitor.number("x", force_W_N_.x(),
-                   {.unit = "N", .help = "force toward world x", .natural = natural, .scale = Scale::weight, .plausible = plausible});
+                   {.unit = "N",
+                    .help = "force toward world x",
+                    .natural = natural,
+                    .scale = Scale::weight,
+                    .plausible = plausible});
     visitor.number("y", force_W_N_.y(),
-                   {.unit = "N", .help = "force toward world y", .natural = natural, .scale = Scale::weight, .plausible = plausible});
+                   {.unit = "N",
+                    .help = "force toward world y",
+                    .natural = natural,
+                    .scale = Scale::weight,
+                    .plausible = plausible});
     visitor.number("z", force_W_N_.z(),
-                   {.unit = "N", .help = "force toward world z (up)", .natural = natural, .scale = Scale::weight, .plausible = plausible});
+                   {.unit = "N",
+                    .help = "force toward world z (up)",
+                    .natural = natural,
+                    .scale = Scale::weight,
+                    .plausible = plausible});
   }
 
   void wrench(const Flow& flow, const RotorSet&, std::span<const double>, Wrench& total) const override {

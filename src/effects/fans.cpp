@@ -17,26 +17,29 @@ namespace {
 class Fans final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
-    const auto number = [&visitor](std::string_view name, double& value, std::string_view unit, std::string_view help, double min) {
+    const auto number = [&visitor](std::string_view name, double& value, std::string_view unit, std::string_view help,
+                                   double min) {
       visitor.number(name, value, {.unit = unit, .help = help, .min = min, .natural = 0.0});
     };
-    visitor.integer("count", count_, {.help = "fans, evenly around the centre, the first at world x", .min = 1, .max = most_fans});
+    visitor.integer("count", count_,
+                    {.help = "fans, evenly around the centre, the first at world x", .min = 1, .max = most_fans});
     number("distance_m", distance_m_, "m", "of each fan from the centre", 0.1);
     visitor.vector("center_m", center_W_m_, {.unit = "m", .help = "where their axes meet", .natural = 0.0});
     number("center_speed_mps", center_speed_mps_, "m/s", "of each jet at the centre", 0.0);
     number("edge_speed_mps", edge_speed_mps_, "m/s", "of each jet nearer to its fan, at edge_m", 0.0);
     number("edge_m", edge_m_, "m", "distance of that point from the centre", 0.01);
     number("width_m", width_m_, "m", "half width of a jet at the centre, 1/e", 0.01);
-    number("turbulence", turbulence_, "-", "standard deviation of each component of the air's velocity, of the mean speed", 0.0);
+    number("turbulence", turbulence_, "-",
+           "standard deviation of each component of the air's velocity, of the mean speed", 0.0);
     number("correlation_time", correlation_time_s_, "s", "of the turbulence", 0.01);
   }
 
   void prepare(const VehicleModel&, double, const RandomStream& stream) override {
     // v(s) = c/(s + s0) through both speeds; a jet that is not faster near its fan does not fall at all
     const double near_m = distance_m_ - edge_m_;
-    offset_m_ = edge_speed_mps_ > center_speed_mps_
-                    ? (center_speed_mps_ * distance_m_ - edge_speed_mps_ * near_m) / (edge_speed_mps_ - center_speed_mps_)
-                    : 1e9;
+    offset_m_ = edge_speed_mps_ > center_speed_mps_ ? (center_speed_mps_ * distance_m_ - edge_speed_mps_ * near_m) /
+                                                          (edge_speed_mps_ - center_speed_mps_)
+                                                    : 1e9;
     offset_m_ = std::max(offset_m_, 0.1);
     for (std::size_t k = 0; k < modes_.size(); ++k) {
       const auto draw = stream.uniform4(k);
@@ -74,7 +77,8 @@ class Fans final : public Effect {
     Vector3 sum = Vector3::Zero();
     const Mode* mode = &modes_[fan * 3 * modes_per_component];
     for (int axis = 0; axis < 3; ++axis)
-      for (std::size_t k = 0; k < modes_per_component; ++k, ++mode) sum[axis] += std::cos(mode->frequency_radps * time_s + mode->phase_rad);
+      for (std::size_t k = 0; k < modes_per_component; ++k, ++mode)
+        sum[axis] += std::cos(mode->frequency_radps * time_s + mode->phase_rad);
     return std::sqrt(2.0 / modes_per_component) * sum;
   }
 

@@ -12,8 +12,11 @@ class FlappingTorque final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("coefficient", coefficient_Ns2_,
-                   {.unit = "N s^2", .help = "torque of one rotor per its speed and the speed in its plane; > 0: nose up",
-                    .min = 0.0, .natural = 3e-6, .scale = Scale::arm});
+                   {.unit = "N s^2",
+                    .help = "torque of one rotor per its speed and the speed in its plane; > 0: nose up",
+                    .min = 0.0,
+                    .natural = 3e-6,
+                    .scale = Scale::arm});
   }
 
   void wrench(const Flow& flow, const RotorSet& rotors, std::span<const double>, Wrench& total) const override {

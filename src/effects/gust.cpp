@@ -21,10 +21,16 @@ class Gust final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("sigma_xy", sigma_xy_N_,
-                   {.unit = "N", .help = "standard deviation of the random force in x and in y", .min = 0.0,
-                    .natural = 0.05, .scale = Scale::weight});
+                   {.unit = "N",
+                    .help = "standard deviation of the random force in x and in y",
+                    .min = 0.0,
+                    .natural = 0.05,
+                    .scale = Scale::weight});
     visitor.number("sigma_z", sigma_z_N_,
-                   {.unit = "N", .help = "standard deviation of the random force in z", .min = 0.0, .natural = 0.05,
+                   {.unit = "N",
+                    .help = "standard deviation of the random force in z",
+                    .min = 0.0,
+                    .natural = 0.05,
                     .scale = Scale::weight});
     visitor.number("correlation_time", correlation_time_s_,
                    {.unit = "s", .help = "of the random force, 1/θ", .min = 0.1, .natural = 1.0});
@@ -37,9 +43,12 @@ class Gust final : public Effect {
                                   double min = -std::numeric_limits<double>::infinity()) {
       visitor.number(name, value, {.unit = unit, .help = help, .min = min, .natural = 0.0});
     };
-    extra("strength", strength_, "-", "multiplies every force and torque, limits and their rates too; 0: still air", 0.0);
-    visitor.text("realisation", realisation_, {.help = "seeded: every replicate has its own gust; fixed: all runs have the same"});
-    extra("start_spread", start_spread_s_, "s", "fixed: a run begins anywhere in the first of so many seconds, drawn per run", 0.0);
+    extra("strength", strength_, "-", "multiplies every force and torque, limits and their rates too; 0: still air",
+          0.0);
+    visitor.text("realisation", realisation_,
+                 {.help = "seeded: every replicate has its own gust; fixed: all runs have the same"});
+    extra("start_spread", start_spread_s_, "s",
+          "fixed: a run begins anywhere in the first of so many seconds, drawn per run", 0.0);
     extra("on_s", on_s_, "s", "length of a burst", 1e-3);
     extra("off_s", off_s_, "s", "length of the pause between bursts; 0: none", 0.0);
     visitor.flag("random_phase", random_phase_, {.help = "schedule and sinusoid start anywhere, drawn per run"});
@@ -63,18 +72,22 @@ class Gust final : public Effect {
 
   void prepare(const VehicleModel&, double, const RandomStream& stream) override {
     if (realisation_ != "seeded" && realisation_ != "fixed")
-      throw ParameterError("realisation", "realisation = \"" + realisation_ + "\" is unknown (which gusts runs meet) use seeded or fixed");
+      throw ParameterError("realisation", "realisation = \"" + realisation_ +
+                                              "\" is unknown (which gusts runs meet) use seeded or fixed");
     const bool fixed = realisation_ == "fixed";
-    if (start_spread_s_ > 0.0 && !fixed) throw ParameterError("start_spread", "start_spread needs realisation = \"fixed\" (a seeded gust has no common start)");
+    if (start_spread_s_ > 0.0 && !fixed)
+      throw ParameterError("start_spread",
+                           "start_spread needs realisation = \"fixed\" (a seeded gust has no common start)");
     stream_ = fixed ? RandomStream(0, 1, "fixed gust") : stream;
     const auto draw = stream_.uniform4(0, phase_lane);
     schedule_offset_s_ = random_phase_ ? draw[0] * (on_s_ + off_s_) : 0.0;
     line_phase_rad_ = random_phase_ ? draw[1] * 2.0 * pi : 0.0;
     first_tick_ = std::floor(stream.uniform4(0, start_lane)[0] * start_spread_s_ * rate_Hz_);
     const Vector3 sigma_N(sigma_xy_N_, sigma_xy_N_, sigma_z_N_);
-    force_ = {strength_ * sigma_N.cwiseProduct(sigma_factor_), strength_ * drift_W_N_, strength_ * limit_N_, strength_ * rate_limit_Nps_};
-    torque_ = {strength_ * Vector3(torque_sigma_xy_Nm_, torque_sigma_xy_Nm_, torque_sigma_z_Nm_), Vector3::Zero(), strength_ * torque_limit_Nm_,
-               strength_ * torque_rate_limit_Nmps_};
+    force_ = {strength_ * sigma_N.cwiseProduct(sigma_factor_), strength_ * drift_W_N_, strength_ * limit_N_,
+              strength_ * rate_limit_Nps_};
+    torque_ = {strength_ * Vector3(torque_sigma_xy_Nm_, torque_sigma_xy_Nm_, torque_sigma_z_Nm_), Vector3::Zero(),
+               strength_ * torque_limit_Nm_, strength_ * torque_rate_limit_Nmps_};
   }
 
   int state_size() const override { return 2 + 4 * 3; }

@@ -11,8 +11,12 @@ class GyroScale final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("delta", delta_,
-                   {.unit = "-", .help = "relative error of the measured body rate", .min = -0.1, .max = 0.1,
-                    .natural = 0.01, .estimate_tolerance = 0.01});
+                   {.unit = "-",
+                    .help = "relative error of the measured body rate",
+                    .min = -0.1,
+                    .max = 0.1,
+                    .natural = 0.01,
+                    .estimate_tolerance = 0.01});
   }
 
   void on_measurement(const MeasurementContext&, Measured& measured) const override {

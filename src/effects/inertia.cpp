@@ -14,8 +14,12 @@ class Inertia final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     const auto axis = [&visitor](std::string_view name, double& delta) {
       visitor.number(name, delta,
-                     {.unit = "-", .help = "relative change of the moment of inertia", .min = -0.9, .max = 30.0,
-                      .natural = 0.05, .tolerance = 0.05});
+                     {.unit = "-",
+                      .help = "relative change of the moment of inertia",
+                      .min = -0.9,
+                      .max = 30.0,
+                      .natural = 0.05,
+                      .tolerance = 0.05});
     };
     axis("delta_x", delta_.x());
     axis("delta_y", delta_.y());
@@ -25,8 +29,7 @@ class Inertia final : public Effect {
   void on_body(VehicleModel& vehicle) const override {
     const Vector3 growth = Vector3::Ones() + delta_;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        vehicle.inertia_B_kgm2(i, j) *= i == j ? growth[i] : std::sqrt(growth[i] * growth[j]);
+      for (int j = 0; j < 3; ++j) vehicle.inertia_B_kgm2(i, j) *= i == j ? growth[i] : std::sqrt(growth[i] * growth[j]);
   }
 
  private:

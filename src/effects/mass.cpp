@@ -9,7 +9,11 @@ class Mass final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("delta", delta_,
-                   {.unit = "-", .help = "relative change of the mass", .min = -0.9, .max = 10.0, .natural = 0.05,
+                   {.unit = "-",
+                    .help = "relative change of the mass",
+                    .min = -0.9,
+                    .max = 10.0,
+                    .natural = 0.05,
                     .tolerance = 0.012});
   }
 

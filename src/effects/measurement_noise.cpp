@@ -10,7 +10,8 @@ namespace {
 class MeasurementNoise final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
-    const auto deviation = [&visitor](std::string_view name, double& value, std::string_view unit, std::string_view help) {
+    const auto deviation = [&visitor](std::string_view name, double& value, std::string_view unit,
+                                      std::string_view help) {
       visitor.number(name, value, {.unit = unit, .help = help, .min = 0.0, .natural = 0.0});
     };
     deviation("position_sd", position_sd_m_, "m", "standard deviation per axis");
@@ -18,7 +19,8 @@ class MeasurementNoise final : public Effect {
     deviation("attitude_sd", attitude_sd_rad_, "rad", "standard deviation of the turn about each body axis");
     deviation("rate_sd", rate_sd_radps_, "rad/s", "standard deviation per axis of the gyroscope");
     deviation("accelerometer_sd", accelerometer_sd_mps2_, "m/s^2", "standard deviation per axis");
-    visitor.vector("rate_bias", rate_bias_radps_, {.unit = "rad/s", .help = "constant error of the gyroscope", .natural = 0.0});
+    visitor.vector("rate_bias", rate_bias_radps_,
+                   {.unit = "rad/s", .help = "constant error of the gyroscope", .natural = 0.0});
     visitor.vector("accelerometer_bias", accelerometer_bias_mps2_,
                    {.unit = "m/s^2", .help = "constant error of the accelerometer", .natural = 0.0});
   }

@@ -14,11 +14,19 @@ class MotorLag final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("time_constant", up_s_,
-                   {.unit = "s", .help = "time constant while the speed rises", .min = 0.0, .max = 1.0,
-                    .natural = 0.01, .tolerance = 0.004});
+                   {.unit = "s",
+                    .help = "time constant while the speed rises",
+                    .min = 0.0,
+                    .max = 1.0,
+                    .natural = 0.01,
+                    .tolerance = 0.004});
     visitor.number("time_constant_down", down_s_,
-                   {.unit = "s", .help = "time constant while the speed falls; negative: as when it rises", .min = -1.0,
-                    .max = 1.0, .natural = 0.01, .tolerance = 0.004});
+                   {.unit = "s",
+                    .help = "time constant while the speed falls; negative: as when it rises",
+                    .min = -1.0,
+                    .max = 1.0,
+                    .natural = 0.01,
+                    .tolerance = 0.004});
   }
 
   void prepare(const VehicleModel&, double step_s, const RandomStream&) override {
@@ -47,7 +55,9 @@ class MotorLag final : public Effect {
   struct BothWays {
     Response up, down;
   };
-  BothWays over(double step_s) const { return {response(up_s_, step_s), response(down_s_ < 0.0 ? up_s_ : down_s_, step_s)}; }
+  BothWays over(double step_s) const {
+    return {response(up_s_, step_s), response(down_s_ < 0.0 ? up_s_ : down_s_, step_s)};
+  }
   static Response response(double tau_s, double step_s) {
     if (tau_s <= 0.0) return {};
     const double end = std::exp(-step_s / tau_s);
@@ -56,7 +66,7 @@ class MotorLag final : public Effect {
 
   double up_s_ = 0.0, down_s_ = -1.0;
   double step_s_ = 0.0;
-  BothWays prepared_;   // over that step
+  BothWays prepared_;  // over that step
 };
 
 }  // namespace

@@ -11,7 +11,11 @@ class PoseDelay final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("delay", delay_s_,
-                   {.unit = "s", .help = "age of pose and velocity", .min = 0.0, .max = 1.0, .natural = 0.005,
+                   {.unit = "s",
+                    .help = "age of pose and velocity",
+                    .min = 0.0,
+                    .max = 1.0,
+                    .natural = 0.005,
                     .tolerance = 0.003});
   }
 

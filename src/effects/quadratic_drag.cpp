@@ -12,10 +12,16 @@ class QuadraticDrag final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("area_xy", area_xy_m2_,
-                   {.unit = "m^2", .help = "drag area (area × coefficient) in x and y", .min = 0.0, .natural = 0.3,
+                   {.unit = "m^2",
+                    .help = "drag area (area × coefficient) in x and y",
+                    .min = 0.0,
+                    .natural = 0.3,
                     .scale = Scale::arm});
     visitor.number("area_z", area_z_m2_,
-                   {.unit = "m^2", .help = "drag area (area × coefficient) in z", .min = 0.0, .natural = 0.3,
+                   {.unit = "m^2",
+                    .help = "drag area (area × coefficient) in z",
+                    .min = 0.0,
+                    .natural = 0.3,
                     .scale = Scale::arm});
   }
 

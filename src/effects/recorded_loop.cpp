@@ -17,25 +17,31 @@ class RecordedLoop final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     for (std::size_t axis = 0; axis < axes.size(); ++axis)
       visitor.numbers(axes[axis], per_[axis],
-                      {.unit = "rad/s^2", .help = "angular acceleration per body rate x y z [rad/s], world's up in body x y, velocity in "
-                                                  "body x y [m/s], and constant; none given: nothing is replaced", .natural = 0.0});
+                      {.unit = "rad/s^2",
+                       .help = "angular acceleration per body rate x y z [rad/s], world's up in body x y, velocity in "
+                               "body x y [m/s], and constant; none given: nothing is replaced",
+                       .natural = 0.0});
   }
 
   void prepare(const VehicleModel&, double, const RandomStream&) override {
     acts_ = false;
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-      if (!per_[axis].empty() && per_[axis].size() != terms) throw ParameterError(axes[axis], "roll, pitch and yaw must be empty or have 8 numbers");
+      if (!per_[axis].empty() && per_[axis].size() != terms)
+        throw ParameterError(axes[axis], "roll, pitch and yaw must be empty or have 8 numbers");
       for (std::size_t i = 0; i < per_[axis].size(); ++i) acts_ = acts_ || per_[axis][i] != 0.0;
     }
   }
 
   void wrench(const Flow& flow, const RotorSet&, std::span<const double>, Wrench& total) const override {
     if (!acts_) return;
-    const Vector3 &rate = flow.body_rate_B_radps, up = flow.R_WB.row(2), velocity = flow.R_WB.transpose() * flow.velocity_W_mps;
-    const std::array<double, terms> term = {rate.x(), rate.y(), rate.z(), up.x(), up.y(), velocity.x(), velocity.y(), 1.0};
+    const Vector3 &rate = flow.body_rate_B_radps, up = flow.R_WB.row(2),
+                  velocity = flow.R_WB.transpose() * flow.velocity_W_mps;
+    const std::array<double, terms> term = {rate.x(), rate.y(),     rate.z(),     up.x(),
+                                            up.y(),   velocity.x(), velocity.y(), 1.0};
     Vector3 acceleration = Vector3::Zero();
     for (std::size_t axis = 0; axis < axes.size(); ++axis)
-      for (std::size_t i = 0; i < per_[axis].size(); ++i) acceleration[static_cast<Eigen::Index>(axis)] += per_[axis][i] * term[i];
+      for (std::size_t i = 0; i < per_[axis].size(); ++i)
+        acceleration[static_cast<Eigen::Index>(axis)] += per_[axis][i] * term[i];
     const Matrix3& inertia = flow.vehicle->inertia_B_kgm2;
     total.torque_B_Nm = inertia * acceleration + rate.cross(inertia * rate);
   }

@@ -15,8 +15,12 @@ class RotorLoss final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     visitor.integer("rotor", rotor_, {.unit = "-", .help = "which rotor, from 1", .min = 1, .max = max_rotors});
     visitor.number("loss", loss_,
-                   {.unit = "-", .help = "share of thrust and reaction torque that is lost; < 0: it pushes more",
-                    .min = -10.0, .max = 1.0, .natural = 0.05, .tolerance = 0.01});
+                   {.unit = "-",
+                    .help = "share of thrust and reaction torque that is lost; < 0: it pushes more",
+                    .min = -10.0,
+                    .max = 1.0,
+                    .natural = 0.05,
+                    .tolerance = 0.01});
   }
 
   void prepare(const VehicleModel& vehicle, double, const RandomStream&) override {

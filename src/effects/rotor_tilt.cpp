@@ -10,8 +10,9 @@ namespace {
 class RotorTilt final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
-    visitor.number("x", x_rad_,
-                   {.unit = "rad", .help = "tilt of the axes toward forward", .min = -0.5, .max = 0.5, .natural = 0.01});
+    visitor.number(
+        "x", x_rad_,
+        {.unit = "rad", .help = "tilt of the axes toward forward", .min = -0.5, .max = 0.5, .natural = 0.01});
     visitor.number("y", y_rad_,
                    {.unit = "rad", .help = "tilt of the axes toward left", .min = -0.5, .max = 0.5, .natural = 0.01});
   }

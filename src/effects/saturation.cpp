@@ -15,7 +15,10 @@ class Saturation final : public Effect {
     visitor.number("max_speed", max_speed_radps_,
                    {.unit = "rad/s", .help = "fastest speed; 0: the vehicle file's", .min = 0.0, .natural = 100.0});
     visitor.number("dead_zone", dead_zone_,
-                   {.unit = "-", .help = "share of the range below which a rotor stands", .min = 0.0, .max = 1.0,
+                   {.unit = "-",
+                    .help = "share of the range below which a rotor stands",
+                    .min = 0.0,
+                    .max = 1.0,
                     .natural = 0.05});
   }
 

@@ -18,14 +18,18 @@ class SindyResidual final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     model_.visit(visitor);
     visitor.text("frame", frame_, {.help = "axes of the force: world or body"});
-    visitor.numbers(torque_names[0], torque_[0], {.unit = "N m", .help = "per unit of each term, about body x; empty: none", .natural = 0.0});
-    visitor.numbers(torque_names[1], torque_[1], {.unit = "N m", .help = "per unit of each term, about body y; empty: none", .natural = 0.0});
-    visitor.numbers(torque_names[2], torque_[2], {.unit = "N m", .help = "per unit of each term, about body z; empty: none", .natural = 0.0});
+    visitor.numbers(torque_names[0], torque_[0],
+                    {.unit = "N m", .help = "per unit of each term, about body x; empty: none", .natural = 0.0});
+    visitor.numbers(torque_names[1], torque_[1],
+                    {.unit = "N m", .help = "per unit of each term, about body y; empty: none", .natural = 0.0});
+    visitor.numbers(torque_names[2], torque_[2],
+                    {.unit = "N m", .help = "per unit of each term, about body z; empty: none", .natural = 0.0});
   }
 
   void prepare(const VehicleModel&, double, const RandomStream&) override {
     model_.prepare();
-    if (frame_ != "world" && frame_ != "body") throw ParameterError("frame", "frame = \"" + frame_ + "\" is neither world nor body");
+    if (frame_ != "world" && frame_ != "body")
+      throw ParameterError("frame", "frame = \"" + frame_ + "\" is neither world nor body");
     turns_ = false;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (!torque_[axis].empty() && torque_[axis].size() != model_.terms().size())

@@ -13,7 +13,8 @@ class SteadyWind final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     visitor.number("x", wind_W_mps_.x(), {.unit = "m/s", .help = "wind toward world x", .natural = 1.0});
     visitor.number("y", wind_W_mps_.y(), {.unit = "m/s", .help = "wind toward world y", .natural = 1.0});
-    visitor.number("z", wind_W_mps_.z(), {.unit = "m/s", .help = "wind toward world z (up)", .natural = 1.0, .plausible = 5.0});
+    visitor.number("z", wind_W_mps_.z(),
+                   {.unit = "m/s", .help = "wind toward world z (up)", .natural = 1.0, .plausible = 5.0});
   }
 
   void on_rotor(Flow& flow, RotorSet&) const override {

@@ -12,8 +12,11 @@ class ThrustCurve final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("curvature", curvature_,
-                   {.unit = "-", .help = "relative change of thrust when the thrust doubles from hover", .min = -0.9,
-                    .max = 5.0, .natural = 0.05});
+                   {.unit = "-",
+                    .help = "relative change of thrust when the thrust doubles from hover",
+                    .min = -0.9,
+                    .max = 5.0,
+                    .natural = 0.05});
   }
 
   void on_rotor(Flow& flow, RotorSet& rotors) const override {

@@ -11,8 +11,12 @@ class ThrustScale final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("delta", delta_,
-                   {.unit = "-", .help = "relative change of thrust and reaction torque of every rotor", .min = -0.9,
-                    .max = 10.0, .natural = 0.05, .tolerance = 0.012});
+                   {.unit = "-",
+                    .help = "relative change of thrust and reaction torque of every rotor",
+                    .min = -0.9,
+                    .max = 10.0,
+                    .natural = 0.05,
+                    .tolerance = 0.012});
   }
 
   void on_rotor(Flow&, RotorSet& rotors) const override {

@@ -12,8 +12,11 @@ class TranslationalLift final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("coefficient", coefficient_kgpm_,
-                   {.unit = "kg/m", .help = "thrust that one rotor gains per squared speed in its plane", .min = 0.0,
-                    .natural = 0.007, .scale = Scale::arm});
+                   {.unit = "kg/m",
+                    .help = "thrust that one rotor gains per squared speed in its plane",
+                    .min = 0.0,
+                    .natural = 0.007,
+                    .scale = Scale::arm});
   }
 
   void on_rotor(Flow& flow, RotorSet& rotors) const override {

@@ -14,7 +14,9 @@ class WallEffect final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("strength", strength_,
-                   {.unit = "-", .help = "share of the thrust that pulls toward a wall one rotor radius away", .min = 0.0,
+                   {.unit = "-",
+                    .help = "share of the thrust that pulls toward a wall one rotor radius away",
+                    .min = 0.0,
                     .natural = 0.02});
   }
 

@@ -10,9 +10,9 @@ namespace {
 class YawOffset final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
-    visitor.number("z", z_rad_,
-                   {.unit = "rad", .help = "yaw of the logged frame against the body", .min = -pi, .max = pi,
-                    .natural = 0.01});
+    visitor.number(
+        "z", z_rad_,
+        {.unit = "rad", .help = "yaw of the logged frame against the body", .min = -pi, .max = pi, .natural = 0.01});
   }
 
   void on_measurement(const MeasurementContext&, Measured& measured) const override {

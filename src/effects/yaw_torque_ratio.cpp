@@ -11,8 +11,12 @@ class YawTorqueRatio final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.number("delta", delta_,
-                   {.unit = "-", .help = "relative change of the reaction torque alone", .min = -100.0, .max = 100.0,
-                    .natural = 0.05, .tolerance = 0.05});
+                   {.unit = "-",
+                    .help = "relative change of the reaction torque alone",
+                    .min = -100.0,
+                    .max = 100.0,
+                    .natural = 0.05,
+                    .tolerance = 0.05});
   }
 
   void on_rotor(Flow&, RotorSet& rotors) const override {

@@ -10,9 +10,9 @@ namespace gustlab {
 namespace {
 
 constexpr double window_s = 0.2;
-constexpr double least_turn_rad = 0.1;   // windows that turn less are noise
+constexpr double least_turn_rad = 0.1;  // windows that turn less are noise
 constexpr std::size_t least_windows = 10;
-constexpr double too_much = 0.5;         // share of the turn that disagrees
+constexpr double too_much = 0.5;  // share of the turn that disagrees
 constexpr double clearly_better = 0.2;
 
 // one reading of the eight columns
@@ -68,7 +68,8 @@ class Judge {
       // an attitude that is held or frozen is another finding
       if (!usable || still) continue;
       const Vector3 by_rate = turn_of(turned);
-      const Vector3 by_attitude = turn_of(attitude(begin, convention).conjugate() * attitude(begin + length, convention));
+      const Vector3 by_attitude =
+          turn_of(attitude(begin, convention).conjugate() * attitude(begin + length, convention));
       const double turn = std::max(by_rate.norm(), by_attitude.norm());
       if (turn < least_turn_rad) continue;
       const double error = (by_rate - by_attitude).norm();
@@ -92,7 +93,8 @@ class Judge {
   Quaternion attitude(std::size_t row, const Convention& convention) const {
     double c[4];
     for (std::size_t i = 0; i < 4; ++i) c[i] = (*columns_.q[i])[row];
-    const Quaternion q = convention.scalar_last ? Quaternion(c[3], c[0], c[1], c[2]) : Quaternion(c[0], c[1], c[2], c[3]);
+    const Quaternion q =
+        convention.scalar_last ? Quaternion(c[3], c[0], c[1], c[2]) : Quaternion(c[0], c[1], c[2], c[3]);
     return convention.world_to_body ? q.conjugate() : q;
   }
 

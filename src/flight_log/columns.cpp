@@ -26,7 +26,9 @@ std::optional<double> most_of_column(std::string_view name) {
   for (const Columns& columns : known_columns)
     if (std::find(columns.names.begin(), columns.names.end(), name) != columns.names.end()) return columns.most;
   for (const std::string_view prefix : {"u", "rotor"})
-    if (name.size() == prefix.size() + 1 && name.starts_with(prefix) && name.back() >= '1' && name.back() < '1' + max_rotors) return most_of_rotors;
+    if (name.size() == prefix.size() + 1 && name.starts_with(prefix) && name.back() >= '1' &&
+        name.back() < '1' + max_rotors)
+      return most_of_rotors;
   return std::nullopt;
 }
 

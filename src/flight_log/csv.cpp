@@ -34,7 +34,8 @@ std::string read_bytes(const std::string& path) {
     text.resize(size + block);
     const int got = gzread(file.get(), text.data() + size, block);
     text.resize(size + static_cast<std::size_t>(std::max(got, 0)));
-    if (text.size() > most_bytes) throw DataError(fmt::format("{}: cannot read (it is larger than {} MiB, decompressed)", path, most_bytes >> 20));
+    if (text.size() > most_bytes)
+      throw DataError(fmt::format("{}: cannot read (it is larger than {} MiB, decompressed)", path, most_bytes >> 20));
     int code = Z_OK;
     const char* why = gzerror(file.get(), &code);
     if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
@@ -54,7 +55,8 @@ std::size_t cell_end(std::string_view line, std::size_t begin) { return std::min
 
 }  // namespace
 
-CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view)) : path_(path), text_(read_bytes(path)) {
+CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view))
+    : path_(path), text_(read_bytes(path)) {
   std::size_t begin = text_.starts_with("\xEF\xBB\xBF") ? 3 : 0, number = 0;
   std::vector<bool> is_lenient;
   while (begin < text_.size()) {
@@ -69,15 +71,15 @@ CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view
     }
     begin = end + 1;
   }
-  if (names_.empty()) throw DataError(fmt::format("{}:1:1: the file is empty (a header line and samples are needed)", path_));
+  if (names_.empty())
+    throw DataError(fmt::format("{}:1:1: the file is empty (a header line and samples are needed)", path_));
 }
 
 void CsvNumbers::read_header(std::string_view line) {
   std::unordered_set<std::string> seen;
   for (std::size_t begin = 0; begin <= line.size(); begin = cell_end(line, begin) + 1) {
     std::string name(trimmed(line.substr(begin, cell_end(line, begin) - begin)));
-    if (name.empty())
-      throw DataError(fmt::format("{}:1:{}: a column has no name", path_, begin + 1));
+    if (name.empty()) throw DataError(fmt::format("{}:1:{}: a column has no name", path_, begin + 1));
     if (!seen.insert(name).second)
       throw DataError(fmt::format("{}:1:{}: column \"{}\" is here twice", path_, begin + 1, name));
     names_.push_back(std::move(name));
@@ -100,16 +102,17 @@ void CsvNumbers::read_row(std::size_t number, std::size_t line_begin, std::strin
       const bool number_read = error == std::errc() && end == cell.data() + cell.size();
       if (!number_read || !std::isfinite(value)) {
         if (!lenient[column])
-          throw DataError(fmt::format("{}:{}:{}: \"{}\" in column {} is not a {}number (a missing sample is an empty cell)",
-                                      path_, number, begin + 1, cell, names_[column], number_read ? "finite " : ""));
+          throw DataError(
+              fmt::format("{}:{}:{}: \"{}\" in column {} is not a {}number (a missing sample is an empty cell)", path_,
+                          number, begin + 1, cell, names_[column], number_read ? "finite " : ""));
         value = no_sample;
       }
     }
     columns_[column].push_back(value);
   }
   if (column < names_.size())
-    throw DataError(fmt::format("{}:{}:{}: this row has {} cells, the header {}", path_, number, line.size() + 1, column,
-                                names_.size()));
+    throw DataError(fmt::format("{}:{}:{}: this row has {} cells, the header {}", path_, number, line.size() + 1,
+                                column, names_.size()));
   lines_.push_back({number, line_begin});
 }
 

@@ -29,8 +29,7 @@ class CsvNumbers {
 
  private:
   void read_header(std::string_view line);
-  void read_row(std::size_t line_number, std::size_t begin, std::string_view line,
-                const std::vector<bool>& lenient);
+  void read_row(std::size_t line_number, std::size_t begin, std::string_view line, const std::vector<bool>& lenient);
   std::string where(std::size_t line_number, std::size_t line_begin, std::size_t column) const;
 
   struct Line {

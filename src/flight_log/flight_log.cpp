@@ -8,20 +8,28 @@ namespace gustlab {
 
 std::string_view to_string(ActuatorKind kind) {
   switch (kind) {
-    case ActuatorKind::rotor_speed: return "rotor_speed";
-    case ActuatorKind::thrust: return "thrust";
-    case ActuatorKind::throttle: return "throttle";
-    case ActuatorKind::pwm: return "pwm";
-    case ActuatorKind::collective_thrust: return "collective_thrust";
+    case ActuatorKind::rotor_speed:
+      return "rotor_speed";
+    case ActuatorKind::thrust:
+      return "thrust";
+    case ActuatorKind::throttle:
+      return "throttle";
+    case ActuatorKind::pwm:
+      return "pwm";
+    case ActuatorKind::collective_thrust:
+      return "collective_thrust";
   }
   return "?";
 }
 
 std::string_view to_string(Hold hold) {
   switch (hold) {
-    case Hold::unknown: return "unknown";
-    case Hold::zoh: return "zoh";
-    case Hold::linear: return "linear";
+    case Hold::unknown:
+      return "unknown";
+    case Hold::zoh:
+      return "zoh";
+    case Hold::linear:
+      return "linear";
   }
   return "?";
 }

@@ -50,7 +50,8 @@ void check_required(const CsvNumbers& csv, const std::string& path) {
     missing("there is no actuator input", "u1 and so on, or rotor1 and so on, are needed", "rotor1");
   for (const char* prefix : {"u", "rotor"})
     for (int i = 2; i <= max_rotors; ++i)
-      if (const int c = find(csv, fmt::format("{}{}", prefix, i)); c >= 0 && find(csv, fmt::format("{}{}", prefix, i - 1)) < 0)
+      if (const int c = find(csv, fmt::format("{}{}", prefix, i));
+          c >= 0 && find(csv, fmt::format("{}{}", prefix, i - 1)) < 0)
         throw DataError(fmt::format("{}: column \"{}{}\" is here and \"{}{}\" is not (one column per rotor)",
                                     csv.where_name(static_cast<std::size_t>(c)), prefix, i, prefix, i - 1));
   if (csv.rows() < 2) throw DataError(fmt::format("{}: the log is empty ({} samples)", path, csv.rows()));
@@ -65,10 +66,12 @@ void check_sizes(const CsvNumbers& csv) {
     const std::vector<double>& values = csv.column(c);
     const auto most = most_of_column(csv.names()[c]);
     if (!most) continue;
-    const auto wrong = std::find_if(values.begin(), values.end(), [&](double value) { return std::abs(value) > *most; });
+    const auto wrong =
+        std::find_if(values.begin(), values.end(), [&](double value) { return std::abs(value) > *most; });
     if (wrong == values.end()) continue;
-    throw DataError(fmt::format("{}: {:.4g} in column {} is no measurement (at most {:g}) leave the cell empty when there is no sample",
-                                csv.where(static_cast<std::size_t>(wrong - values.begin()), c), *wrong, csv.names()[c], *most));
+    throw DataError(fmt::format(
+        "{}: {:.4g} in column {} is no measurement (at most {:g}) leave the cell empty when there is no sample",
+        csv.where(static_cast<std::size_t>(wrong - values.begin()), c), *wrong, csv.names()[c], *most));
   }
 }
 
@@ -83,7 +86,8 @@ void check_time(CsvNumbers& csv, std::vector<LogRepair>& repairs) {
     if (std::isnan(time_s[row])) throw DataError(fmt::format("{}: this sample has no time", csv.where(row, c)));
     if (row == 0 || time_s[row] > time_s[row - 1]) continue;
     if (!csv.same(row, row - 1))
-      throw DataError(fmt::format("{}: time does not rise ({} s after {} s)", csv.where(row, c), time_s[row], time_s[row - 1]));
+      throw DataError(
+          fmt::format("{}: time does not rise ({} s after {} s)", csv.where(row, c), time_s[row], time_s[row - 1]));
     wanted[row] = false;
     if (duplicates++ == 0) first = csv.where_row(row);
   }
@@ -111,8 +115,9 @@ void check_attitude(CsvNumbers& csv, std::vector<LogRepair>& repairs) {
     if (repaired++ == 0) first = row;
   }
   if (repaired > 0)
-    repairs.push_back({"quaternion_norm", fmt::format("{}: {} quaternions are off norm by up to {:.2g} and are normalised",
-                                                      csv.where(first, q[0]), repaired, worst)});
+    repairs.push_back(
+        {"quaternion_norm", fmt::format("{}: {} quaternions are off norm by up to {:.2g} and are normalised",
+                                        csv.where(first, q[0]), repaired, worst)});
   const std::vector<std::size_t> w = find_all(csv, {"wx", "wy", "wz"});
   if (w.empty()) return;
   const AttitudeColumns columns{csv.column(static_cast<std::size_t>(find(csv, "time_s"))),
@@ -129,9 +134,11 @@ FlightLog read_flight_log(const std::string& csv_path) {
   FlightLog log;
   log.path = csv_path;
   const std::string sidecar = sidecar_path(csv_path);
-  if (const std::string why = why_unreadable(csv_path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", csv_path, why));
+  if (const std::string why = why_unreadable(csv_path); !why.empty())
+    throw DataError(fmt::format("{}: cannot read ({})", csv_path, why));
   if (const std::string why = why_unreadable(sidecar); !why.empty())
-    throw DataError(fmt::format("{}: cannot read ({}) a log needs its sidecar; gustlab import writes both", sidecar, why));
+    throw DataError(
+        fmt::format("{}: cannot read ({}) a log needs its sidecar; gustlab import writes both", sidecar, why));
   log.meta = read_sidecar(sidecar);
   note_input(csv_path);
   CsvNumbers csv(csv_path, [](std::string_view name) { return !is_known_column(name); });
@@ -148,8 +155,8 @@ FlightLog read_flight_log(const std::string& csv_path) {
     else log.columns.push_back({name, std::move(csv.column(c))});
   }
   if (!unknown.empty())
-    log.repairs.push_back({"unknown_column", fmt::format("{}:1: unknown columns are ignored: {}", csv_path,
-                                                         fmt::join(unknown, ", "))});
+    log.repairs.push_back(
+        {"unknown_column", fmt::format("{}:1: unknown columns are ignored: {}", csv_path, fmt::join(unknown, ", "))});
   return log;
 }
 

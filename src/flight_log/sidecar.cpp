@@ -22,7 +22,8 @@ Enum one_of(Table& table, std::string_view key, const std::string& text, std::in
     names.emplace_back(to_string(value));
     if (names.back() == text) return value;
   }
-  table.fail(key, fmt::format("\"{}\" is not one of {}", text, fmt::join(names, ", ")), "", config::suggest(text, names));
+  table.fail(key, fmt::format("\"{}\" is not one of {}", text, fmt::join(names, ", ")), "",
+             config::suggest(text, names));
 }
 
 std::vector<std::pair<std::string, std::string>> free_keys(Table& document, std::string_view key) {
@@ -46,7 +47,8 @@ LogMeta read(const std::string& path) {
   meta.source = document.text("source").value_or("recording");
   if (meta.source != "recording" && meta.source != "simulation")
     document.fail("source", fmt::format("\"{}\" is not one of recording, simulation", meta.source), "", "");
-  meta.hold = one_of(document, "hold", document.text("hold").value_or("unknown"), {Hold::unknown, Hold::zoh, Hold::linear});
+  meta.hold =
+      one_of(document, "hold", document.text("hold").value_or("unknown"), {Hold::unknown, Hold::zoh, Hold::linear});
   meta.notes = document.text("notes").value_or("");
   meta.environment = config::read_environment(document);
   meta.condition = free_keys(document, "condition");
@@ -60,8 +62,9 @@ void append_table(std::string& text, std::string_view name,
   if (values.empty()) return;
   text += fmt::format("\n[{}]\n", name);
   for (const auto& [key, value] : values) {
-    const bool bare = !key.empty() && key.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                                            "0123456789_-") == std::string::npos;
+    const bool bare = !key.empty() && key.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-") == std::string::npos;
     text += fmt::format("{} = {}\n", bare ? key : config::quoted(key), value);
   }
 }
@@ -89,7 +92,8 @@ std::string sidecar_text(const LogMeta& meta) {
   text += fmt::format("actuator = \"{}\"\nsource = \"{}\"\nhold = \"{}\"\nnotes = {}\n", to_string(meta.actuator),
                       meta.source, to_string(meta.hold), config::quoted(meta.notes));
   std::vector<std::pair<std::string, std::string>> environment;
-  if (meta.environment.ground_z_m) environment.emplace_back("ground_z_m", config::shortest(*meta.environment.ground_z_m));
+  if (meta.environment.ground_z_m)
+    environment.emplace_back("ground_z_m", config::shortest(*meta.environment.ground_z_m));
   if (meta.environment.ceiling_z_m)
     environment.emplace_back("ceiling_z_m", config::shortest(*meta.environment.ceiling_z_m));
   std::string walls;

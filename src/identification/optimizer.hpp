@@ -26,7 +26,7 @@ struct OptimizerOptions {
   double ridge = 0.05;                    // stlsq: weight of ‖ξ‖²
   double nu = 1.0;                        // sr3: relaxation ν
   Regularizer penalty = Regularizer::l0;  // sr3: R
-  LinearConstraints constraints{};  // sr3
+  LinearConstraints constraints{};        // sr3
   int max_terms = 0;                      // best_subset: most terms per target; 0: any number
   double tolerance = 1e-10;               // sr3: largest ‖Δu‖/ν at the end
   int max_iterations = 100000;            // stlsq, sr3

@@ -51,8 +51,10 @@ Eigen::MatrixXd backward(const Layers& layers, const Trace& trace, const Eigen::
 
 double spectral_norm(const Eigen::MatrixXd& weight) {
   const bool wide = weight.cols() > weight.rows();
-  const Eigen::MatrixXd gram = wide ? Eigen::MatrixXd(weight * weight.transpose()) : Eigen::MatrixXd(weight.transpose() * weight);
-  return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff()));
+  const Eigen::MatrixXd gram =
+      wide ? Eigen::MatrixXd(weight * weight.transpose()) : Eigen::MatrixXd(weight.transpose() * weight);
+  return std::sqrt(std::max(
+      0.0, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff()));
 }
 
 void bound_spectral_norm(Layers& layers, double most) {

@@ -23,7 +23,9 @@ Fit fit(const MatrixXd& phi, const MatrixXd& residual, const MetaLossOptions& op
   return out;
 }
 
-double shortening(const MatrixXd& a, const MetaLossOptions& options) { return std::min(1.0, options.longest / a.norm()); }
+double shortening(const MatrixXd& a, const MetaLossOptions& options) {
+  return std::min(1.0, options.longest / a.norm());
+}
 
 // mean of −log softmax at the condition; its gradient at the logits
 struct CrossEntropy {
@@ -48,7 +50,9 @@ MatrixXd with_constant(const MatrixXd& outputs) {
 
 }  // namespace
 
-MatrixXd features_at(const Layers& network, const MatrixXd& inputs) { return with_constant(forward(network, inputs).back()); }
+MatrixXd features_at(const Layers& network, const MatrixXd& inputs) {
+  return with_constant(forward(network, inputs).back());
+}
 
 MatrixXd adapt(const MatrixXd& phi, const MatrixXd& residual, const MetaLossOptions& options) {
   const MatrixXd a = fit(phi, residual, options).a;
@@ -75,12 +79,11 @@ MetaLoss feature_loss(const Layers& network, const Layers& discriminator, const 
   MatrixXd at_phi = MatrixXd::Zero(phi.rows(), phi.cols());
   const MatrixXd at_error = 2.0 / static_cast<double>(error.size()) * error;
   Layers unused = zeros_like(discriminator);
-  at_phi.bottomRows(b) = at_error * a.transpose() -
-                         options.adversary * backward(discriminator, told, confusion.at_logits, unused);
+  at_phi.bottomRows(b) =
+      at_error * a.transpose() - options.adversary * backward(discriminator, told, confusion.at_logits, unused);
   // at the adaptation set's features, through a: with M a = Φᵀ Y and H = M⁻¹ G, G at a: (Y − Φ a) Hᵀ − Φ H aᵀ
   MatrixXd at_a = phi_b.transpose() * at_error;
-  if (shorter < 1.0)
-    at_a = shorter * (at_a - fitted.a * (fitted.a.cwiseProduct(at_a).sum() / fitted.a.squaredNorm()));
+  if (shorter < 1.0) at_a = shorter * (at_a - fitted.a * (fitted.a.cwiseProduct(at_a).sum() / fitted.a.squaredNorm()));
   const MatrixXd h = fitted.gram.solve(at_a);
   at_phi.topRows(k) = (batch.adapt.residual - phi_k * fitted.a) * h.transpose() - phi_k * h * fitted.a.transpose();
 

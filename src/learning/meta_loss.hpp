@@ -13,9 +13,9 @@
 namespace gustlab {
 
 struct MetaLossOptions {
-  double adversary = 0.01;     // α
-  double longest = 10.0;       // γ, of ‖a‖
-  double ridge = 1e-3;         // ρ, per sample: 32 samples of features that are alike must not divide by zero
+  double adversary = 0.01;  // α
+  double longest = 10.0;    // γ, of ‖a‖
+  double ridge = 1e-3;      // ρ, per sample: 32 samples of features that are alike must not divide by zero
 };
 
 // Samples of one condition; inputs as the network sees them, residual accelerations in m/s².
@@ -42,7 +42,8 @@ struct MetaLoss {
 MetaLoss feature_loss(const Layers& network, const Layers& discriminator, const MetaBatch& batch,
                       const MetaLossOptions& options, Layers& gradient);
 // The discriminator's cross-entropy on features of one condition; adds its gradient at the discriminator to `gradient`.
-double discriminator_loss(const Layers& discriminator, const Eigen::MatrixXd& phi, Eigen::Index condition, Layers& gradient);
+double discriminator_loss(const Layers& discriminator, const Eigen::MatrixXd& phi, Eigen::Index condition,
+                          Layers& gradient);
 // Share of samples whose condition the discriminator names rightly.
 double discriminator_accuracy(const Layers& discriminator, const Eigen::MatrixXd& phi, Eigen::Index condition);
 

@@ -25,7 +25,8 @@ constexpr double probe_rate = 5e-3;
 // samples of a condition without repetition, drawn anew each time
 class Sampler {
  public:
-  explicit Sampler(const Samples& samples) : samples_(samples), order_(static_cast<std::size_t>(samples.inputs.rows())) {
+  explicit Sampler(const Samples& samples)
+      : samples_(samples), order_(static_cast<std::size_t>(samples.inputs.rows())) {
     std::iota(order_.begin(), order_.end(), Index{0});
   }
 
@@ -66,8 +67,8 @@ Normalisation normalisation_of(std::span<const Condition> conditions) {
   return out;
 }
 
-ConditionFigures evaluate(const Condition& condition, const Samples& normalised, const Layers& features, const TrainingOptions& options,
-                          Draws& draws) {
+ConditionFigures evaluate(const Condition& condition, const Samples& normalised, const Layers& features,
+                          const TrainingOptions& options, Draws& draws) {
   Sampler sampler(normalised);
   double mean = 0.0, network = 0.0, count = 0.0;
   for (int draw = 0; draw < evaluation_draws; ++draw) {
@@ -92,8 +93,7 @@ double probe_accuracy(std::span<const Samples> phi, const TrainingOptions& optio
   Adam steps(probe, probe_rate);
   for (int step = 0; step < probe_steps; ++step) {
     Layers gradient = zeros_like(probe);
-    for (Index c = 0; c < count; ++c)
-      discriminator_loss(probe, draw(c), c, gradient);
+    for (Index c = 0; c < count; ++c) discriminator_loss(probe, draw(c), c, gradient);
     steps.step(probe, gradient);
   }
   double accuracy = 0.0;
@@ -106,8 +106,8 @@ void check(std::span<const Condition> conditions, const TrainingOptions& options
   const Index wanted = options.adapt_samples + options.test_samples;
   for (const Condition& condition : conditions)
     if (condition.samples.inputs.rows() < wanted)
-      throw ConfigError(fmt::format("condition \"{}\": {} samples (a batch takes {}) fly longer, or log faster", condition.name,
-                                    condition.samples.inputs.rows(), wanted));
+      throw ConfigError(fmt::format("condition \"{}\": {} samples (a batch takes {}) fly longer, or log faster",
+                                    condition.name, condition.samples.inputs.rows(), wanted));
 }
 
 }  // namespace
@@ -138,7 +138,8 @@ Training train_daiml(std::span<const Condition> conditions, const TrainingOption
     throw_if_interrupted();
     double prediction = 0.0, confusion = 0.0;
     // Fisher–Yates
-    for (std::size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[static_cast<std::size_t>(draws.below(static_cast<Index>(i) + 1))]);
+    for (std::size_t i = order.size() - 1; i > 0; --i)
+      std::swap(order[i], order[static_cast<std::size_t>(draws.below(static_cast<Index>(i) + 1))]);
     for (const Index condition : order) {
       const MetaBatch batch = samplers[static_cast<std::size_t>(condition)].draw(condition, options, draws);
       Layers gradient = zeros_like(features);
@@ -161,7 +162,8 @@ Training train_daiml(std::span<const Condition> conditions, const TrainingOption
   std::vector<Samples> phi;
   for (const std::size_t c : trained) {
     phi.push_back({features_at(features, normalised[c].inputs), normalised[c].residual});
-    training.accuracy += training.chance * discriminator_accuracy(discriminator, phi.back().inputs, static_cast<Index>(phi.size()) - 1);
+    training.accuracy +=
+        training.chance * discriminator_accuracy(discriminator, phi.back().inputs, static_cast<Index>(phi.size()) - 1);
   }
   training.probe_accuracy = probe_accuracy(phi, options, evaluation);
   for (std::size_t c = 0; c < conditions.size(); ++c)

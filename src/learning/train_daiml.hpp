@@ -15,8 +15,8 @@ namespace gustlab {
 
 struct TrainingOptions {
   std::int64_t epochs = 1000;
-  double rate = 5e-4;                     // of Adam
-  double discriminator_share = 0.5;       // probability that a step updates it, too
+  double rate = 5e-4;                // of Adam
+  double discriminator_share = 0.5;  // probability that a step updates it, too
   double spectral_norm = 2.0;
   Eigen::Index adapt_samples = 32;
   Eigen::Index test_samples = 256;
@@ -29,9 +29,9 @@ struct TrainingOptions {
 struct ConditionFigures {
   std::string name;
   bool held_out = false;
-  double residual_rms = 0.0;    // what there is to explain
-  double mean_error = 0.0;      // of the mean of the adaptation set: the constant alone
-  double network_error = 0.0;   // of the features with the coefficients adapted to the same set
+  double residual_rms = 0.0;   // what there is to explain
+  double mean_error = 0.0;     // of the mean of the adaptation set: the constant alone
+  double network_error = 0.0;  // of the features with the coefficients adapted to the same set
 };
 
 struct Training {

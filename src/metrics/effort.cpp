@@ -28,7 +28,8 @@ EffortFigures Effort::figures() const {
   if (samples_ < 2) return {nan, nan};
   const auto n = static_cast<double>(samples_), rotors = static_cast<double>(rotors_);
   double variance = 0.0;
-  for (std::size_t i = 0; i < rotors_; ++i) variance += std::max(0.0, squares_[i] / n - sum_[i] * sum_[i] / (n * n)) / rotors;
+  for (std::size_t i = 0; i < rotors_; ++i)
+    variance += std::max(0.0, squares_[i] / n - sum_[i] * sum_[i] / (n * n)) / rotors;
   return {std::sqrt(variance), std::sqrt(changes_ / (rotors * (n - 1.0))) / interval_s_};
 }
 

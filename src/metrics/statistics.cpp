@@ -76,7 +76,8 @@ Interval paired_interval(std::span<const double> a, std::span<const double> b, d
   const Summary summary = summarize(finite_differences(a, b));
   if (summary.n < 2) return {nan, nan};
   const auto n = static_cast<double>(summary.n);
-  const double half = boost::math::quantile(boost::math::students_t(n - 1.0), 0.5 + 0.5 * confidence) * summary.sd / std::sqrt(n);
+  const double half =
+      boost::math::quantile(boost::math::students_t(n - 1.0), 0.5 + 0.5 * confidence) * summary.sd / std::sqrt(n);
   return {summary.mean - half, summary.mean + half};
 }
 

@@ -27,7 +27,7 @@ class ForceModel {
   // Applies body effects and prepares all others; call again after parameters were changed.
   void prepare(double step_s, std::uint64_t seed, std::uint32_t replicate);
 
-  const VehicleModel& vehicle() const { return vehicle_; }       // with body effects
+  const VehicleModel& vehicle() const { return vehicle_; }  // with body effects
   std::span<NamedEffect> effects() { return effects_; }
   std::span<const NamedEffect> effects() const { return effects_; }
   double lookback_s() const;

@@ -29,7 +29,8 @@ std::string number_behind(const std::string& said, std::string_view word) {
 // MuJoCo says "…, line 5, column 3" or "line 5" somewhere in its message
 [[noreturn]] void fail_as_mujoco_says(const std::string& path, std::string said) {
   std::string where = path, lower = said;
-  std::transform(said.begin(), said.end(), lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(said.begin(), said.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const char* word : {"line", "column"}) {
     const std::string number = number_behind(lower, word);
     if (number.empty()) break;
@@ -49,7 +50,8 @@ class MemoryFiles {
  public:
   explicit MemoryFiles(const MjcfFiles& files) {
     mj_defaultVFS(&vfs_);
-    for (const auto& [name, bytes] : files.bytes) mj_addBufferVFS(&vfs_, path_of(name).c_str(), bytes.data(), static_cast<int>(bytes.size()));
+    for (const auto& [name, bytes] : files.bytes)
+      mj_addBufferVFS(&vfs_, path_of(name).c_str(), bytes.data(), static_cast<int>(bytes.size()));
   }
   ~MemoryFiles() { mj_deleteVFS(&vfs_); }
   MemoryFiles(const MemoryFiles&) = delete;
@@ -82,12 +84,18 @@ std::string bytes_of(const MjcfFiles& files) {
 
 const char* primitive_name(int type) {
   switch (type) {
-    case mjGEOM_SPHERE: return "sphere";
-    case mjGEOM_CAPSULE: return "capsule";
-    case mjGEOM_ELLIPSOID: return "ellipsoid";
-    case mjGEOM_CYLINDER: return "cylinder";
-    case mjGEOM_BOX: return "box";
-    default: return nullptr;
+    case mjGEOM_SPHERE:
+      return "sphere";
+    case mjGEOM_CAPSULE:
+      return "capsule";
+    case mjGEOM_ELLIPSOID:
+      return "ellipsoid";
+    case mjGEOM_CYLINDER:
+      return "cylinder";
+    case mjGEOM_BOX:
+      return "box";
+    default:
+      return nullptr;
   }
 }
 
@@ -100,7 +108,8 @@ MjcfBody read_mjcf(const std::string& path) {
   const ModelPointer model = load(path, files);
   const mjModel& m = *model;
   if (m.njnt != 1 || m.jnt_type[0] != mjJNT_FREE)
-    fail(path, fmt::format("a vehicle has exactly one free joint and no other joint (here: {}) weld moving parts", m.njnt));
+    fail(path,
+         fmt::format("a vehicle has exactly one free joint and no other joint (here: {}) weld moving parts", m.njnt));
   if (m.opt.gravity[0] != 0.0 || m.opt.gravity[1] != 0.0 || !(m.opt.gravity[2] < 0.0))
     fail(path, fmt::format("gravity must point along -z (here: {} {} {})", m.opt.gravity[0], m.opt.gravity[1],
                            m.opt.gravity[2]));
@@ -135,14 +144,16 @@ MjcfBody read_mjcf(const std::string& path) {
 
   for (int i = 0; i < m.nsite; ++i)
     if (on_vehicle(m.site_bodyid[i]))
-      body.sites.push_back({m.names + m.name_siteadr[i], place(d.site_xpos + 3 * i),
-                            R_BW * Rows3(d.site_xmat + 9 * i).col(2)});
+      body.sites.push_back(
+          {m.names + m.name_siteadr[i], place(d.site_xpos + 3 * i), R_BW * Rows3(d.site_xmat + 9 * i).col(2)});
   for (int i = 0; i < m.ngeom; ++i) {
     if (!on_vehicle(m.geom_bodyid[i]) || (m.geom_contype[i] == 0 && m.geom_conaffinity[i] == 0)) continue;
     const char* type = primitive_name(m.geom_type[i]);
     if (type == nullptr)
-      fail(path, fmt::format("geom {} \"{}\" cannot collide (only sphere, capsule, ellipsoid, cylinder and box do) give "
-                             "it contype=\"0\" conaffinity=\"0\"", i, m.names + m.name_geomadr[i]));
+      fail(path,
+           fmt::format("geom {} \"{}\" cannot collide (only sphere, capsule, ellipsoid, cylinder and box do) give "
+                       "it contype=\"0\" conaffinity=\"0\"",
+                       i, m.names + m.name_geomadr[i]));
     body.shapes.push_back({type, Column3(m.geom_size + 3 * i), place(d.geom_xpos + 3 * i),
                            Quaternion(Matrix3(R_BW * Rows3(d.geom_xmat + 9 * i)))});
   }

@@ -23,19 +23,19 @@ namespace fs = std::filesystem;
 using tinyxml2::XMLAttribute;
 using tinyxml2::XMLElement;
 
-constexpr double most_elements = 1e5;       // after <replicate> and <attach>
-constexpr std::size_t most_models = 100;    // MJCF files of one vehicle
-constexpr std::size_t deepest_models = 8;   // a model that attaches a model that …
+constexpr double most_elements = 1e5;      // after <replicate> and <attach>
+constexpr std::size_t most_models = 100;   // MJCF files of one vehicle
+constexpr std::size_t deepest_models = 8;  // a model that attaches a model that …
 
 // what a number in an attribute may be at most: MuJoCo allocates, or loops, by it
 struct Limit {
   std::string_view element, attribute;  // empty: every one
   double most;
 };
-constexpr Limit limits[] = {{"replicate", "count", 1e5},     {"hfield", "nrow", 4096},    {"hfield", "ncol", 4096},
-                            {"texture", "width", 4096},      {"texture", "height", 4096}, {"mesh", "params", 1000},
-                            {"camera", "resolution", 4096},  {"numeric", "size", 1e5},    {"size", "memory", 1e9},
-                            {"size", "", 1e5}};
+constexpr Limit limits[] = {
+    {"replicate", "count", 1e5}, {"hfield", "nrow", 4096}, {"hfield", "ncol", 4096},       {"texture", "width", 4096},
+    {"texture", "height", 4096}, {"mesh", "params", 1000}, {"camera", "resolution", 4096}, {"numeric", "size", 1e5},
+    {"size", "memory", 1e9},     {"size", "", 1e5}};
 // one rigid body has none of these, and some of them are made of thousands of parts
 constexpr std::string_view refused[] = {"composite", "flexcomp", "flex", "deformable", "skin"};
 
@@ -84,8 +84,11 @@ class Reader {
   // the path from the folder, in which it must be
   std::string contained(const fs::path& name, const std::string& from, int line) const {
     const fs::path relative = canonical(folder_ / name).lexically_relative(root_);
-    if (name.is_absolute() || name.string().find(':') != std::string::npos || relative.empty() || *relative.begin() == "..")
-      fail(from, line, fmt::format("\"{}\" is outside the vehicle's folder (a vehicle is one folder) move it there", name.string()));
+    if (name.is_absolute() || name.string().find(':') != std::string::npos || relative.empty() ||
+        *relative.begin() == "..")
+      fail(
+          from, line,
+          fmt::format("\"{}\" is outside the vehicle's folder (a vehicle is one folder) move it there", name.string()));
     return name.lexically_normal().string();
   }
 
@@ -93,7 +96,8 @@ class Reader {
   double read_model(const std::string& name, std::size_t depth) {
     const std::string shown = (folder_ / name).string();
     if (depth > deepest_models || ++models_ > most_models)
-      throw ConfigError(fmt::format("{}: models attach models without end (or more than {}) make it one body", shown, most_models));
+      throw ConfigError(
+          fmt::format("{}: models attach models without end (or more than {}) make it one body", shown, most_models));
     files.bytes[name] = read_file<ConfigError>(shown);
     tinyxml2::XMLDocument document;
     const std::string& text = files.bytes[name];
@@ -101,7 +105,8 @@ class Reader {
       fail(name, document.ErrorLineNum(), fmt::format("not a model that MuJoCo takes ({})", document.ErrorName()));
     const XMLElement* root = document.RootElement();
     if (root == nullptr || std::string_view(root->Name()) != "mujoco")
-      fail(name, root ? root->GetLineNum() : 1, "not a model that MuJoCo takes (the outermost element is not <mujoco>)");
+      fail(name, root ? root->GetLineNum() : 1,
+           "not a model that MuJoCo takes (the outermost element is not <mujoco>)");
 
     Model model{name, depth, {}, {{}}, 0.0};
     gather(*root, model);
@@ -127,8 +132,10 @@ class Reader {
             model.folders.emplace_back(folder);
           }
     }
-    for (const XMLElement* asset = element.FirstChildElement("asset"); asset; asset = asset->NextSiblingElement("asset"))
-      for (const XMLElement* child = asset->FirstChildElement("model"); child; child = child->NextSiblingElement("model")) {
+    for (const XMLElement* asset = element.FirstChildElement("asset"); asset;
+         asset = asset->NextSiblingElement("asset"))
+      for (const XMLElement* child = asset->FirstChildElement("model"); child;
+           child = child->NextSiblingElement("model")) {
         const std::string file = text_of(*child, "file"), name = text_of(*child, "name");
         const std::string path = contained(fs::path(model.name).parent_path() / file, model.name, child->GetLineNum());
         model.attached[name.empty() ? fs::path(file).stem().string() : name] = read_model(path, model.depth + 1);
@@ -166,7 +173,8 @@ class Reader {
       for (const double value : numbers_of(attribute.Value()))
         if (!(value <= limit->most))
           fail(model.name, attribute.GetLineNum(),
-               fmt::format("\"{}\" of <{}> is {} (a vehicle has at most {:g})", name, of, attribute.Value(), limit->most));
+               fmt::format("\"{}\" of <{}> is {} (a vehicle has at most {:g})", name, of, attribute.Value(),
+                           limit->most));
     if (name.starts_with("file") && of != "model") add_asset(attribute, model);
   }
 

@@ -98,8 +98,7 @@ void Plant::actuate(const RotorCommand& command) {
   if (speed_is_measured_) actuation_.end_speed_radps = actuation_.mean_speed_radps = command.speed_radps;
   else forces_.actuate(actuation_);
   for (std::size_t i = 0; i < static_cast<std::size_t>(forces_.vehicle().rotor_count); ++i)
-    rotor_acceleration_radps2_[i] =
-        (actuation_.end_speed_radps[i] - actuation_.start_speed_radps[i]) / options_.step_s;
+    rotor_acceleration_radps2_[i] = (actuation_.end_speed_radps[i] - actuation_.start_speed_radps[i]) / options_.step_s;
 }
 
 Flow Plant::evaluate(const RotorArray& speed_radps) {
@@ -148,7 +147,8 @@ Observation Plant::observe(bool with_accelerometer) {
     const Wrench wrench = forces_.wrench(flow, rotors_, effect_state_);
     context.angular_acceleration_B_radps2 = forces_.acceleration(flow, wrench).angular_B_radps2;
     // at the body's origin, where the accelerometer sits
-    measured.specific_force_B_mps2 = forces_.specific_force_at_origin(flow, wrench, context.angular_acceleration_B_radps2);
+    measured.specific_force_B_mps2 =
+        forces_.specific_force_at_origin(flow, wrench, context.angular_acceleration_B_radps2);
   }
   forces_.measure(context, measured);
 

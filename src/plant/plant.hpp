@@ -18,7 +18,8 @@ class Plant {
     double step_s = 0.002;
     std::uint64_t seed = 1;
     std::uint32_t replicate = 1;
-    bool speed_is_logged = false;  // rotor speeds in the log drive whoever reads it: a sagging battery lowers speeds, not thrust
+    bool speed_is_logged =
+        false;  // rotor speeds in the log drive whoever reads it: a sagging battery lowers speeds, not thrust
   };
 
   // Throws ConfigError when the vehicle's mass or inertia is not positive.

@@ -34,7 +34,8 @@ std::string body_xml(const VehicleModel& vehicle, double step_s, bool with_groun
   return fmt::format(
       "<mujoco><option timestep='{}' gravity='0 0 {}' integrator='Euler'><flag autoreset='disable' spring='disable'"
       " damper='disable' actuation='disable' sensor='disable' eulerdamp='disable' {}/></option>"
-      "<worldbody>{}<body simple='{}'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>{}</body></worldbody></mujoco>",
+      "<worldbody>{}<body simple='{}'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 "
+      "1'/>{}</body></worldbody></mujoco>",
       step_s, -vehicle.gravity_mps2, with_ground ? "" : "contact='disable' constraint='disable'", floor, simple, geoms);
 }
 
@@ -60,8 +61,8 @@ struct World {
   ModelPointer model;
   DataPointer data;
 
-  World(const VehicleModel& vehicle, double step_s, bool with_ground) : model(compiled(body_xml(vehicle, step_s, with_ground))) {
-
+  World(const VehicleModel& vehicle, double step_s, bool with_ground)
+      : model(compiled(body_xml(vehicle, step_s, with_ground))) {
     // a diagonal inertia keeps its axes and its bits
     const Matrix3& inertia = vehicle.inertia_B_kgm2;
     Vector3 principal = inertia.diagonal();
@@ -88,8 +89,8 @@ struct World {
 struct RigidBody::Impl {
   Vector3 center_of_mass_B_m;
   World air;
-  std::unique_ptr<World> ground;   // nullptr: no ground in this environment
-  double ground_below_m = 0.0;     // the twin flies below this height of the centre of mass
+  std::unique_ptr<World> ground;  // nullptr: no ground in this environment
+  double ground_below_m = 0.0;    // the twin flies below this height of the centre of mass
   World* flying;
 
   Impl(const VehicleModel& vehicle, double step_s)
@@ -160,7 +161,8 @@ bool RigidBody::step(const Flow& flow, const Wrench& wrench, VehicleState& state
   state.position_W_m = Eigen::Map<const Vector3>(data->qpos) - R_WB * arm;
   state.velocity_W_mps = Eigen::Map<const Vector3>(data->qvel) - R_WB * state.body_rate_B_radps.cross(arm);
   return data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number +
-             data->warning[mjWARN_BADQACC].number == 0 &&
+                 data->warning[mjWARN_BADQACC].number ==
+             0 &&
          std::isfinite(data->qpos[0] + data->qpos[1] + data->qpos[2] + data->qvel[3] + data->qvel[4] + data->qvel[5]);
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double level = 0.05;
 constexpr double only_rounding = 1e9;  // differences that are so many of their standard errors are all alike
-constexpr double far_outside = 3.0;  // a runaway's largest error, in those of the median run
+constexpr double far_outside = 3.0;    // a runaway's largest error, in those of the median run
 
 std::string_view title(std::size_t metric) { return tracking_metrics[metric].title; }
 
@@ -49,7 +49,8 @@ class Judge {
   }
 
   void judge(const Claim& claim, std::vector<JudgedClaim>& out) const {
-    if (find(claim.first.table) == nullptr || (!claim.second.table.empty() && find(claim.second.table) == nullptr)) return;
+    if (find(claim.first.table) == nullptr || (!claim.second.table.empty() && find(claim.second.table) == nullptr))
+      return;
     switch (claim.kind) {
       case ClaimKind::less:
       case ClaimKind::reduced:
@@ -62,7 +63,8 @@ class Judge {
       case ClaimKind::completion:
         if (!trajectories(claim.first).empty()) out.push_back(completion(claim));
         return;
-      case ClaimKind::below: return below(claim, out);
+      case ClaimKind::below:
+        return below(claim, out);
     }
   }
 
@@ -71,7 +73,9 @@ class Judge {
     return metric_of(counted_runs(published_, *find(side.table), side.trajectory, side.controller), metric);
   }
 
-  bool flown(const ClaimSide& side) const { return !counted_runs(published_, *find(side.table), side.trajectory, side.controller).empty(); }
+  bool flown(const ClaimSide& side) const {
+    return !counted_runs(published_, *find(side.table), side.trajectory, side.controller).empty();
+  }
 
   JudgedClaim compared(const Claim& claim) const {
     const std::vector<double> a = values(claim.first, claim.metric), b = values(claim.second, claim.metric);
@@ -95,11 +99,13 @@ class Judge {
     // without scatter there is an order and nothing to test
     judged.p_value = std::abs(test.t) > only_rounding ? JudgedClaim{}.p_value : test.p_value;
     judged.verdict = verdict_of(test);
-    if (claim.kind == ClaimKind::steadier) judged.claim = fmt::format("{}: {} scatters less than {}", where, claim.first.controller, claim.second.controller);
+    if (claim.kind == ClaimKind::steadier)
+      judged.claim =
+          fmt::format("{}: {} scatters less than {}", where, claim.first.controller, claim.second.controller);
     if (claim.kind == ClaimKind::reduced) {
       const double ours = 1.0 - summarize(a).mean / summarize(b).mean;
-      judged.claim = fmt::format("{}: {} {:.0f} % below {}, ours {:.0f} %", where, claim.first.controller, 100.0 * claim.by,
-                                 claim.second.controller, 100.0 * ours);
+      judged.claim = fmt::format("{}: {} {:.0f} % below {}, ours {:.0f} %", where, claim.first.controller,
+                                 100.0 * claim.by, claim.second.controller, 100.0 * ours);
       // lower, and by the published share unless our flights rule that out
       std::vector<double> share;
       for (const double value : b) share.push_back((1.0 - claim.by) * value);
@@ -122,7 +128,8 @@ class Judge {
       const std::vector<double> most = values({claim.first.table, trajectory, claim.first.controller}, claim.metric);
       judged.n += most.size();
       const double typical = summarize(most).median;
-      if (std::any_of(most.begin(), most.end(), [&](double value) { return value > far_outside * typical; })) judged.verdict = Verdict::pass;
+      if (std::any_of(most.begin(), most.end(), [&](double value) { return value > far_outside * typical; }))
+        judged.verdict = Verdict::pass;
     }
     return judged;
   }
@@ -130,24 +137,34 @@ class Judge {
   JudgedClaim completion(const Claim& claim) const {
     std::size_t completed = 0, all = 0;
     for (const std::string& trajectory : trajectories(claim.first))
-      for (const ResultRow& row : counted_runs(published_, *find(claim.first.table), trajectory, claim.first.controller)) {
+      for (const ResultRow& row :
+           counted_runs(published_, *find(claim.first.table), trajectory, claim.first.controller)) {
         ++all;
         completed += row.outcome == Outcome::completed;
       }
-    return {fmt::format("{} {} (ours: {} of {} completed)", claim.first.controller, claim.all ? "completes every run" : "crashes every time", completed, all),
-            claim.first.table, completed == (claim.all ? all : 0) ? Verdict::pass : Verdict::fail, JudgedClaim{}.p_value, all, JudgedClaim{}.p_value};
+    return {fmt::format("{} {} (ours: {} of {} completed)", claim.first.controller,
+                        claim.all ? "completes every run" : "crashes every time", completed, all),
+            claim.first.table,
+            completed == (claim.all ? all : 0) ? Verdict::pass : Verdict::fail,
+            JudgedClaim{}.p_value,
+            all,
+            JudgedClaim{}.p_value};
   }
 
   // one claim per trajectory: all metrics and controllers that both tables have
   void below(const Claim& claim, std::vector<JudgedClaim>& out) const {
     for (const ReproducedCell& first : cells_) {
       if (first.table != claim.first.table) continue;
-      const std::string says = fmt::format("{}: every {} error below that of {}", first.trajectory, first.vehicle, find(claim.second.table)->vehicle);
+      const std::string says = fmt::format("{}: every {} error below that of {}", first.trajectory, first.vehicle,
+                                           find(claim.second.table)->vehicle);
       auto judged = std::find_if(out.begin(), out.end(), [&](const JudgedClaim& c) { return c.claim == says; });
       const auto second = std::find_if(cells_.begin(), cells_.end(), [&](const ReproducedCell& c) {
-        return c.table == claim.second.table && c.trajectory == first.trajectory && c.controller == first.controller && c.metric == first.metric;
+        return c.table == claim.second.table && c.trajectory == first.trajectory && c.controller == first.controller &&
+               c.metric == first.metric;
       });
-      if (second == cells_.end() || (first.trajectory == claim.except_trajectory && first.metric == claim.except_metric)) continue;
+      if (second == cells_.end() ||
+          (first.trajectory == claim.except_trajectory && first.metric == claim.except_metric))
+        continue;
       if (judged == out.end()) judged = out.insert(out.end(), {says, claim.first.table, Verdict::pass, -1.0, 0, 0.0});
       const TTest test = welch_test(first.ours, second->ours);
       // the weakest link speaks for all
@@ -178,7 +195,8 @@ std::vector<ResultRow> counted_runs(const Published& published, const OurTable& 
   if (table.all_replicates) most = 0;
   std::vector<ResultRow> rows;
   for (const ResultRow& row : table.rows)
-    if (row.trajectory == trajectory && row.controller == controller && (most == 0 || rows.size() < most)) rows.push_back(row);
+    if (row.trajectory == trajectory && row.controller == controller && (most == 0 || rows.size() < most))
+      rows.push_back(row);
   return rows;
 }
 

@@ -32,7 +32,8 @@ Errors errors_of(const Results& results) {
   Errors errors;
   std::vector<std::vector<std::string>> runs;
   for (const ResultRow& row : results.rows) {
-    const auto at = static_cast<std::size_t>(std::find(errors.names.begin(), errors.names.end(), row.controller) - errors.names.begin());
+    const auto at = static_cast<std::size_t>(std::find(errors.names.begin(), errors.names.end(), row.controller) -
+                                             errors.names.begin());
     if (at == errors.names.size()) {
       errors.names.push_back(row.controller);
       for (auto* values : {&errors.rmse_m, &errors.rotor_sd_radps, &errors.rotor_rate_radps2}) values->emplace_back();
@@ -46,7 +47,9 @@ Errors errors_of(const Results& results) {
     if (at == 0) errors.gusts.push_back(row.replicate);
   }
   for (const auto& other : runs)
-    if (other != runs.front()) throw DataError(results.rows.front().experiment + ": its controllers did not fly the same runs (a comparison is paired)");
+    if (other != runs.front())
+      throw DataError(results.rows.front().experiment +
+                      ": its controllers did not fly the same runs (a comparison is paired)");
   if (!runs.empty()) errors.runs = runs.front();
   return errors;
 }
@@ -71,7 +74,8 @@ ComparedVariant compare_one(const std::string& name, const Errors& errors, doubl
     controller.name = errors.names[c];
     controller.completed = summary.n;
     controller.total = errors.runs.size();
-    controller.held = static_cast<std::size_t>(std::count_if(errors.rmse_m[c].begin(), errors.rmse_m[c].end(), [&](double rmse_m) { return rmse_m <= limit_m; }));
+    controller.held = static_cast<std::size_t>(std::count_if(errors.rmse_m[c].begin(), errors.rmse_m[c].end(),
+                                                             [&](double rmse_m) { return rmse_m <= limit_m; }));
     controller.held_share = wilson_interval(controller.held, controller.total);
     controller.broken = !holds(controller);
     controller.rmse_m = summary.mean;
@@ -84,14 +88,17 @@ ComparedVariant compare_one(const std::string& name, const Errors& errors, doubl
     if (!holds(a) && a.held != b.held) return a.held > b.held;
     return a.rmse_m < b.rmse_m;
   };
-  variant.best = static_cast<std::size_t>(std::min_element(variant.controllers.begin(), variant.controllers.end(), better) - variant.controllers.begin());
+  variant.best = static_cast<std::size_t>(
+      std::min_element(variant.controllers.begin(), variant.controllers.end(), better) - variant.controllers.begin());
   for (std::size_t c = 0; c < errors.names.size(); ++c) {
     ComparedController& controller = variant.controllers[c];
     controller.behind_m = paired_test(errors.rmse_m[c], errors.rmse_m[variant.best]).difference;
     // the same resamples for every pair
-    controller.behind = paired_bootstrap(by_gust(errors.rmse_m[c], errors.gusts), by_gust(errors.rmse_m[variant.best], errors.gusts),
-                                         RandomStream(1, 0, "compare"));
-    controller.as_good_as_best = c == variant.best || (holds(controller) == holds(variant.controllers[variant.best]) && controller.behind.low <= 0.0);
+    controller.behind =
+        paired_bootstrap(by_gust(errors.rmse_m[c], errors.gusts), by_gust(errors.rmse_m[variant.best], errors.gusts),
+                         RandomStream(1, 0, "compare"));
+    controller.as_good_as_best = c == variant.best || (holds(controller) == holds(variant.controllers[variant.best]) &&
+                                                       controller.behind.low <= 0.0);
   }
   return variant;
 }
@@ -113,7 +120,8 @@ std::vector<ComparedVariant> compare(std::span<const NamedResults> variants, dou
     const Errors errors = errors_of(results);
     if (compared.empty()) first = errors;
     if (errors.names != first.names || errors.runs != first.runs)
-      throw DataError(fmt::format("{} and {} do not have the same controllers and runs (a comparison is paired)", variants.front().name, name));
+      throw DataError(fmt::format("{} and {} do not have the same controllers and runs (a comparison is paired)",
+                                  variants.front().name, name));
     compared.push_back(compare_one(name, errors, limit_m));
   }
   return compared;
@@ -138,36 +146,53 @@ std::string to_markdown(std::span<const ComparedVariant> variants, double limit_
       else if (holds(controller) && (next == nullptr || controller.behind_m < next->behind_m)) next = &controller;
     }
     text += fmt::format(" {} |", fmt::join(good, ", "));
-    text += next == nullptr ? " – |" : fmt::format(" {}: {:.4f} [{:.4f}, {:.4f}] |", next->name, next->behind_m, next->behind.low, next->behind.high);
+    text += next == nullptr ? " – |"
+                            : fmt::format(" {}: {:.4f} [{:.4f}, {:.4f}] |", next->name, next->behind_m,
+                                          next->behind.low, next->behind.high);
   }
-  text += fmt::format("\n\nMean planar RMSE in m over the runs that were completed, of {} in each cell, the same gusts for all; held/all where a run "
-                      "was not held: a run is held when it reaches its end with a planar RMSE of at most {} m. In brackets the 95 % interval of the "
-                      "paired difference (bootstrap over gusts, each with all its trajectories). † broken: fewer than 95 % of the runs are held.\n\n"
-                      "| controller | rotor speeds in {}, rad/s | their rate, rad/s² | best in | breaks in |\n|---|--:|--:|---|---|\n",
-                      columns.front().total, config::shortest(limit_m), variants.front().name);
+  text += fmt::format(
+      "\n\nMean planar RMSE in m over the runs that were completed, of {} in each cell, the same gusts for all; "
+      "held/all where a run "
+      "was not held: a run is held when it reaches its end with a planar RMSE of at most {} m. In brackets the 95 % "
+      "interval of the "
+      "paired difference (bootstrap over gusts, each with all its trajectories). † broken: fewer than 95 % of the runs "
+      "are held.\n\n"
+      "| controller | rotor speeds in {}, rad/s | their rate, rad/s² | best in | breaks in |\n|---|--:|--:|---|---|\n",
+      columns.front().total, config::shortest(limit_m), variants.front().name);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     std::vector<std::string> best, broken;
     for (const ComparedVariant& variant : variants) {
       if (variant.controllers[c].as_good_as_best) best.push_back(variant.name);
       if (variant.controllers[c].broken) broken.push_back(variant.name);
     }
-    text += fmt::format("| {} | {:.0f} | {:.0f} | {} | {} |\n", columns[c].name, columns[c].rotor_sd_radps, columns[c].rotor_rate_radps2, best.empty() ? "–" : fmt::format("{}", fmt::join(best, ", ")),
+    text += fmt::format("| {} | {:.0f} | {:.0f} | {} | {} |\n", columns[c].name, columns[c].rotor_sd_radps,
+                        columns[c].rotor_rate_radps2, best.empty() ? "–" : fmt::format("{}", fmt::join(best, ", ")),
                         broken.empty() ? "–" : fmt::format("{}", fmt::join(broken, ", ")));
   }
   return text;
 }
 
 std::string to_json(std::span<const ComparedVariant> variants, double limit_m) {
-  nlohmann::ordered_json json{{"format", "gustlab-comparison/2"}, {"limit_m", limit_m}, {"variants", nlohmann::ordered_json::array()}};
-  const auto number = [](double value) { return std::isnan(value) ? nlohmann::ordered_json() : nlohmann::ordered_json(value); };
+  nlohmann::ordered_json json{
+      {"format", "gustlab-comparison/2"}, {"limit_m", limit_m}, {"variants", nlohmann::ordered_json::array()}};
+  const auto number = [](double value) {
+    return std::isnan(value) ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
+  };
   for (const ComparedVariant& variant : variants) {
     nlohmann::ordered_json entry{{"variant", variant.name}, {"best", variant.controllers[variant.best].name}};
     for (const ComparedController& c : variant.controllers)
-      entry["controllers"].push_back({{"controller", c.name}, {"completed", c.completed}, {"held", c.held}, {"total", c.total},
-                                      {"held_95", {c.held_share.low, c.held_share.high}}, {"rmse_xy_m", number(c.rmse_m)},
-                                      {"rotor_sd_radps", number(c.rotor_sd_radps)}, {"rotor_rate_radps2", number(c.rotor_rate_radps2)},
-                                      {"behind_best_m", number(c.behind_m)}, {"behind_best_95", {number(c.behind.low), number(c.behind.high)}},
-                                      {"as_good_as_best", c.as_good_as_best}, {"broken", c.broken}});
+      entry["controllers"].push_back({{"controller", c.name},
+                                      {"completed", c.completed},
+                                      {"held", c.held},
+                                      {"total", c.total},
+                                      {"held_95", {c.held_share.low, c.held_share.high}},
+                                      {"rmse_xy_m", number(c.rmse_m)},
+                                      {"rotor_sd_radps", number(c.rotor_sd_radps)},
+                                      {"rotor_rate_radps2", number(c.rotor_rate_radps2)},
+                                      {"behind_best_m", number(c.behind_m)},
+                                      {"behind_best_95", {number(c.behind.low), number(c.behind.high)}},
+                                      {"as_good_as_best", c.as_good_as_best},
+                                      {"broken", c.broken}});
     json["variants"].push_back(entry);
   }
   return json.dump(2) + "\n";

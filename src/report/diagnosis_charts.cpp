@@ -27,14 +27,17 @@ constexpr Quantity quantities[] = {{"position_m", "Position", "m"},
 std::string legend(std::initializer_list<std::pair<const char*, const char*>> entries) {
   std::string html = "<ul class=\"legend\">";
   for (const auto& [style, label] : entries)
-    html += fmt::format("<li><svg style=\"display:inline\" viewBox=\"0 0 26 10\" aria-hidden=\"true\"><path class=\"{}\" d=\"M1 5L25 5\"/></svg>{}</li>",
-                        style, escape(label));
+    html += fmt::format(
+        "<li><svg style=\"display:inline\" viewBox=\"0 0 26 10\" aria-hidden=\"true\"><path class=\"{}\" d=\"M1 5L25 "
+        "5\"/></svg>{}</li>",
+        style, escape(label));
   return html + "</ul>";
 }
 
 std::vector<double> numbers(const Json& list) {
   std::vector<double> found;
-  for (const Json& item : list) found.push_back(item.is_number() ? item.get<double>() : std::numeric_limits<double>::quiet_NaN());
+  for (const Json& item : list)
+    found.push_back(item.is_number() ? item.get<double>() : std::numeric_limits<double>::quiet_NaN());
   return found;
 }
 
@@ -85,10 +88,11 @@ std::string horizon_chart(const DiagnosisFigures::Horizon& curve) {
   chart.y_label = display.unit;
   chart.x_label = "prediction horizon [s]";
   chart.log_y = true;
-  const auto add = [&](const char* style, const std::vector<double>& y, const std::vector<double>& low, const std::vector<double>& high) {
+  const auto add = [&](const char* style, const std::vector<double>& y, const std::vector<double>& low,
+                       const std::vector<double>& high) {
     const bool points = std::string_view(style) == "before" || std::string_view(style) == "after";
-    chart.series.push_back({style, points ? svg::Mark::points_with_bars : svg::Mark::line, curve.horizon_s, scaled(y, display.factor),
-                            scaled(low, display.factor), scaled(high, display.factor)});
+    chart.series.push_back({style, points ? svg::Mark::points_with_bars : svg::Mark::line, curve.horizon_s,
+                            scaled(y, display.factor), scaled(low, display.factor), scaled(high, display.factor)});
   };
   add("hold", curve.hold, {}, {});
   add("noise", curve.noise, {}, {});
@@ -100,8 +104,11 @@ std::string horizon_chart(const DiagnosisFigures::Horizon& curve) {
 std::string horizon_table(const Json& diagnosis) {
   const Json& fit = part(diagnosis, "fit");
   const std::vector<double> horizons = numbers(part(fit, "horizon_s"));
-  std::string html = "<details><summary>The numbers</summary><div class=\"scroll\"><table><tr><th>quantity</th><th class=\"n\">horizon</th>"
-                     "<th class=\"n\">held</th><th class=\"n\">before</th><th class=\"n\">after</th><th class=\"n\">noise floor</th></tr>";
+  std::string html =
+      "<details><summary>The numbers</summary><div class=\"scroll\"><table><tr><th>quantity</th><th "
+      "class=\"n\">horizon</th>"
+      "<th class=\"n\">held</th><th class=\"n\">before</th><th class=\"n\">after</th><th class=\"n\">noise "
+      "floor</th></tr>";
   for (const Quantity& quantity : quantities) {
     const Json& errors = part(fit, quantity.key);
     if (errors.empty()) continue;
@@ -110,7 +117,8 @@ std::string horizon_table(const Json& diagnosis) {
       for (const char* key : {"hold", "before", "after", "noise"}) {
         const std::vector<double> values = numbers(part(errors, key));
         const double value = h < values.size() ? values[h] : std::numeric_limits<double>::quiet_NaN();
-        html += std::isfinite(value) ? fmt::format("<td class=\"n\">{} {}</td>", figure(value), quantity.unit) : "<td class=\"n\">–</td>";
+        html += std::isfinite(value) ? fmt::format("<td class=\"n\">{} {}</td>", figure(value), quantity.unit)
+                                     : "<td class=\"n\">–</td>";
       }
       html += "</tr>";
     }
@@ -134,10 +142,12 @@ std::string residual_chart(const DiagnosisFigures::Residual& residual) {
   chart.x_label = variable.unit.empty() ? variable.name : fmt::format("{} [{}]", variable.name, variable.unit);
   chart.zero_y = true;
   chart.series.push_back({"cloud", svg::Mark::dots, residual.x, scaled(residual.y, display.factor), {}, {}});
-  chart.series.push_back({"before", svg::Mark::points_with_bars, residual.bin_x, scaled(residual.before_mean, display.factor),
-                          scaled(residual.before_low, display.factor), scaled(residual.before_high, display.factor)});
-  chart.series.push_back({"after", svg::Mark::points_with_bars, residual.bin_x, scaled(residual.after_mean, display.factor),
-                          scaled(residual.after_low, display.factor), scaled(residual.after_high, display.factor)});
+  chart.series.push_back({"before", svg::Mark::points_with_bars, residual.bin_x,
+                          scaled(residual.before_mean, display.factor), scaled(residual.before_low, display.factor),
+                          scaled(residual.before_high, display.factor)});
+  chart.series.push_back({"after", svg::Mark::points_with_bars, residual.bin_x,
+                          scaled(residual.after_mean, display.factor), scaled(residual.after_low, display.factor),
+                          scaled(residual.after_high, display.factor)});
   return svg::draw(chart);
 }
 
@@ -149,15 +159,23 @@ std::string horizon_section(const nlohmann::ordered_json& diagnosis, const Diagn
   if (charts.empty()) return "";
   const double windows = number(part(diagnosis, "fit"), "windows");
   const std::string files = files_of(diagnosis, "holdout");
-  std::string caption = "Mean error of open-loop predictions in the simulator, from recorded states with recorded commands";
+  std::string caption =
+      "Mean error of open-loop predictions in the simulator, from recorded states with recorded commands";
   if (std::isfinite(windows)) caption += fmt::format(", over {:.0f} windows", windows);
   if (!files.empty()) caption += fmt::format(" of {}", escape(files));
-  caption += figures.windows_left_out.empty() ? ". No window was left out." : fmt::format(". Left out: {}.", escape(figures.windows_left_out));
-  if (!figures.horizons.empty() && !figures.horizons.front().before_low.empty()) caption += " Bars: 95 % intervals (block bootstrap).";
-  return "<section><h2>How much better it predicts</h2><p>On held-out flights, which were not used to find the effects. The "
+  caption += figures.windows_left_out.empty() ? ". No window was left out."
+                                              : fmt::format(". Left out: {}.", escape(figures.windows_left_out));
+  if (!figures.horizons.empty() && !figures.horizons.front().before_low.empty())
+    caption += " Bars: 95 % intervals (block bootstrap).";
+  return "<section><h2>How much better it predicts</h2><p>On held-out flights, which were not used to find the "
+         "effects. The "
          "noise floor is what the sensors alone would give.</p><figure>" +
-         legend({{"before", "simulation as it was"}, {"after", "with what was found"}, {"noise", "noise floor"}, {"hold", "no model: values held"}}) +
-         "<div class=\"charts\">" + charts + "</div><figcaption>" + caption + "</figcaption></figure>" + horizon_table(diagnosis) + "</section>";
+         legend({{"before", "simulation as it was"},
+                 {"after", "with what was found"},
+                 {"noise", "noise floor"},
+                 {"hold", "no model: values held"}}) +
+         "<div class=\"charts\">" + charts + "</div><figcaption>" + caption + "</figcaption></figure>" +
+         horizon_table(diagnosis) + "</section>";
 }
 
 std::string residual_section(const DiagnosisFigures& figures) {
@@ -168,14 +186,18 @@ std::string residual_section(const DiagnosisFigures& figures) {
     if (chart.empty()) continue;
     charts += chart;
     const auto blocks = std::count_if(residual.y.begin(), residual.y.end(), [](double y) { return std::isfinite(y); });
-    notes.push_back(fmt::format("{} against {}: N = {} blocks{}", capital(plain_channel(residual.channel)), plain_variable(residual.variable).name,
-                                blocks, residual.left_out.empty() ? ", none left out" : ", left out: " + residual.left_out));
+    notes.push_back(fmt::format("{} against {}: N = {} blocks{}", capital(plain_channel(residual.channel)),
+                                plain_variable(residual.variable).name, blocks,
+                                residual.left_out.empty() ? ", none left out" : ", left out: " + residual.left_out));
   }
   if (charts.empty()) return "";
-  return "<section><h2>What is left over, and what it depends on</h2><p>What acts on the vehicle beyond the simulation, estimated "
-         "along the flights, against the variable that matters most. A flat blue line at zero means that nothing is left.</p><figure>" +
+  return "<section><h2>What is left over, and what it depends on</h2><p>What acts on the vehicle beyond the "
+         "simulation, estimated "
+         "along the flights, against the variable that matters most. A flat blue line at zero means that nothing is "
+         "left.</p><figure>" +
          legend({{"before", "mean before"}, {"after", "mean after"}}) + "<div class=\"charts\">" + charts +
-         "</div><figcaption>Each faint dot is one block of a fit flight, before. Bars: 95 % intervals of the bin means. " +
+         "</div><figcaption>Each faint dot is one block of a fit flight, before. Bars: 95 % intervals of the bin "
+         "means. " +
          escape(fmt::format("{}", fmt::join(notes, " · "))) + ".</figcaption></figure></section>";
 }
 
@@ -195,7 +217,8 @@ std::string window_section(const DiagnosisFigures& figures) {
     samples = std::max(samples, trace.time_s.size());
   }
   if (charts.empty()) return "";
-  std::string caption = fmt::format("N = {1} samples of {0}, held out; none left out.", escape(figures.window.file), samples);
+  std::string caption =
+      fmt::format("N = {1} samples of {0}, held out; none left out.", escape(figures.window.file), samples);
   if (figures.window.restart_s > 0.0)
     caption += fmt::format(" Predictions start anew from the recorded state every {:g} s.", figures.window.restart_s);
   return "<section><h2>One held-out window</h2><figure>" +

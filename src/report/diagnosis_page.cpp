@@ -42,16 +42,20 @@ std::string header(const Json& diagnosis) {
     (text(flight, "role") == "holdout" ? held_out : fit) += text(flight, "role") == "set_aside" ? 0 : 1;
     if (const double duration = number(flight, "duration_s"); std::isfinite(duration)) seconds += duration;
   }
-  return fmt::format("<header><p class=\"kind\">Diagnosis of {} · {} flight{} to find, {} to check, {:.0f} s in all</p><h1>{}</h1>{}</header>",
-                     escape(text(diagnosis, "vehicle")), fit, fit == 1 ? "" : "s", held_out, seconds, escape(one_sentence(diagnosis)),
-                     verdict_badge(text(diagnosis, "verdict")));
+  return fmt::format(
+      "<header><p class=\"kind\">Diagnosis of {} · {} flight{} to find, {} to check, {:.0f} s in "
+      "all</p><h1>{}</h1>{}</header>",
+      escape(text(diagnosis, "vehicle")), fit, fit == 1 ? "" : "s", held_out, seconds, escape(one_sentence(diagnosis)),
+      verdict_badge(text(diagnosis, "verdict")));
 }
 
 std::string log_findings(const Json& diagnosis) {
   std::string items;
   for (const Json& line : part(diagnosis, "log_findings_in_short"))
-    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(capital(plain_label(text(line, "kind")))), escape(text(line, "says")));
-  return items.empty() ? "" : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
+    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(capital(plain_label(text(line, "kind")))),
+                         escape(text(line, "says")));
+  return items.empty() ? ""
+                       : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
 }
 
 std::string region(const Json& where) {
@@ -69,7 +73,8 @@ std::string where(const Json& diagnosis) {
   if (mismatch.empty()) return "";
   double full = 1.0;
   for (const Json& entry : mismatch)
-    if (const double ratio = number(entry, "rms") / number(entry, "noise_rms"); std::isfinite(ratio)) full = std::max(full, ratio);
+    if (const double ratio = number(entry, "rms") / number(entry, "noise_rms"); std::isfinite(ratio))
+      full = std::max(full, ratio);
   std::string rows;
   for (const Json& entry : mismatch) {
     const double rms = number(entry, "rms"), noise = number(entry, "noise_rms");
@@ -77,15 +82,22 @@ std::string where(const Json& diagnosis) {
     for (const Json& item : part(entry, "where")) regions.push_back(region(item));
     const bool significant = entry.value("significant", false);
     const Display display = display_of("", text(entry, "unit"), rms);
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{} {}</td><td class=\"n\">{} {}</td><td class=\"n\">{}</td><td class=\"where\">{}</td></tr>",
-                        escape(plain_channel(text(entry, "channel"))), svg::bar(rms / noise, 1.0, full), figure(display.factor * rms),
-                        escape(display.unit), figure(display.factor * noise), escape(display.unit), escape(probability(number(entry, "p_value"))),
-                        significant ? (regions.empty() ? "everywhere" : escape(list_in_words(regions)))
-                                    : fmt::format("<span class=\"soft\">{}</span>", number(entry, "p_value") < 1e-3 ? "there, but slight" : "within noise"));
+    rows += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td class=\"n\">{} {}</td><td class=\"n\">{} {}</td><td class=\"n\">{}</td><td "
+        "class=\"where\">{}</td></tr>",
+        escape(plain_channel(text(entry, "channel"))), svg::bar(rms / noise, 1.0, full), figure(display.factor * rms),
+        escape(display.unit), figure(display.factor * noise), escape(display.unit),
+        escape(probability(number(entry, "p_value"))),
+        significant ? (regions.empty() ? "everywhere" : escape(list_in_words(regions)))
+                    : fmt::format("<span class=\"soft\">{}</span>",
+                                  number(entry, "p_value") < 1e-3 ? "there, but slight" : "within noise"));
   }
-  return "<p>The difference between simulation and recording, channel by channel, before anything was added. The dark tick "
-         "is what noise alone would leave.</p><div class=\"scroll\"><table><tr><th>channel</th><th>against noise</th><th class=\"n\">rms</th>"
-         "<th class=\"n\">noise</th><th class=\"n\">p</th><th>where</th></tr>" + rows + "</table></div>";
+  return "<p>The difference between simulation and recording, channel by channel, before anything was added. The dark "
+         "tick "
+         "is what noise alone would leave.</p><div class=\"scroll\"><table><tr><th>channel</th><th>against "
+         "noise</th><th class=\"n\">rms</th>"
+         "<th class=\"n\">noise</th><th class=\"n\">p</th><th>where</th></tr>" +
+         rows + "</table></div>";
 }
 
 std::string parameter_row(const std::string& name, const Json& entry, const std::string& flight) {
@@ -98,8 +110,9 @@ std::string parameter_row(const std::string& name, const Json& entry, const std:
 
 std::string parameter_table(const char* flight_head, const char* value_head, const std::string& rows) {
   if (rows.empty()) return "";
-  return fmt::format("<div class=\"scroll\"><table><tr><th>parameter</th>{}<th class=\"n\">{}</th><th>unit</th></tr>{}</table></div>", flight_head,
-                     value_head, rows);
+  return fmt::format(
+      "<div class=\"scroll\"><table><tr><th>parameter</th>{}<th class=\"n\">{}</th><th>unit</th></tr>{}</table></div>",
+      flight_head, value_head, rows);
 }
 
 std::string parameters(const Json& effect) {
@@ -109,9 +122,11 @@ std::string parameters(const Json& effect) {
     if (name != "rotor") rows += parameter_row(name, entry, "");
   for (const auto& [flight, values] : per_flight.items())
     for (const auto& [name, entry] : values.items()) flight_rows += parameter_row(name, entry, flight);
-  const std::string table = parameter_table("", per_flight.empty() ? "value ± 95 %" : "mean of the flights ± 95 %", rows);
+  const std::string table =
+      parameter_table("", per_flight.empty() ? "value ± 95 %" : "mean of the flights ± 95 %", rows);
   if (flight_rows.empty()) return table;
-  return table + "<details><summary>Each flight</summary>" + parameter_table("<th>flight</th>", "value ± 95 %", flight_rows) + "</details>";
+  return table + "<details><summary>Each flight</summary>" +
+         parameter_table("<th>flight</th>", "value ± 95 %", flight_rows) + "</details>";
 }
 
 // every name that the data cannot tell from this one, itself first
@@ -131,19 +146,25 @@ std::string rivals(const Json& effect) {
     const double z = number(rival, "z");
     const std::string name = plain_name(rival);
     // one line for the rotors of rotor_loss, with the nearest of them
-    const bool said = std::any_of(ruled_out.begin(), ruled_out.end(), [&](const std::string& other) { return other.starts_with(name + " ("); });
+    const bool said = std::any_of(ruled_out.begin(), ruled_out.end(),
+                                  [&](const std::string& other) { return other.starts_with(name + " ("); });
     if (!said) ruled_out.push_back(name + (std::isfinite(z) ? fmt::format(" (z = {:.1f})", z) : ""));
   }
   std::string words;
-  if (!alike.empty()) words = "These flights cannot tell " + plain_name(effect) + " from " + list_in_words(alike, "or") + "; the numbers are those of " + plain_name(effect) + ". ";
+  if (!alike.empty())
+    words = "These flights cannot tell " + plain_name(effect) + " from " + list_in_words(alike, "or") +
+            "; the numbers are those of " + plain_name(effect) + ". ";
   if (!ruled_out.empty()) words += "Fits worse in its place: " + list_in_words(ruled_out) + ".";
   return paragraph(words, "note");
 }
 
 std::string effect_card(const Json& effect) {
-  return fmt::format("<div class=\"effect\"><div class=\"head\"><h3>{}</h3><span class=\"soft\">{} sure · {}</span></div>{}{}{}</div>",
-                     escape(capital(list_in_words(class_of(effect), "or"))), sure(number(effect, "confidence")), escape(plain_place(text(effect, "place"))),
-                     paragraph(capital(text(effect, "says")) + (text(effect, "says").empty() ? "" : ".")), parameters(effect), rivals(effect));
+  return fmt::format(
+      "<div class=\"effect\"><div class=\"head\"><h3>{}</h3><span class=\"soft\">{} sure · {}</span></div>{}{}{}</div>",
+      escape(capital(list_in_words(class_of(effect), "or"))), sure(number(effect, "confidence")),
+      escape(plain_place(text(effect, "place"))),
+      paragraph(capital(text(effect, "says")) + (text(effect, "says").empty() ? "" : ".")), parameters(effect),
+      rivals(effect));
 }
 
 // what speaks for and against every candidate, in the numbers that decided
@@ -153,18 +174,26 @@ std::string evidence_table(const Json& diagnosis) {
     const Json &share = part(record, "recovered"), &z = part(record, "recovered_z");
     const bool flown = share.size() > 1 && share[1].is_number() && z.size() > 1 && z[1].is_number();
     const double p = number(record, "surrogate_p");
-    rows += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{} / {}</td>"
-                        "<td class=\"n\">{}</td></tr>",
-                        escape(plain_name(record)), sure(number(record, "probability")), figure(number(record, "delta_chi2")), figure(number(record, "robust_delta_chi2")),
-                        std::isfinite(p) ? figure(p) : "–", record.value("flights_for", 0), record.value("flights_against", 0),
-                        flown ? fmt::format("{:.0f} % (z = {:.1f})", 100.0 * share[1].get<double>(), z[1].get<double>()) : "–");
+    rows += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+        "class=\"n\">{}</td><td class=\"n\">{} / {}</td>"
+        "<td class=\"n\">{}</td></tr>",
+        escape(plain_name(record)), sure(number(record, "probability")), figure(number(record, "delta_chi2")),
+        figure(number(record, "robust_delta_chi2")), std::isfinite(p) ? figure(p) : "–", record.value("flights_for", 0),
+        record.value("flights_against", 0),
+        flown ? fmt::format("{:.0f} % (z = {:.1f})", 100.0 * share[1].get<double>(), z[1].get<double>()) : "–");
   }
   if (rows.empty()) return "";
-  return "<details><summary>Evidence, one line a candidate</summary><div class=\"scroll\"><table><tr><th>effect</th><th class=\"n\">probability</th><th class=\"n\">Δχ²</th>"
-         "<th class=\"n\">robust Δχ²</th><th class=\"n\">p, signature moved</th><th class=\"n\">flights for / against</th><th class=\"n\">held-out error removed, 0.5 s</th></tr>" +
+  return "<details><summary>Evidence, one line a candidate</summary><div "
+         "class=\"scroll\"><table><tr><th>effect</th><th class=\"n\">probability</th><th class=\"n\">Δχ²</th>"
+         "<th class=\"n\">robust Δχ²</th><th class=\"n\">p, signature moved</th><th class=\"n\">flights for / "
+         "against</th><th class=\"n\">held-out error removed, 0.5 s</th></tr>" +
          rows + "</table></div>" +
-         paragraph("Robust: over what the same signature gains when it is moved along its flight, or what its size varies between sixths of flights, whichever is more. "
-                   "From 80 % on a candidate is named, from 50 % on suspected.", "note") +
+         paragraph(
+             "Robust: over what the same signature gains when it is moved along its flight, or what its size varies "
+             "between sixths of flights, whichever is more. "
+             "From 80 % on a candidate is named, from 50 % on suspected.",
+             "note") +
          "</details>";
 }
 
@@ -174,31 +203,46 @@ std::string suspected(const Json& diagnosis) {
   std::vector<std::string> names;
   std::string why;
   for (const Json& entry : part(diagnosis, "rejected"))
-    if (const std::string reason = text(entry, "why"); reason.starts_with(mark)) names.push_back(plain_name(entry)), why = reason.substr(mark.size());
-  std::string words = names.empty() ? "" : paragraph(fmt::format("Suspected, and not named because {}: {}.", why, list_in_words(names)));
+    if (const std::string reason = text(entry, "why"); reason.starts_with(mark))
+      names.push_back(plain_name(entry)), why = reason.substr(mark.size());
+  std::string words =
+      names.empty() ? ""
+                    : paragraph(fmt::format("Suspected, and not named because {}: {}.", why, list_in_words(names)));
   std::vector<std::string> likely;
-  for (const Json& effect : part(diagnosis, "suspected")) likely.push_back(plain_name(effect) + " (" + sure(number(effect, "confidence")) + ")");
+  for (const Json& effect : part(diagnosis, "suspected"))
+    likely.push_back(plain_name(effect) + " (" + sure(number(effect, "confidence")) + ")");
   if (!likely.empty()) words += paragraph("More likely than not, and not proved: " + list_in_words(likely) + ".");
   return words;
 }
 
 // errors with it beside those of physics, in the page's order of horizons
 std::string habit_card(const Json& habit, const Json& fit) {
-  constexpr std::array<std::array<const char*, 3>, 4> quantity = {
-      {{"position_m", "position", "m"}, {"velocity_mps", "velocity", "m/s"}, {"attitude_rad", "attitude", "rad"}, {"body_rate_radps", "body rate", "rad/s"}}};
+  constexpr std::array<std::array<const char*, 3>, 4> quantity = {{{"position_m", "position", "m"},
+                                                                   {"velocity_mps", "velocity", "m/s"},
+                                                                   {"attitude_rad", "attitude", "rad"},
+                                                                   {"body_rate_radps", "body rate", "rad/s"}}};
   const Json& horizon = part(fit, "horizon_s");
   std::string rows;
   for (const auto& [key, name, unit] : quantity)
     for (std::size_t h = 0; h < horizon.size(); ++h) {
-      const auto cell = [&](const Json& list) { return h < list.size() && list[h].is_number() ? figure(list[h].get<double>()) : "–"; };
-      rows += fmt::format("<tr><td>{} [{}]</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>", name, unit,
-                          figure(horizon[h].get<double>()), cell(part(part(fit, key), "hold")), cell(part(part(fit, key), "after")),
-                          cell(part(part(habit, "fit"), key)));
+      const auto cell = [&](const Json& list) {
+        return h < list.size() && list[h].is_number() ? figure(list[h].get<double>()) : "–";
+      };
+      rows += fmt::format(
+          "<tr><td>{} [{}]</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+          "class=\"n\">{}</td></tr>",
+          name, unit, figure(horizon[h].get<double>()), cell(part(part(fit, key), "hold")),
+          cell(part(part(fit, key), "after")), cell(part(part(habit, "fit"), key)));
     }
-  return "<div class=\"effect\"><div class=\"head\"><h3>A habit of the recorded loop, not physics</h3></div>" + paragraph(capital(text(habit, "says")) + ".") +
-         paragraph("It turns the vehicle in rollouts on its own recordings. Where a controller of gustlab flies the vehicle it is left out.") +
-         "<div class=\"scroll\"><table><tr><th>mean error on held-out flights</th><th class=\"n\">after [s]</th><th class=\"n\">held</th>"
-         "<th class=\"n\">physics</th><th class=\"n\">with the habit</th></tr>" + rows + "</table></div></div>";
+  return "<div class=\"effect\"><div class=\"head\"><h3>A habit of the recorded loop, not physics</h3></div>" +
+         paragraph(capital(text(habit, "says")) + ".") +
+         paragraph(
+             "It turns the vehicle in rollouts on its own recordings. Where a controller of gustlab flies the vehicle "
+             "it is left out.") +
+         "<div class=\"scroll\"><table><tr><th>mean error on held-out flights</th><th class=\"n\">after [s]</th><th "
+         "class=\"n\">held</th>"
+         "<th class=\"n\">physics</th><th class=\"n\">with the habit</th></tr>" +
+         rows + "</table></div></div>";
 }
 
 std::string what(const Json& diagnosis) {
@@ -208,12 +252,18 @@ std::string what(const Json& diagnosis) {
   if (!model.empty()) {
     std::string rows;
     for (const Json& term : part(model, "terms"))
-      rows += fmt::format("<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td>{}</td></tr>", escape(plain_channel(text(term, "channel"))),
-                          escape(text(term, "term")), figure(number(term, "coefficient")), escape(text(term, "unit")));
+      rows += fmt::format("<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td>{}</td></tr>",
+                          escape(plain_channel(text(term, "channel"))), escape(text(term, "term")),
+                          figure(number(term, "coefficient")), escape(text(term, "unit")));
     cards += "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
-             paragraph("Nothing in the catalogue explains the rest. This sparse model describes it and can be flown, but it is a description and no name.") +
+             paragraph(
+                 "Nothing in the catalogue explains the rest. This sparse model describes it and can be flown, but it "
+                 "is a description and no name.") +
              paragraph(text(model, "says")) +
-             (rows.empty() ? "" : "<div class=\"scroll\"><table><tr><th>channel</th><th>term</th><th class=\"n\">coefficient</th><th>unit</th></tr>" + rows + "</table></div>") +
+             (rows.empty() ? ""
+                           : "<div class=\"scroll\"><table><tr><th>channel</th><th>term</th><th "
+                             "class=\"n\">coefficient</th><th>unit</th></tr>" +
+                                 rows + "</table></div>") +
              "</div>";
   }
   if (const Json& habit = part(diagnosis, "habit"); !habit.empty()) cards += habit_card(habit, part(diagnosis, "fit"));
@@ -237,26 +287,33 @@ std::string calibration(const Json& diagnosis) {
   add(part(diagnosis, "sensor_biases"), false);
   if (rows.empty()) return "";
   return "<p>Small corrections below the reporting tolerances: the usual scatter of a build, not missing physics.</p>"
-         "<div class=\"scroll\"><table><tr><th>of</th><th>parameter</th><th class=\"n\">value ± 95 %</th><th>unit</th></tr>" + rows + "</table></div>";
+         "<div class=\"scroll\"><table><tr><th>of</th><th>parameter</th><th class=\"n\">value ± 95 "
+         "%</th><th>unit</th></tr>" +
+         rows + "</table></div>";
 }
 
 std::string disturbance(const Json& diagnosis) {
   std::string rows;
   for (const Json& entry : part(diagnosis, "disturbance"))
-    rows += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{} s</td></tr>",
-                        escape(plain_channel(text(entry, "group"))), figure(number(entry, "before")), figure(number(entry, "after")),
-                        escape(display_of("", text(entry, "unit"), 1.0).unit), figure(number(entry, "correlation_time_s")));
+    rows += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{} s</td></tr>",
+        escape(plain_channel(text(entry, "group"))), figure(number(entry, "before")), figure(number(entry, "after")),
+        escape(display_of("", text(entry, "unit"), 1.0).unit), figure(number(entry, "correlation_time_s")));
   if (rows.empty()) return "";
-  return "<p>What still pushes the vehicle at random: turbulence, and whatever has no name. It comes and goes over the correlation time.</p>"
-         "<div class=\"scroll\"><table><tr><th>group</th><th class=\"n\">before</th><th class=\"n\">after</th><th>unit</th><th class=\"n\">correlation "
-         "time</th></tr>" + rows + "</table></div>";
+  return "<p>What still pushes the vehicle at random: turbulence, and whatever has no name. It comes and goes over the "
+         "correlation time.</p>"
+         "<div class=\"scroll\"><table><tr><th>group</th><th class=\"n\">before</th><th "
+         "class=\"n\">after</th><th>unit</th><th class=\"n\">correlation "
+         "time</th></tr>" +
+         rows + "</table></div>";
 }
 
 // what says that something is left, and other remarks
 std::string remarks(const Json& diagnosis) {
   std::string items;
   for (const Json& alarm : part(diagnosis, "alarms"))
-    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(plain_alarm(text(alarm, "kind"))), escape(text(alarm, "says")));
+    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(plain_alarm(text(alarm, "kind"))),
+                         escape(text(alarm, "says")));
   for (const Json& note : part(diagnosis, "notes"))
     if (note.is_string()) items += "<li>" + escape(capital(note.get<std::string>())) + ".</li>";
   return items.empty() ? "" : "<ul>" + items + "</ul>";
@@ -268,7 +325,8 @@ std::vector<std::pair<std::string, std::vector<std::string>>> by_reason(const Js
   for (const Json& entry : list) {
     const std::string why = text(entry, "why");
     const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) { return group.first == why; });
-    (same == groups.end() ? groups.emplace_back(why, std::vector<std::string>{}) : *same).second.push_back(plain_name(entry));
+    (same == groups.end() ? groups.emplace_back(why, std::vector<std::string>{}) : *same)
+        .second.push_back(plain_name(entry));
   }
   return groups;
 }
@@ -278,15 +336,19 @@ std::string cannot_tell(const Json& diagnosis) {
   for (const auto& [why, names] : by_reason(part(diagnosis, "not_identifiable")))
     rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>", escape(list_in_words(names)), escape(why));
   if (!rows.empty())
-    html += "<p>These flights do not show enough to say anything, either way, about:</p><div class=\"scroll\"><table><tr><th>effect</th><th>why</th></tr>" +
-            rows + "</table></div>";
+    html +=
+        "<p>These flights do not show enough to say anything, either way, about:</p><div "
+        "class=\"scroll\"><table><tr><th>effect</th><th>why</th></tr>" +
+        rows + "</table></div>";
   rows.clear();
   for (const Json& entry : part(diagnosis, "rejected"))
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td></tr>", escape(plain_name(entry)), escape(text(entry, "why")),
-                        figure(number(entry, "delta_score")));
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td></tr>", escape(plain_name(entry)),
+                        escape(text(entry, "why")), figure(number(entry, "delta_score")));
   if (!rows.empty())
-    html += "<details><summary>Looked at and not named</summary><div class=\"scroll\"><table><tr><th>effect</th><th>why not</th><th class=\"n\">score</th></tr>" +
-            rows + "</table></div></details>";
+    html +=
+        "<details><summary>Looked at and not named</summary><div class=\"scroll\"><table><tr><th>effect</th><th>why "
+        "not</th><th class=\"n\">score</th></tr>" +
+        rows + "</table></div></details>";
   return html;
 }
 
@@ -295,9 +357,13 @@ std::string next_flight(const Json& diagnosis) {
   const std::string trajectory = text(next, "trajectory");
   if (trajectory.empty()) return "";
   std::string how;
-  for (const auto& [name, value] : part(next, "parameters").items()) how += fmt::format("{} = {}\n", name, value.dump());
-  if (!how.empty()) how = "<details><summary>How</summary><pre>" + escape("[trajectory." + trajectory + "]\n" + how) + "</pre></details>";
-  return fmt::format("<p><strong>{}</strong>: {}.</p>{}", escape(capital(plain_label(trajectory))), escape(text(next, "why")), how);
+  for (const auto& [name, value] : part(next, "parameters").items())
+    how += fmt::format("{} = {}\n", name, value.dump());
+  if (!how.empty())
+    how =
+        "<details><summary>How</summary><pre>" + escape("[trajectory." + trajectory + "]\n" + how) + "</pre></details>";
+  return fmt::format("<p><strong>{}</strong>: {}.</p>{}", escape(capital(plain_label(trajectory))),
+                     escape(text(next, "why")), how);
 }
 
 std::string flights(const Json& diagnosis) {
@@ -307,35 +373,45 @@ std::string flights(const Json& diagnosis) {
     std::vector<std::string> conditions;
     for (const auto& [key, value] : part(flight, "condition").items()) {
       const Variable variable = plain_variable(key);
-      conditions.push_back(variable.name + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + " " + variable.unit);
+      conditions.push_back(variable.name + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + " " +
+                           variable.unit);
     }
     const std::string role = text(flight, "role");
     any_condition = any_condition || !conditions.empty();
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{} s</td><td class=\"n\">{} ms</td><td>{}</td></tr>", escape(text(flight, "file")),
-                        escape(role == "holdout" ? "held out" : plain_label(role)), figure(number(flight, "duration_s")),
-                        figure(1e3 * number(flight, "time_offset_s")), escape(list_in_words(conditions)));
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{} s</td><td class=\"n\">{} ms</td><td>{}</td></tr>",
+                        escape(text(flight, "file")), escape(role == "holdout" ? "held out" : plain_label(role)),
+                        figure(number(flight, "duration_s")), figure(1e3 * number(flight, "time_offset_s")),
+                        escape(list_in_words(conditions)));
   }
   if (rows.empty()) return "";
-  return "<div class=\"scroll\"><table><tr><th>file</th><th>role</th><th class=\"n\">duration</th><th class=\"n\">time offset</th><th>" +
+  return "<div class=\"scroll\"><table><tr><th>file</th><th>role</th><th class=\"n\">duration</th><th class=\"n\">time "
+         "offset</th><th>" +
          std::string(any_condition ? "condition" : "") + "</th></tr>" + rows + "</table></div>";
 }
 
 std::string footer(const Json& diagnosis) {
   const std::string model = text(diagnosis, "augmented_model");
-  std::string words = "Intervals are 95 %. Held-out flights were never used to choose or to fit an effect, save for what belongs to each flight alone.";
+  std::string words =
+      "Intervals are 95 %. Held-out flights were never used to choose or to fit an effect, save for what belongs to "
+      "each flight alone.";
   if (!model.empty() && (!part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty()))
-    return fmt::format("<footer><p>{} Fly the improved model: <code>gustlab replay FLIGHT.csv --with {}</code></p></footer>", words, escape(model));
+    return fmt::format(
+        "<footer><p>{} Fly the improved model: <code>gustlab replay FLIGHT.csv --with {}</code></p></footer>", words,
+        escape(model));
   return "<footer><p>" + words + "</p></footer>";
 }
 
 }  // namespace
 
 std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
-  std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-                     "content=\"width=device-width, initial-scale=1\">";
-  html += fmt::format("<title>Diagnosis of {}</title><style>{}</style></head>\n<body><main>\n", escape(text(diagnosis, "vehicle")), page_style());
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\">";
+  html += fmt::format("<title>Diagnosis of {}</title><style>{}</style></head>\n<body><main>\n",
+                      escape(text(diagnosis, "vehicle")), page_style());
   for (const std::string& piece :
-       {header(diagnosis), log_findings(diagnosis), section("Where it differs", where(diagnosis)), section("What was left out", what(diagnosis)), section("Still not explained, and remarks", remarks(diagnosis)),
+       {header(diagnosis), log_findings(diagnosis), section("Where it differs", where(diagnosis)),
+        section("What was left out", what(diagnosis)), section("Still not explained, and remarks", remarks(diagnosis)),
         horizon_section(diagnosis, figures), residual_section(figures), window_section(figures),
         section("What cannot be told", cannot_tell(diagnosis)), section("What to fly next", next_flight(diagnosis)),
         section("Unexplained disturbance", disturbance(diagnosis)), section("Calibration", calibration(diagnosis)),

@@ -23,23 +23,23 @@ struct DiagnosisFigures {
 
   // Smoothed unexplained force or torque against the variable that it depends on most.
   struct Residual {
-    std::string channel, unit;      // "force_x", "N"
-    std::string variable;           // "airspeed_mps"
-    std::vector<double> x, y;       // blocks of the fit flights, before
+    std::string channel, unit;                                        // "force_x", "N"
+    std::string variable;                                             // "airspeed_mps"
+    std::vector<double> x, y;                                         // blocks of the fit flights, before
     std::vector<double> bin_x, before_mean, before_low, before_high;  // 95 % intervals of the bin means
     std::vector<double> after_mean, after_low, after_high;
-    std::string left_out;           // "12 blocks with saturated commands"; empty: nothing
+    std::string left_out;  // "12 blocks with saturated commands"; empty: nothing
   };
   std::vector<Residual> residuals;
 
   // Denser than the `fit` block, when it was computed; otherwise the page draws that.
   struct Horizon {
-    std::string quantity;           // "position_m"
+    std::string quantity;  // "position_m"
     std::vector<double> horizon_s, hold, before, after, noise;
     std::vector<double> before_low, before_high, after_low, after_high;
   };
   std::vector<Horizon> horizons;
-  std::string windows_left_out;     // "3 windows across gaps"; empty: nothing
+  std::string windows_left_out;  // "3 windows across gaps"; empty: nothing
 };
 
 // Numbers that JSON has as null are shown as "–". All text is escaped.

@@ -46,12 +46,15 @@ std::string gain_in_words(const Json& diagnosis) {
   const double from = before[best].get<double>(), to = after[best].get<double>();
   if (!(to < from)) return "";
   const auto length = [](double metres) {
-    const auto [factor, unit] = metres < 0.01 ? Display{1e3, "mm"} : metres < 1.0 ? Display{1e2, "cm"} : Display{1.0, "m"};
+    const auto [factor, unit] = metres < 0.01  ? Display{1e3, "mm"}
+                                : metres < 1.0 ? Display{1e2, "cm"}
+                                               : Display{1.0, "m"};
     return fmt::format("{} {}", decimals(factor * metres, factor * metres < 10.0 ? 1 : 0), unit);
   };
   if (length(to) == length(from)) return "";
-  return fmt::format("the position predicted {:g} s ahead is then wrong by {} instead of {}, on flights that were not used to find it",
-                     horizons[best].get<double>(), length(to), length(from));
+  return fmt::format(
+      "the position predicted {:g} s ahead is then wrong by {} instead of {}, on flights that were not used to find it",
+      horizons[best].get<double>(), length(to), length(from));
 }
 
 // what the residual is and where: the strongest channel with its first region
@@ -90,12 +93,16 @@ std::vector<std::string> names(const Json& effects, Sort sort) {
     if (sort_of(effect) != sort) continue;
     std::vector<std::string> alike;
     for (const Json& other : part(effect, "class")) alike.push_back(plain_label(other.get<std::string>()));
-    std::string name = alike.size() > 1 && effects.size() == 1 ? (sort == Sort::wrong_number ? "" : "either ") + list_in_words(alike, "or") : plain_name(effect);
+    std::string name = alike.size() > 1 && effects.size() == 1
+                           ? (sort == Sort::wrong_number ? "" : "either ") + list_in_words(alike, "or")
+                           : plain_name(effect);
     // in a list, "or" would run into "and"
-    std::erase_if(alike, [&](const std::string& other) { return other == name || other == plain_label(text(effect, "effect")); });
+    std::erase_if(
+        alike, [&](const std::string& other) { return other == name || other == plain_label(text(effect, "effect")); });
     if (effects.size() > 1 && !alike.empty()) name += " (or " + list_in_words(alike, "or") + ")";
     // alone, it has room for an explanation
-    if (effects.size() == 1 && alike.size() <= 1 && !text(effect, "says").empty()) name += " (" + text(effect, "says") + ")";
+    if (effects.size() == 1 && alike.size() <= 1 && !text(effect, "says").empty())
+      name += " (" + text(effect, "says") + ")";
     found.push_back(name);
   }
   return found;
@@ -105,12 +112,16 @@ std::string names_in_words(const Json& diagnosis) {
   const Json& effects = part(diagnosis, "effects");
   const std::string vehicle = text(diagnosis, "vehicle");
   std::vector<std::string> clauses;
-  if (const auto missing = names(effects, Sort::missing); !missing.empty()) clauses.push_back("leaves out " + list_in_words(missing));
-  if (const auto wrong = names(effects, Sort::wrong_number); !wrong.empty()) clauses.push_back("has the wrong " + list_in_words(wrong));
-  std::string words = clauses.empty() ? "" : fmt::format("The simulation{} {}", vehicle.empty() ? "" : " of " + vehicle,
-                                                         list_in_words(clauses));
+  if (const auto missing = names(effects, Sort::missing); !missing.empty())
+    clauses.push_back("leaves out " + list_in_words(missing));
+  if (const auto wrong = names(effects, Sort::wrong_number); !wrong.empty())
+    clauses.push_back("has the wrong " + list_in_words(wrong));
+  std::string words = clauses.empty() ? ""
+                                      : fmt::format("The simulation{} {}", vehicle.empty() ? "" : " of " + vehicle,
+                                                    list_in_words(clauses));
   if (const auto recording = names(effects, Sort::recording); !recording.empty())
-    words += (words.empty() ? "The recording itself has " : ", and the recording itself has ") + list_in_words(recording);
+    words +=
+        (words.empty() ? "The recording itself has " : ", and the recording itself has ") + list_in_words(recording);
   return words;
 }
 
@@ -121,12 +132,14 @@ double number(const Json& object, const std::string& key) {
 }
 
 std::string text(const Json& object, const std::string& key) {
-  return object.is_object() && object.contains(key) && object.at(key).is_string() ? object.at(key).get<std::string>() : "";
+  return object.is_object() && object.contains(key) && object.at(key).is_string() ? object.at(key).get<std::string>()
+                                                                                  : "";
 }
 
 const Json& part(const Json& object, const std::string& key) {
   static const Json nothing = Json::array();
-  const bool there = object.is_object() && object.contains(key) && (object.at(key).is_object() || object.at(key).is_array());
+  const bool there =
+      object.is_object() && object.contains(key) && (object.at(key).is_object() || object.at(key).is_array());
   return there ? object.at(key) : nothing;
 }
 
@@ -183,7 +196,8 @@ Variable plain_variable(const std::string& variable) {
                                                                          {"_N", "N"},
                                                                          {"_V", "V"}}};
   for (const auto& [suffix, unit] : units)
-    if (variable.ends_with(suffix)) return {plain_label(variable.substr(0, variable.size() - std::string(suffix).size())), unit};
+    if (variable.ends_with(suffix))
+      return {plain_label(variable.substr(0, variable.size() - std::string(suffix).size())), unit};
   return {plain_label(variable), ""};
 }
 
@@ -206,7 +220,8 @@ Display display_of(const std::string& parameter, const std::string& unit, double
   }
   std::string written = unit;
   for (const auto& [plain, nice] : {std::pair{"^2", "²"}, std::pair{"^3", "³"}, std::pair{"kg m2", "kg m²"}})
-    if (const std::size_t at = written.find(plain); at != std::string::npos) written.replace(at, std::string(plain).size(), nice);
+    if (const std::size_t at = written.find(plain); at != std::string::npos)
+      written.replace(at, std::string(plain).size(), nice);
   return {1.0, written};
 }
 
@@ -239,7 +254,8 @@ std::string with_half_width(double value, double half_width) {
   const double power = exponent < -3 || exponent > 5 ? std::pow(10.0, exponent) : 1.0;
   // the half-width gets two digits, the value as many decimals
   const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width / power) + 1e-12)), 0, 8);
-  const std::string both = fmt::format("{} ± {}", decimals(value / power, digits), decimals(half_width / power, digits));
+  const std::string both =
+      fmt::format("{} ± {}", decimals(value / power, digits), decimals(half_width / power, digits));
   return power == 1.0 ? both : fmt::format("({}) × 10{}", both, superscript(exponent));
 }
 
@@ -264,15 +280,19 @@ std::string one_sentence(const Json& diagnosis) {
   if (verdict == "insufficient_data") {
     // the reason, when there is one for all
     const Json& blind = part(diagnosis, "not_identifiable");
-    const bool one_reason = !blind.empty() && std::all_of(blind.begin(), blind.end(), [&](const Json& entry) { return text(entry, "why") == text(blind[0], "why"); });
-    return "These flights cannot tell whether the simulation" + (vehicle.empty() ? "" : " of " + vehicle) + " is right or wrong" +
-           (one_reason ? ": " + text(blind[0], "why") : "") + ".";
+    const bool one_reason = !blind.empty() && std::all_of(blind.begin(), blind.end(), [&](const Json& entry) {
+      return text(entry, "why") == text(blind[0], "why");
+    });
+    return "These flights cannot tell whether the simulation" + (vehicle.empty() ? "" : " of " + vehicle) +
+           " is right or wrong" + (one_reason ? ": " + text(blind[0], "why") : "") + ".";
   }
   if (verdict == "unexplained") {
     const std::string gain = part(diagnosis, "residual_model").empty() ? "" : gain_in_words(diagnosis);
-    return fmt::format("Something acts on {} that the simulation leaves out{}, and no effect known here explains enough of it to be named{}.",
-                       vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")",
-                       gain.empty() ? "" : "; with a model that has no name, " + gain);
+    return fmt::format(
+        "Something acts on {} that the simulation leaves out{}, and no effect known here explains enough of it to be "
+        "named{}.",
+        vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")",
+        gain.empty() ? "" : "; with a model that has no name, " + gain);
   }
 
   std::string sentence = names_in_words(diagnosis);

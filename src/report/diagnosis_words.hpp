@@ -10,9 +10,9 @@ namespace gustlab::report {
 using Json = nlohmann::ordered_json;
 
 // Lenient access: absent, null and mistyped all mean "not known".
-double number(const Json& object, const std::string& key);              // NaN
-std::string text(const Json& object, const std::string& key);           // empty
-const Json& part(const Json& object, const std::string& key);           // an empty object or array
+double number(const Json& object, const std::string& key);     // NaN
+std::string text(const Json& object, const std::string& key);  // empty
+const Json& part(const Json& object, const std::string& key);  // an empty object or array
 
 // "rotor drag", "loss of rotor 3"
 std::string plain_name(const Json& effect);

@@ -17,7 +17,9 @@ constexpr std::size_t most_listed = 20;  // failures in the summary
 constexpr double significant = 0.05;     // of one cell's improvement, which decides nothing
 
 using CellName = std::pair<std::string, std::string>;
-CellName cell_of(const ResultRow& row) { return {row.experiment, fmt::format("{} {} {}", row.vehicle, row.trajectory, row.controller)}; }
+CellName cell_of(const ResultRow& row) {
+  return {row.experiment, fmt::format("{} {} {}", row.vehicle, row.trajectory, row.controller)};
+}
 
 using Identity = std::pair<CellName, std::int64_t>;
 using RowsById = std::map<Identity, const ResultRow*>;
@@ -33,13 +35,18 @@ std::string experiments_of(const std::vector<ResultRow>& rows) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void check_same_experiment(const RowsById& now_rows, const std::vector<ResultRow>& now, const std::vector<ResultRow>& baseline) {
+void check_same_experiment(const RowsById& now_rows, const std::vector<ResultRow>& now,
+                           const std::vector<ResultRow>& baseline) {
   const bool known = std::any_of(baseline.begin(), baseline.end(), [&](const ResultRow& row) {
-    return now_rows.lower_bound({cell_of(row), 0}) != now_rows.end() && now_rows.lower_bound({cell_of(row), 0})->first.first == cell_of(row);
+    return now_rows.lower_bound({cell_of(row), 0}) != now_rows.end() &&
+           now_rows.lower_bound({cell_of(row), 0})->first.first == cell_of(row);
   });
   if (!known)
-    throw DataError(fmt::format("wrong baseline: it is of {}, the sweep of {} (they have no cell in common) give the baseline of this experiment, "
-                                "or make one with --update", experiments_of(baseline), experiments_of(now)));
+    throw DataError(
+        fmt::format("wrong baseline: it is of {}, the sweep of {} (they have no cell in common) give the baseline of "
+                    "this experiment, "
+                    "or make one with --update",
+                    experiments_of(baseline), experiments_of(now)));
 }
 
 // the runs of a cell that both completed, by metric
@@ -51,14 +58,16 @@ void add_pair(const ResultRow& now, const ResultRow& before, Pairs& pairs, GateC
   cell.configuration_changed |= now.key != before.key;
   if (before.outcome != Outcome::completed) return;
   if (now.outcome != Outcome::completed) {
-    cell.failures.push_back(fmt::format("replicate {} was completed, now {} at {:.3f} s", now.replicate, to_string(now.outcome), now.duration_s));
+    cell.failures.push_back(fmt::format("replicate {} was completed, now {} at {:.3f} s", now.replicate,
+                                        to_string(now.outcome), now.duration_s));
     return;
   }
   ++cell.pairs;
   for (std::size_t i = 0; i < tracking_metrics.size(); ++i) {
     const double is = now.*tracking_metrics[i].value, was = before.*tracking_metrics[i].value;
     if (std::isnan(is) && !std::isnan(was))
-      cell.failures.push_back(fmt::format("replicate {}: {} is no longer a number", now.replicate, tracking_metrics[i].title));
+      cell.failures.push_back(
+          fmt::format("replicate {}: {} is no longer a number", now.replicate, tracking_metrics[i].title));
     pairs.now[i].push_back(is);
     pairs.before[i].push_back(was);
   }
@@ -67,8 +76,12 @@ void add_pair(const ResultRow& now, const ResultRow& before, Pairs& pairs, GateC
 GateChange change_of(const std::vector<double>& now, const std::vector<double>& before) {
   const TTest test = paired_test(now, before);
   const double half = 0.5 * test.p_value;
-  return {summarize(before).mean, summarize(now).mean, test.difference, paired_interval(now, before, 0.90),
-          test.difference > 0.0 ? half : 1.0 - half, test.difference < 0.0 ? half : 1.0 - half};
+  return {summarize(before).mean,
+          summarize(now).mean,
+          test.difference,
+          paired_interval(now, before, 0.90),
+          test.difference > 0.0 ? half : 1.0 - half,
+          test.difference < 0.0 ? half : 1.0 - half};
 }
 
 std::string verdict_of(const GateCell& cell, double margin) {
@@ -89,10 +102,12 @@ void judge(std::vector<GateCell>& cells, const GateRule& rule) {
     for (std::size_t i = 0; i < tracking_metrics.size(); ++i) {
       const GateChange& change = cells[c].changes[i];
       const double p = adjusted[c * tracking_metrics.size() + i];
-      const bool too_far = rule.by_margin && change.change_m > rule.margin * change.before_m, surely = rule.by_test && p < rule.level;
+      const bool too_far = rule.by_margin && change.change_m > rule.margin * change.before_m,
+                 surely = rule.by_test && p < rule.level;
       if (!(change.change_m > rule.floor_m) || !(too_far || surely)) continue;
-      cells[c].failures.push_back(fmt::format("{} {:.4f} m, was {:.4f} m: {:+.1f} %{}{}", tracking_metrics[i].title, change.now_m, change.before_m,
-                                              100.0 * change.change_m / change.before_m, too_far ? ", beyond the margin" : "",
+      cells[c].failures.push_back(fmt::format("{} {:.4f} m, was {:.4f} m: {:+.1f} %{}{}", tracking_metrics[i].title,
+                                              change.now_m, change.before_m, 100.0 * change.change_m / change.before_m,
+                                              too_far ? ", beyond the margin" : "",
                                               surely ? fmt::format(", significant (p = {:.2g})", p) : ""));
     }
     cells[c].verdict = verdict_of(cells[c], rule.margin);
@@ -102,10 +117,14 @@ void judge(std::vector<GateCell>& cells, const GateRule& rule) {
 std::string rule_text(const GateRule& rule) {
   std::vector<std::string> parts;
   if (rule.by_margin) parts.push_back(fmt::format("by more than {:.3g} %", 100.0 * rule.margin));
-  if (rule.by_test) parts.push_back(fmt::format("significantly (paired t-test, p < {:.3g} over all tests after Holm)", rule.level));
+  if (rule.by_test)
+    parts.push_back(fmt::format("significantly (paired t-test, p < {:.3g} over all tests after Holm)", rule.level));
   const std::string rises = parts.empty() ? "" : fmt::format("whose mean error rose {}, or ", fmt::join(parts, " or "));
-  return fmt::format("Fails: a cell {}with a run that is no longer completed or missing{}. equivalent: the 90 % interval of the change is within "
-                     "±{:.3g} %.", rises, rule.allow_extra ? "" : ", or that the baseline does not have", 100.0 * rule.margin);
+  return fmt::format(
+      "Fails: a cell {}with a run that is no longer completed or missing{}. equivalent: the 90 % interval of the "
+      "change is within "
+      "±{:.3g} %.",
+      rises, rule.allow_extra ? "" : ", or that the baseline does not have", 100.0 * rule.margin);
 }
 
 std::string xml_text(std::string_view plain) {
@@ -125,15 +144,19 @@ std::string change_row(const GateCell& cell) {
   const std::string name = fmt::format("| {} | {} |", cell.cell, cell.pairs);
   if (cell.pairs == 0) return fmt::format("{} – | – | – | – | {} | – |\n", name, cell.verdict);
   const auto percent = [&](double value_m) { return 100.0 * value_m / rmse.before_m; };
-  const std::string interval = std::isnan(rmse.interval_m.low) ? "–" : fmt::format("{:+.2f} to {:+.2f}", percent(rmse.interval_m.low), percent(rmse.interval_m.high));
-  return fmt::format("{} {:.4f} | {:.4f} | {:+.2f} | {} | {} | {} |\n", name, rmse.before_m, rmse.now_m, percent(rmse.change_m), interval, cell.verdict,
-                     cell.configuration_changed ? "changed" : "same");
+  const std::string interval =
+      std::isnan(rmse.interval_m.low)
+          ? "–"
+          : fmt::format("{:+.2f} to {:+.2f}", percent(rmse.interval_m.low), percent(rmse.interval_m.high));
+  return fmt::format("{} {:.4f} | {:.4f} | {:+.2f} | {} | {} | {} |\n", name, rmse.before_m, rmse.now_m,
+                     percent(rmse.change_m), interval, cell.verdict, cell.configuration_changed ? "changed" : "same");
 }
 
 }  // namespace
 
 std::size_t GateReport::failures() const {
-  return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [](const GateCell& cell) { return !cell.failures.empty(); }));
+  return static_cast<std::size_t>(
+      std::count_if(cells.begin(), cells.end(), [](const GateCell& cell) { return !cell.failures.empty(); }));
 }
 
 GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>& baseline, const GateRule& rule) {
@@ -154,7 +177,8 @@ GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>&
     const std::size_t place = place_of(before);
     const auto found = rows.find({cell_of(before), before.replicate});
     if (found == rows.end()) {
-      report.cells[place].failures.push_back(fmt::format("replicate {} is missing: the baseline has it", before.replicate));
+      report.cells[place].failures.push_back(
+          fmt::format("replicate {} is missing: the baseline has it", before.replicate));
       continue;
     }
     add_pair(*found->second, before, pairs[place], report.cells[place]);
@@ -163,40 +187,49 @@ GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>&
   // in plan order, not the map's
   for (const ResultRow& row : now)
     if (!rule.allow_extra && rows.count({cell_of(row), row.replicate}) > 0)
-      report.cells[place_of(row)].failures.push_back(fmt::format("replicate {} is extra: the baseline does not have it", row.replicate));
+      report.cells[place_of(row)].failures.push_back(
+          fmt::format("replicate {} is extra: the baseline does not have it", row.replicate));
   for (std::size_t c = 0; c < pairs.size(); ++c)
-    for (std::size_t i = 0; i < tracking_metrics.size(); ++i) report.cells[c].changes[i] = change_of(pairs[c].now[i], pairs[c].before[i]);
+    for (std::size_t i = 0; i < tracking_metrics.size(); ++i)
+      report.cells[c].changes[i] = change_of(pairs[c].now[i], pairs[c].before[i]);
   judge(report.cells, rule);
   return report;
 }
 
 std::string to_junit(const GateReport& report) {
-  std::string text = fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"gustlab gate\" tests=\"{}\" failures=\"{}\">\n",
-                                 report.cells.size(), report.failures());
+  std::string text = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"gustlab gate\" tests=\"{}\" failures=\"{}\">\n",
+      report.cells.size(), report.failures());
   for (const GateCell& cell : report.cells) {
     text += fmt::format("  <testcase classname=\"{}\" name=\"{}\"", xml_text(cell.experiment), xml_text(cell.cell));
     text += cell.failures.empty() ? "/>\n"
-                                  : fmt::format("><failure message=\"{}\"/></testcase>\n", xml_text(fmt::format("{}", fmt::join(cell.failures, "; "))));
+                                  : fmt::format("><failure message=\"{}\"/></testcase>\n",
+                                                xml_text(fmt::format("{}", fmt::join(cell.failures, "; "))));
   }
   return text + "</testsuite>\n";
 }
 
 std::string to_markdown(const GateReport& report) {
   const auto count = [&](std::string_view verdict) {
-    return std::count_if(report.cells.begin(), report.cells.end(), [&](const GateCell& cell) { return cell.verdict == verdict; });
+    return std::count_if(report.cells.begin(), report.cells.end(),
+                         [&](const GateCell& cell) { return cell.verdict == verdict; });
   };
-  std::string text = fmt::format("{}: {} of {} cells failed, {} improved, {} equivalent, of {} a change cannot be told; {} runs\n\n",
-                                 report.failures() == 0 ? "**passed**" : "**failed**", report.failures(), report.cells.size(), count("improved"),
-                                 count("equivalent"), count("cannot tell"), report.runs);
+  std::string text =
+      fmt::format("{}: {} of {} cells failed, {} improved, {} equivalent, of {} a change cannot be told; {} runs\n\n",
+                  report.failures() == 0 ? "**passed**" : "**failed**", report.failures(), report.cells.size(),
+                  count("improved"), count("equivalent"), count("cannot tell"), report.runs);
   text += rule_text(report.rule) + "\n\n";
   std::vector<std::string> failures;
   for (const GateCell& cell : report.cells)
     for (const std::string& failure : cell.failures) failures.push_back(fmt::format("- {}: {}\n", cell.cell, failure));
   for (std::size_t i = 0; i < std::min(failures.size(), most_listed); ++i) text += failures[i];
-  if (failures.size() > most_listed) text += fmt::format("- and {} more (--junit has all)\n", failures.size() - most_listed);
+  if (failures.size() > most_listed)
+    text += fmt::format("- and {} more (--junit has all)\n", failures.size() - most_listed);
   if (!failures.empty()) text += "\n";
-  text += "| cell | N | RMSE before [m] | RMSE now [m] | paired change [%] | 90 % interval [%] | verdict | configuration |\n"
-          "|---|--:|--:|--:|--:|--:|---|---|\n";
+  text +=
+      "| cell | N | RMSE before [m] | RMSE now [m] | paired change [%] | 90 % interval [%] | verdict | configuration "
+      "|\n"
+      "|---|--:|--:|--:|--:|--:|---|---|\n";
   for (const GateCell& cell : report.cells) text += change_row(cell);
   return text;
 }

@@ -12,18 +12,18 @@ namespace gustlab {
 
 // When a cell fails. Either switch may be off.
 struct GateRule {
-  bool by_margin = true;       // its mean error rose by more than the margin
-  bool by_test = true;         // its mean error rose significantly, however little
-  double margin = 0.02;        // share of the baseline's mean error
-  double level = 0.01;         // of all tests of the gate together (Holm)
-  double floor_m = 1e-5;       // a mean that rose by less never fails: rounding differs between machines
-  bool allow_extra = false;    // runs that the baseline does not have are left out
+  bool by_margin = true;     // its mean error rose by more than the margin
+  bool by_test = true;       // its mean error rose significantly, however little
+  double margin = 0.02;      // share of the baseline's mean error
+  double level = 0.01;       // of all tests of the gate together (Holm)
+  double floor_m = 1e-5;     // a mean that rose by less never fails: rounding differs between machines
+  bool allow_extra = false;  // runs that the baseline does not have are left out
 };
 
 // A metric of a cell: both means, and the paired change.
 struct GateChange {
   double before_m, now_m, change_m;
-  Interval interval_m;  // 90 %, Student's: inside the margin both ways, the cell is equivalent at 5 %
+  Interval interval_m;       // 90 %, Student's: inside the margin both ways, the cell is equivalent at 5 %
   double p_worse, p_better;  // one-sided, paired t; NaN when there are fewer than two pairs
 };
 
@@ -31,9 +31,9 @@ struct GateCell {
   std::string experiment, cell;  // cell: vehicle trajectory controller
   std::size_t pairs = 0;
   std::array<GateChange, tracking_metrics.size()> changes{};
-  bool configuration_changed = false;  // keys of the runs differ
+  bool configuration_changed = false;   // keys of the runs differ
   std::vector<std::string> failures{};  // empty: passed
-  std::string verdict{};               // worse, improved, equivalent, cannot tell; of the planar RMSE unless a metric failed
+  std::string verdict{};  // worse, improved, equivalent, cannot tell; of the planar RMSE unless a metric failed
 };
 
 struct GateReport {

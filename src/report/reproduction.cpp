@@ -23,7 +23,9 @@ nlohmann::ordered_json number(double value) {
 
 DrawnTables::Count count_of(std::vector<double> within) {
   std::sort(within.begin(), within.end());
-  const auto quantile = [&](double share) { return within[static_cast<std::size_t>(share * static_cast<double>(within.size() - 1))]; };
+  const auto quantile = [&](double share) {
+    return within[static_cast<std::size_t>(share * static_cast<double>(within.size() - 1))];
+  };
   return {summarize(within).mean, quantile(0.1), quantile(0.9)};
 }
 
@@ -35,7 +37,8 @@ DrawnTables draw_tables(const std::vector<ReproducedCell>& cells, const std::vec
   for (std::uint32_t table = 0; table < tables; ++table)
     for (std::size_t i = 0; i < cells.size(); ++i) {
       for (std::size_t run = 0; run < drawn.size(); ++run)
-        drawn[run] = runs[i][static_cast<std::size_t>(stream.uniform4(run, table)[0] * static_cast<double>(runs[i].size()))];
+        drawn[run] =
+            runs[i][static_cast<std::size_t>(stream.uniform4(run, table)[0] * static_cast<double>(runs[i].size()))];
       ReproducedCell cell = cells[i];
       cell.ours = summarize(drawn);
       within_25[table] += cell.within(0.25);
@@ -58,7 +61,8 @@ std::string class_of(Use use) {
 // how many runs stand behind means, over cells
 std::string runs_text(const std::vector<ReproducedCell>& cells, Summary ReproducedCell::*side) {
   if (cells.empty()) return "no runs";
-  const auto [least, most] = std::minmax_element(cells.begin(), cells.end(), [&](const auto& a, const auto& b) { return (a.*side).n < (b.*side).n; });
+  const auto [least, most] = std::minmax_element(
+      cells.begin(), cells.end(), [&](const auto& a, const auto& b) { return (a.*side).n < (b.*side).n; });
   const std::size_t low = (*least.*side).n, high = (*most.*side).n;
   return low == high ? fmt::format("N = {} runs", low) : fmt::format("N = {} to {} runs", low, high);
 }
@@ -67,26 +71,35 @@ std::string runs_text(const std::vector<ReproducedCell>& cells, Summary Reproduc
 
 std::string_view to_string(Use use) {
   switch (use) {
-    case Use::fitted: return "fitted";
-    case Use::blind: return "predicted blind";
-    case Use::by_construction: return "by construction";
-    case Use::after_seeing: return "chosen after seeing";
-    case Use::proxy: return "proxy";
+    case Use::fitted:
+      return "fitted";
+    case Use::blind:
+      return "predicted blind";
+    case Use::by_construction:
+      return "by construction";
+    case Use::after_seeing:
+      return "chosen after seeing";
+    case Use::proxy:
+      return "proxy";
   }
   return "";
 }
 
 std::string_view to_string(Verdict verdict) {
   switch (verdict) {
-    case Verdict::pass: return "pass";
-    case Verdict::fail: return "fail";
-    case Verdict::not_significant: return "not_significant";
+    case Verdict::pass:
+      return "pass";
+    case Verdict::fail:
+      return "fail";
+    case Verdict::not_significant:
+      return "not_significant";
   }
   return "";
 }
 
 double ReproducedCell::z_score() const {
-  const double se_ours = ours.sd * ours.sd / static_cast<double>(ours.n), se_paper = paper.sd * paper.sd / static_cast<double>(paper.n);
+  const double se_ours = ours.sd * ours.sd / static_cast<double>(ours.n),
+               se_paper = paper.sd * paper.sd / static_cast<double>(paper.n);
   return (ours.mean - paper.mean) / std::sqrt(se_ours + se_paper + rounding_m * rounding_m / 12.0);
 }
 
@@ -101,7 +114,8 @@ void add_still_air(const Published& published, const std::vector<OurTable>& tabl
   if (std::any_of(still.begin(), still.end(), [](const OurTable& table) { return table.rows.empty(); })) return;
   std::vector<ReproducedCell> cells = reproduction.cells;
   for (ReproducedCell& cell : cells) {
-    const auto table = std::find_if(still.begin(), still.end(), [&](const OurTable& t) { return t.table == cell.table; });
+    const auto table =
+        std::find_if(still.begin(), still.end(), [&](const OurTable& t) { return t.table == cell.table; });
     cell.ours = summarize(metric_of(counted_runs(published, *table, cell.trajectory, cell.controller), cell.metric));
   }
   for (std::size_t i = 0; i < cells.size(); ++i) reproduction.cells[i].still_m = cells[i].ours.mean;
@@ -129,7 +143,8 @@ Reproduction reproduce(const Published& published, const std::vector<OurTable>& 
                          summarize(values.back()), completed, use(row, metric)});
       }
     }
-    if (!cells.empty() && values.front().size() > cells.front().paper.n) reproduction.drawn.push_back(draw_tables(cells, values));
+    if (!cells.empty() && values.front().size() > cells.front().paper.n)
+      reproduction.drawn.push_back(draw_tables(cells, values));
     reproduction.cells.insert(reproduction.cells.end(), cells.begin(), cells.end());
   }
   reproduction.claims = judge_claims(published, tables, reproduction.cells);
@@ -170,14 +185,16 @@ std::string to_json(const Reproduction& reproduction) {
                                     {"within_50_percent", to_json(drawn.within_50)}});
   json["claims"] = nlohmann::ordered_json::array();
   for (const JudgedClaim& claim : reproduction.claims)
-    json["claims"].push_back({{"claim", claim.table + ": " + claim.claim},
-                              {"verdict", to_string(claim.verdict)},
-                              {"p_value", number(claim.p_value)},
-                              {"n", claim.n},
-                              {"paper_p_value", number(claim.paper_p_value)},
-                              {"still_air", claim.still ? nlohmann::ordered_json(to_string(*claim.still)) : nlohmann::ordered_json(nullptr)},
-                              {"needs_gust", claim.needs_gust()}});
-  json["counts"] = {{"cells", reproduction.cells.size()}, {"within_25_percent", within_25}, {"within_50_percent", within_50}};
+    json["claims"].push_back(
+        {{"claim", claim.table + ": " + claim.claim},
+         {"verdict", to_string(claim.verdict)},
+         {"p_value", number(claim.p_value)},
+         {"n", claim.n},
+         {"paper_p_value", number(claim.paper_p_value)},
+         {"still_air", claim.still ? nlohmann::ordered_json(to_string(*claim.still)) : nlohmann::ordered_json(nullptr)},
+         {"needs_gust", claim.needs_gust()}});
+  json["counts"] = {
+      {"cells", reproduction.cells.size()}, {"within_25_percent", within_25}, {"within_50_percent", within_50}};
   return json.dump(2) + "\n";
 }
 
@@ -185,7 +202,9 @@ std::string to_svg(const Reproduction& reproduction) {
   svg::Chart chart;
   chart.title = "Mean errors, ours and the paper's; lines: ±25 %";
   chart.x_label = fmt::format("paper, m, {}", runs_text(reproduction.cells, &ReproducedCell::paper));
-  chart.y_label = fmt::format("ours, m, {}: blue fitted, orange predicted blind, green by construction, red chosen after seeing, grey proxy", runs_text(reproduction.cells, &ReproducedCell::ours));
+  chart.y_label = fmt::format(
+      "ours, m, {}: blue fitted, orange predicted blind, green by construction, red chosen after seeing, grey proxy",
+      runs_text(reproduction.cells, &ReproducedCell::ours));
   chart.log_x = chart.log_y = true;
   chart.width = 720.0;
   chart.height = 480.0;
@@ -195,7 +214,8 @@ std::string to_svg(const Reproduction& reproduction) {
     high = std::max(high, cell.paper.mean);
   }
   for (const double factor : {0.75, 1.0, 1.25})
-    chart.series.push_back({factor == 1.0 ? "equal" : "band", svg::Mark::line, {low, high}, {factor * low, factor * high}, {}, {}});
+    chart.series.push_back(
+        {factor == 1.0 ? "equal" : "band", svg::Mark::line, {low, high}, {factor * low, factor * high}, {}, {}});
   for (const Use use : all_uses) {
     svg::Series series{class_of(use), svg::Mark::dots, {}, {}, {}, {}};
     for (const ReproducedCell& cell : reproduction.cells)
@@ -209,10 +229,13 @@ std::string to_svg(const Reproduction& reproduction) {
   const std::size_t open = text.find('>');
   if (open == std::string::npos) return text;
   // alone, a picture brings its own style
-  text.insert(open + 1,
-              "<style>text{font:11px sans-serif;fill:#333}.head{font-weight:bold}.grid{stroke:#ddd}.axis,.tick{stroke:#666}"
-              "path{fill:none}.equal{stroke:#333}.band{stroke:#999;stroke-dasharray:4 3}circle{stroke:none}.fitted{fill:#1f77b4}"
-              ".predicted-blind{fill:#ff7f0e}.by-construction{fill:#2ca02c}.chosen-after-seeing{fill:#d62728}.proxy{fill:#888}</style>");
+  text.insert(
+      open + 1,
+      "<style>text{font:11px sans-serif;fill:#333}.head{font-weight:bold}.grid{stroke:#ddd}.axis,.tick{stroke:#666}"
+      "path{fill:none}.equal{stroke:#333}.band{stroke:#999;stroke-dasharray:4 "
+      "3}circle{stroke:none}.fitted{fill:#1f77b4}"
+      ".predicted-blind{fill:#ff7f0e}.by-construction{fill:#2ca02c}.chosen-after-seeing{fill:#d62728}.proxy{fill:#888}<"
+      "/style>");
   text.insert(4, " xmlns=\"http://www.w3.org/2000/svg\"");
   return text + "\n";
 }

@@ -17,7 +17,8 @@ namespace gustlab {
 // How a cell of ours came to be: calibrated on (on other seeds), predicted and seen by no choice of ours, so by construction, after
 // a choice that was made when the cell had been seen, or in a simulation that only stands for the real thing.
 enum class Use { fitted, blind, by_construction, after_seeing, proxy };
-inline constexpr std::array<Use, 5> all_uses{Use::fitted, Use::blind, Use::by_construction, Use::after_seeing, Use::proxy};
+inline constexpr std::array<Use, 5> all_uses{Use::fitted, Use::blind, Use::by_construction, Use::after_seeing,
+                                             Use::proxy};
 std::string_view to_string(Use use);
 
 struct ReproducedCell {
@@ -47,20 +48,20 @@ struct JudgedClaim {
   std::string claim;
   std::string table;
   Verdict verdict = Verdict::not_significant;
-  double p_value = std::numeric_limits<double>::quiet_NaN();        // of our flights; NaN where there is nothing to test
-  std::size_t n = 0;                                                // pairs, or flights
+  double p_value = std::numeric_limits<double>::quiet_NaN();  // of our flights; NaN where there is nothing to test
+  std::size_t n = 0;                                          // pairs, or flights
   double paper_p_value = std::numeric_limits<double>::quiet_NaN();  // of the published figures, Welch
-  std::optional<Verdict> still{};  // the same in still air, where that was flown
+  std::optional<Verdict> still{};                                   // the same in still air, where that was flown
   bool needs_gust() const { return verdict == Verdict::pass && still && *still != Verdict::pass; }
 };
 
 // One table of ours: the sweep of its experiment.
 struct OurTable {
-  std::string table;       // table1, …
+  std::string table;  // table1, …
   std::string experiment;
   std::string vehicle;
   std::vector<ResultRow> rows;
-  bool all_replicates = false;  // every one counts, not as many as were published
+  bool all_replicates = false;     // every one counts, not as many as were published
   std::vector<ResultRow> still{};  // the same runs without any wind
   std::vector<NamedValue> arcs{};  // how much of each trajectory was flown
 };

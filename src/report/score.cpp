@@ -41,8 +41,8 @@ Json headline(const Trials& trials) {
   };
   const auto located = [](const ScoredTrial& t) {
     return t.diagnosed && std::any_of(t.channels.begin(), t.channels.end(), [&](const std::string& channel) {
-      return std::find(t.significant.begin(), t.significant.end(), channel) != t.significant.end();
-    });
+             return std::find(t.significant.begin(), t.significant.end(), channel) != t.significant.end();
+           });
   };
 
   Json table;
@@ -55,7 +55,9 @@ Json headline(const Trials& trials) {
   table["two effects: exact"] = rate_of(trials, single(2, true), exact);
   table["two effects, one below its limit: no wrong name"] = rate_of(trials, single(2, false), no_wrong_name);
   table["outside the catalogue: no name"] = rate_of(trials, kind("outside"), silent);
-  const auto visible = [](const ScoredTrial& t) { return t.outside() && !t.channels.empty() && !(t.stranger_strength < 1.0); };
+  const auto visible = [](const ScoredTrial& t) {
+    return t.outside() && !t.channels.empty() && !(t.stranger_strength < 1.0);
+  };
   table["outside the catalogue, visible: channel located"] = rate_of(trials, visible, located);
   // a diagnosis that suspected every channel would always locate the right one
   std::size_t said = 0, right = 0;
@@ -154,15 +156,19 @@ Json not_right(const Trials& trials) {
     if (is_right(trial)) continue;
     Json truth = Json::array(), named = Json::array();
     const auto add = [&truth](const std::string& label, double strength) {
-      truth.push_back({{"effect", label}, {"strength_over_limit", std::isfinite(strength) ? Json(strength) : Json(nullptr)}});
+      truth.push_back(
+          {{"effect", label}, {"strength_over_limit", std::isfinite(strength) ? Json(strength) : Json(nullptr)}});
     };
     for (const Concealed& hidden : trial.truth) add(hidden.label(), hidden.strength);
     if (!trial.stranger.empty()) add(trial.stranger, trial.stranger_strength);
     for (const Named& name : trial.named)
       named.push_back({{"effect", name.label()}, {"class", name.alternatives}, {"confidence", name.confidence}});
-    list.push_back({{"set", trial.set}, {"trial", trial.trial}, {"kind", trial.kind},
+    list.push_back({{"set", trial.set},
+                    {"trial", trial.trial},
+                    {"kind", trial.kind},
                     {"verdict", trial.diagnosed || !trial.verdict.empty() ? trial.verdict : "missing"},
-                    {"concealed", truth}, {"named", named}});
+                    {"concealed", truth},
+                    {"named", named}});
   }
   return list;
 }
@@ -173,7 +179,8 @@ void check_figures(const ScoredTrial& trial, const TrialSet& set) {
     score_closure({trial});
     score_parameters({trial});
   } catch (const Json::exception& error) {
-    throw DataError(fmt::format("{}: the diagnosis of {} in {} and its answer do not fit together ({})", set.answers, trial.trial, set.folder, error.what()));
+    throw DataError(fmt::format("{}: the diagnosis of {} in {} and its answer do not fit together ({})", set.answers,
+                                trial.trial, set.folder, error.what()));
   }
 }
 

@@ -10,7 +10,8 @@
 namespace gustlab {
 
 // All figures, with the list of trials that were not right. `diagnosis_folder`: where in a trial's folder to look.
-nlohmann::ordered_json score_trials(const std::vector<TrialSet>& sets, const std::string& diagnosis_folder = "diagnosis");
+nlohmann::ordered_json score_trials(const std::vector<TrialSet>& sets,
+                                    const std::string& diagnosis_folder = "diagnosis");
 
 // The same as Markdown tables, readable as plain text.
 std::string score_markdown(const nlohmann::ordered_json& score);

@@ -46,7 +46,8 @@ void add_parameters(const Json& truth, const Json& fitted, const std::string& ef
     // the size of a vector-like effect, so that a component near zero is not judged by itself
     double square = 0.0;
     for (const auto& [other, component] : truth.items())
-      if (component.is_number() && fitted.contains(other) && fitted.at(other).value("unit", "") == entry.value("unit", ""))
+      if (component.is_number() && fitted.contains(other) &&
+          fitted.at(other).value("unit", "") == entry.value("unit", ""))
         square += component.get<double>() * component.get<double>();
     const double error = std::abs(entry.value("value", std::numeric_limits<double>::quiet_NaN()) - value.get<double>());
     ParameterCount& count = counts[effect + "." + name];
@@ -146,7 +147,9 @@ nlohmann::ordered_json score_reliability(const std::vector<ScoredTrial>& trials)
     const auto count = static_cast<double>(bins[b].right.n);
     const double said = bins[b].confidence / count, was = static_cast<double>(bins[b].right.k) / count;
     error += count / static_cast<double>(n) * std::abs(said - was);
-    rows.push_back({{"from", static_cast<double>(b) / 10.0}, {"said", said}, {"right", score_rate(bins[b].right.k, bins[b].right.n)}});
+    rows.push_back({{"from", static_cast<double>(b) / 10.0},
+                    {"said", said},
+                    {"right", score_rate(bins[b].right.k, bins[b].right.n)}});
   }
   return {{"findings", n},
           {"expected_calibration_error", n > 0 ? Json(error) : Json(nullptr)},
@@ -168,7 +171,8 @@ nlohmann::ordered_json score_closure(const std::vector<ScoredTrial>& trials) {
       const Json& errors = trial.fit.at(quantity);
       const Json oracle = trial.oracle.contains(quantity) ? trial.oracle.at(quantity).at("after") : Json::array();
       for (std::size_t h = 0; h < horizons.size(); ++h) {
-        const Json &before = errors.at("before").at(h), &after = errors.at("after").at(h), &noise = errors.at("noise").at(h);
+        const Json &before = errors.at("before").at(h), &after = errors.at("after").at(h),
+                   &noise = errors.at("noise").at(h);
         if (!before.is_number() || !after.is_number() || !noise.is_number()) continue;
         // the oracle's errors are free of measurement noise, which adds in squares
         const double least = std::hypot(noise.get<double>(), h < oracle.size() ? oracle.at(h).get<double>() : 0.0);
@@ -182,8 +186,12 @@ nlohmann::ordered_json score_closure(const std::vector<ScoredTrial>& trials) {
   Json rows = Json::array();
   for (const std::string& quantity : quantities)
     for (auto& [horizon, values] : shares[quantity])
-      rows.push_back({{"quantity", quantity}, {"horizon_s", horizon}, {"trials", values.size()},
-                      {"q25", quantile(values, 0.25)}, {"median", quantile(values, 0.5)}, {"q75", quantile(values, 0.75)}});
+      rows.push_back({{"quantity", quantity},
+                      {"horizon_s", horizon},
+                      {"trials", values.size()},
+                      {"q25", quantile(values, 0.25)},
+                      {"median", quantile(values, 0.5)},
+                      {"q75", quantile(values, 0.75)}});
   return {{"trials_above_limit", wanted}, {"each", rows}};
 }
 

@@ -32,7 +32,9 @@ std::string table(const Row& head, const std::vector<Row>& rows) {
   return text;
 }
 
-std::string percent(const Json& share) { return share.is_null() ? "" : fmt::format("{:.1f} %", 100.0 * share.get<double>()); }
+std::string percent(const Json& share) {
+  return share.is_null() ? "" : fmt::format("{:.1f} %", 100.0 * share.get<double>());
+}
 
 std::string interval(const Json& rate) {
   if (rate.at("share").is_null()) return "";
@@ -77,7 +79,8 @@ std::string power(const Json& score) {
     for (const Json& rate : rates) cells.push_back(cell(rate));
     return cells;
   };
-  std::vector<Row> rows{row("one effect: exact", power.at("single_exact")), row("any effect: named", power.at("named"))};
+  std::vector<Row> rows{row("one effect: exact", power.at("single_exact")),
+                        row("any effect: named", power.at("named"))};
   for (const auto& [effect, rates] : power.at("effects").items()) rows.push_back(row(effect, rates));
   return table(head, rows);
 }
@@ -88,7 +91,8 @@ std::string parameters(const Json& score) {
   for (const Json& row : parameters.at("each")) {
     const Json& coverage = row.at("coverage");
     rows.push_back({row.at("parameter").get<std::string>(), figure(row.at("median_error")),
-                    percent(row.at("median_relative_error")), cell(coverage), percent(coverage.at("share")), interval(coverage)});
+                    percent(row.at("median_relative_error")), cell(coverage), percent(coverage.at("share")),
+                    interval(coverage)});
   }
   const Json& all = parameters.at("coverage");
   rows.push_back({"all", "", "", count(all), percent(all.at("share")), interval(all)});
@@ -105,7 +109,8 @@ std::string reliability(const Json& score) {
                     fmt::format("{:.3f}", right.at("share").get<double>()), count(right), interval(right)});
   }
   return table({"confidence", "said", "right", "names", "95 %"}, rows) +
-         fmt::format("\n{} names, expected calibration error {}, Brier score {}\n", reliability.at("findings").get<std::size_t>(),
+         fmt::format("\n{} names, expected calibration error {}, Brier score {}\n",
+                     reliability.at("findings").get<std::size_t>(),
                      figure(reliability.at("expected_calibration_error")), figure(reliability.at("brier")));
 }
 
@@ -113,8 +118,8 @@ std::string closure(const Json& score) {
   std::vector<Row> rows;
   for (const Json& row : score.at("closure").at("each"))
     rows.push_back({row.at("quantity").get<std::string>(), fmt::format("{:g}", row.at("horizon_s").get<double>()),
-                    fmt::format("{}", row.at("trials").get<std::size_t>()), percent(row.at("q25")), percent(row.at("median")),
-                    percent(row.at("q75"))});
+                    fmt::format("{}", row.at("trials").get<std::size_t>()), percent(row.at("q25")),
+                    percent(row.at("median")), percent(row.at("q75"))});
   return table({"quantity", "horizon [s]", "trials", "quartile", "median", "quartile"}, rows);
 }
 
@@ -149,10 +154,12 @@ std::string not_right(const Json& score) {
   for (const Json& trial : score.at("not_right")) {
     const std::string truth = listed(trial.at("concealed"), [](const Json& entry) {
       const Json& strength = entry.at("strength_over_limit");
-      return entry.at("effect").get<std::string>() + (strength.is_null() ? "" : fmt::format(" x{:.2g}", strength.get<double>()));
+      return entry.at("effect").get<std::string>() +
+             (strength.is_null() ? "" : fmt::format(" x{:.2g}", strength.get<double>()));
     });
     const std::string named = listed(trial.at("named"), [](const Json& entry) {
-      std::string text = fmt::format("{} {:.2f}", entry.at("effect").get<std::string>(), entry.at("confidence").get<double>());
+      std::string text =
+          fmt::format("{} {:.2f}", entry.at("effect").get<std::string>(), entry.at("confidence").get<double>());
       if (entry.at("class").size() > 1)
         for (const Json& other : entry.at("class"))
           if (other != entry.at("effect")) text += "~" + other.get<std::string>();
@@ -167,9 +174,12 @@ std::string not_right(const Json& score) {
 }  // namespace
 
 std::string score_markdown(const nlohmann::ordered_json& score) {
-  std::string text = fmt::format("{} trials, {} without a diagnosis (each counts as a failure)\n\n",
-                                 score.at("trials").get<std::size_t>(), score.at("without_diagnosis").get<std::size_t>());
-  const auto section = [&](const char* title, const std::string& body) { text += fmt::format("## {}\n\n{}\n", title, body); };
+  std::string text =
+      fmt::format("{} trials, {} without a diagnosis (each counts as a failure)\n\n",
+                  score.at("trials").get<std::size_t>(), score.at("without_diagnosis").get<std::size_t>());
+  const auto section = [&](const char* title, const std::string& body) {
+    text += fmt::format("## {}\n\n{}\n", title, body);
+  };
   section("Figures", headline(score));
   section("Each effect", effects(score));
   section("Power against strength (named/hidden)", power(score));

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 #include <limits>
+#include <sstream>
 
 #include "gustlab/errors.hpp"
 #include "util/files.hpp"

@@ -33,7 +33,7 @@ struct Named {
 struct ScoredTrial {
   std::string set, trial, kind, vehicle;
   std::vector<Concealed> truth;
-  bool diagnosed = false;    // false: no readable diagnosis.json, which counts as a failure everywhere
+  bool diagnosed = false;  // false: no readable diagnosis.json, which counts as a failure everywhere
   std::string verdict;
   std::vector<Named> named;
   std::vector<int> partner;  // of each truth: index into named, or −1
@@ -46,10 +46,10 @@ struct ScoredTrial {
   nlohmann::ordered_json fit, oracle;
 
   bool outside() const { return kind == "outside"; }
-  bool above_limit() const;  // every concealed effect
-  int found() const;         // how many truths have a name
-  bool exact() const;        // every truth has a name and every name a truth
-  bool exact_strict() const; // likewise, with the name itself and not one of its class
+  bool above_limit() const;   // every concealed effect
+  int found() const;          // how many truths have a name
+  bool exact() const;         // every truth has a name and every name a truth
+  bool exact_strict() const;  // likewise, with the name itself and not one of its class
 };
 
 // A name matches a truth when the truth is the name or in its class; for rotor_loss the rotor must agree too.

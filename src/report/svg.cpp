@@ -64,15 +64,18 @@ std::string axes(const Chart& chart, const Axis& x, const Axis& y) {
   std::string text;
   const std::vector<double> at_x = ticks(x.low, x.high, 5, x.log), at_y = ticks(y.low, y.high, 4, y.log);
   for (const double value : at_y)
-    text += fmt::format("<line class=\"{}\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
-                        "text-anchor=\"end\">{}</text>",
-                        value == 0.0 && y.low < 0.0 ? "zero" : "grid", x.from_px, x.to_px, y(value), y(value), x.from_px - 6.0,
-                        y(value) + 3.5, tick_text(value, at_y, y.log));
+    text += fmt::format(
+        "<line class=\"{}\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+        "text-anchor=\"end\">{}</text>",
+        value == 0.0 && y.low < 0.0 ? "zero" : "grid", x.from_px, x.to_px, y(value), y(value), x.from_px - 6.0,
+        y(value) + 3.5, tick_text(value, at_y, y.log));
   for (const double value : at_x)
-    text += fmt::format("<line class=\"tick\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\"/><text x=\"{0:.1f}\" "
-                        "y=\"{3:.1f}\" text-anchor=\"middle\">{4}</text>",
-                        x(value), y.from_px, y.from_px + 4.0, y.from_px + 15.0, tick_text(value, at_x, x.log));
-  text += fmt::format("<line class=\"axis\" x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>", x.from_px, x.to_px, y.from_px);
+    text += fmt::format(
+        "<line class=\"tick\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\"/><text x=\"{0:.1f}\" "
+        "y=\"{3:.1f}\" text-anchor=\"middle\">{4}</text>",
+        x(value), y.from_px, y.from_px + 4.0, y.from_px + 15.0, tick_text(value, at_x, x.log));
+  text += fmt::format("<line class=\"axis\" x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>", x.from_px,
+                      x.to_px, y.from_px);
   text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", 0.5 * (x.from_px + x.to_px),
                       chart.height - 6.0, escape(chart.x_label));
   text += fmt::format("<text class=\"head\" x=\"{:.1f}\" y=\"14\">{}</text>", 0.0, escape(chart.title));
@@ -95,8 +98,8 @@ std::string draw_bars(const Series& series, const Axis& x, const Axis& y) {
   std::string text;
   for (std::size_t i = 0; i < std::min({series.x.size(), series.low.size(), series.high.size()}); ++i)
     if (x.shows(series.x[i]) && y.shows(series.low[i]) && y.shows(series.high[i]))
-      text += fmt::format("<line class=\"{} whisker\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", series.style,
-                          x(series.x[i]), x(series.x[i]), y(series.low[i]), y(series.high[i]));
+      text += fmt::format("<line class=\"{} whisker\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>",
+                          series.style, x(series.x[i]), x(series.x[i]), y(series.low[i]), y(series.high[i]));
   return text;
 }
 
@@ -104,8 +107,8 @@ std::string draw_dots(const Series& series, const Axis& x, const Axis& y, double
   std::string text;
   for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
     if (x.shows(series.x[i]) && y.shows(series.y[i]))
-      text += fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>", series.style, x(series.x[i]),
-                          y(series.y[i]), radius);
+      text += fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>", series.style,
+                          x(series.x[i]), y(series.y[i]), radius);
   return text;
 }
 
@@ -115,11 +118,21 @@ std::string escape(std::string_view text) {
   std::string safe;
   for (const char c : text) {
     switch (c) {
-      case '&': safe += "&amp;"; break;
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
-      case '"': safe += "&quot;"; break;
-      case '\'': safe += "&#39;"; break;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      case '\'':
+        safe += "&#39;";
+        break;
       default:
         // control characters are no HTML
         safe += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
@@ -133,7 +146,8 @@ std::vector<double> ticks(double low, double high, int count, bool log) {
   if (!(high > low)) return {low};
   if (log) {
     const double decades = std::log10(high / low);
-    const int first = static_cast<int>(std::floor(std::log10(low))), last = static_cast<int>(std::ceil(std::log10(high)));
+    const int first = static_cast<int>(std::floor(std::log10(low))),
+              last = static_cast<int>(std::ceil(std::log10(high)));
     for (int decade = first; decade <= last; ++decade)
       for (const double digit : {1.0, 2.0, 5.0}) {
         const double value = digit * std::pow(10.0, decade);
@@ -146,7 +160,8 @@ std::vector<double> ticks(double low, double high, int count, bool log) {
   double step = 10.0 * power;
   for (const double digit : {5.0, 2.0, 1.0})
     if (raw <= digit * power) step = digit * power;
-  for (auto k = static_cast<long>(std::ceil(low / step - 1e-9)); static_cast<double>(k) * step <= high + 1e-9 * step; ++k)
+  for (auto k = static_cast<long>(std::ceil(low / step - 1e-9)); static_cast<double>(k) * step <= high + 1e-9 * step;
+       ++k)
     found.push_back(static_cast<double>(k) * step);
   if (found.empty()) found = {low, high};
   return found;
@@ -167,12 +182,13 @@ std::string draw(const Chart& chart) {
   const Axis x = make_axis(range_x, chart.log_x, false, margin_left, chart.width - margin_right, 0.04);
   const Axis y = make_axis(range_y, chart.log_y, chart.zero_y, chart.height - margin_bottom, margin_top, 0.07);
 
-  std::string text = fmt::format("<svg viewBox=\"0 0 {:g} {:g}\" role=\"img\" aria-label=\"{}\">", chart.width, chart.height,
-                                 escape(chart.title));
+  std::string text = fmt::format("<svg viewBox=\"0 0 {:g} {:g}\" role=\"img\" aria-label=\"{}\">", chart.width,
+                                 chart.height, escape(chart.title));
   text += axes(chart, x, y);
   for (const double mark : chart.marks_x)
     if (x.shows(mark))
-      text += fmt::format("<line class=\"mark\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\"/>", x(mark), y.from_px, y.to_px);
+      text += fmt::format("<line class=\"mark\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\"/>", x(mark),
+                          y.from_px, y.to_px);
   for (const Series& series : chart.series) {
     text += draw_bars(series, x, y);
     if (series.mark != Mark::dots) text += draw_line(series, x, y);
@@ -185,9 +201,11 @@ std::string draw(const Chart& chart) {
 std::string bar(double value, double reference, double full) {
   if (!(full > 0.0) || !std::isfinite(value)) return "";
   const double width = 120.0 * std::clamp(value / full, 0.0, 1.0);
-  std::string text = fmt::format("<svg class=\"bar\" viewBox=\"0 0 124 12\" aria-hidden=\"true\"><rect class=\"back\" x=\"0\" y=\"2\" "
-                                 "width=\"124\" height=\"8\" rx=\"2\"/><rect class=\"value\" x=\"0\" y=\"2\" width=\"{:.1f}\" "
-                                 "height=\"8\" rx=\"2\"/>", std::max(width, 1.0));
+  std::string text = fmt::format(
+      "<svg class=\"bar\" viewBox=\"0 0 124 12\" aria-hidden=\"true\"><rect class=\"back\" x=\"0\" y=\"2\" "
+      "width=\"124\" height=\"8\" rx=\"2\"/><rect class=\"value\" x=\"0\" y=\"2\" width=\"{:.1f}\" "
+      "height=\"8\" rx=\"2\"/>",
+      std::max(width, 1.0));
   if (std::isfinite(reference))
     text += fmt::format("<line class=\"reference\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"0\" y2=\"12\"/>",
                         120.0 * std::clamp(reference / full, 0.0, 1.0) + 0.5);

@@ -14,14 +14,14 @@ std::string escape(std::string_view text);
 enum class Mark { line, dots, points_with_bars };
 
 struct Series {
-  std::string style;             // class of the style sheet: measured, before, after, noise, hold
+  std::string style;  // class of the style sheet: measured, before, after, noise, hold
   Mark mark = Mark::line;
-  std::vector<double> x, y;      // a value that is not finite breaks the line
-  std::vector<double> low, high; // optional, of y: bars, or a band under a line
+  std::vector<double> x, y;       // a value that is not finite breaks the line
+  std::vector<double> low, high;  // optional, of y: bars, or a band under a line
 };
 
 struct Chart {
-  std::string title;    // said by screen readers and shown above
+  std::string title;  // said by screen readers and shown above
   std::string x_label, y_label;
   bool log_x = false, log_y = false;
   bool zero_y = false;  // the y axis includes zero, which is drawn

@@ -41,10 +41,13 @@ class Page {
       most = std::max(most, cell.total);
     }
     const std::string runs = fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
-    std::string text = fmt::format("Tracking error in m, planar unless z is named: mean ± sample standard deviation{} over N = {} runs, samples from {} s on.",
-                                   options_.format == TableFormat::latex ? "" : " (median)", runs, config::shortest(settle_s));
+    std::string text = fmt::format(
+        "Tracking error in m, planar unless z is named: mean ± sample standard deviation{} over N = {} runs, samples "
+        "from {} s on.",
+        options_.format == TableFormat::latex ? "" : " (median)", runs, config::shortest(settle_s));
     std::string flown;
-    for (const NamedValue& arc : arcs_) flown += fmt::format("{}{} {}", flown.empty() ? "" : "; ", name(arc.name), arc.value);
+    for (const NamedValue& arc : arcs_)
+      flown += fmt::format("{}{} {}", flown.empty() ? "" : "; ", name(arc.name), arc.value);
     if (!flown.empty()) text += fmt::format(" Flown: {}.", flown);
     if (std::any_of(cells.begin(), cells.end(), [](const TableCell& cell) { return cell.completed < cell.total; }))
       text += " A run that was not completed keeps its errors up to its end.";
@@ -59,7 +62,9 @@ class Page {
   const std::vector<NamedValue>& arcs_;
 };
 
-std::vector<NamedValue> axes_of(const std::vector<TableCell>& cells) { return cells.empty() ? std::vector<NamedValue>{} : cells.front().axes; }
+std::vector<NamedValue> axes_of(const std::vector<TableCell>& cells) {
+  return cells.empty() ? std::vector<NamedValue>{} : cells.front().axes;
+}
 
 // nothing of a figure that is not there
 std::string fixed(double value) { return std::isnan(value) ? "–" : fmt::format("{:.3f}", value); }
@@ -80,7 +85,8 @@ std::string to_markdown(const Page& page, const TableOptions& options) {
   for (const TableCell& cell : page.cells) {
     text += "\n|";
     for (const NamedValue& axis : cell.axes) text += fmt::format(" {} |", axis.value);
-    text += fmt::format(" {} | {} | {} | {}/{} |", page.name(cell.vehicle), page.name(cell.trajectory), page.name(cell.controller), cell.completed, cell.total);
+    text += fmt::format(" {} | {} | {} | {}/{} |", page.name(cell.vehicle), page.name(cell.trajectory),
+                        page.name(cell.controller), cell.completed, cell.total);
     for (const std::size_t metric : options.columns) {
       const Summary& error = cell.errors[metric];
       const std::string stars = page.is_best(cell, metric) ? "**" : "";
@@ -92,7 +98,8 @@ std::string to_markdown(const Page& page, const TableOptions& options) {
 
 std::string to_csv(const Page& page, const TableOptions& options) {
   std::string text = "experiment,vehicle,trajectory,controller,settle_s,completed,total";
-  for (const std::size_t metric : options.columns) text += fmt::format(",{0}_mean,{0}_sd,{0}_median", tracking_metrics[metric].name);
+  for (const std::size_t metric : options.columns)
+    text += fmt::format(",{0}_mean,{0}_sd,{0}_median", tracking_metrics[metric].name);
   for (const NamedValue& axis : axes_of(page.cells)) text += "," + axis.name;
   const auto number = [](double value) { return std::isnan(value) ? "" : config::shortest(value); };
   for (const TableCell& cell : page.cells) {
@@ -133,8 +140,12 @@ std::string latex_number(const Summary& error, bool best) {
 std::string to_latex(const Page& page, const TableOptions& options) {
   const std::vector<NamedValue> axes = axes_of(page.cells);
   const std::size_t leading = axes.size() + 1, all = leading + 1 + options.columns.size();
-  std::string text = fmt::format("% \\usepackage{{multirow}}\n\\begin{{table*}}[t]\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n\\scriptsize\n",
-                                 latex_text(page.caption()), options.label.empty() ? page.cells.front().experiment.substr(0, page.cells.front().experiment.find('.')) : options.label);
+  std::string text = fmt::format(
+      "% "
+      "\\usepackage{{multirow}}\n\\begin{{table*}}[t]\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n\\scriptsize\n",
+      latex_text(page.caption()),
+      options.label.empty() ? page.cells.front().experiment.substr(0, page.cells.front().experiment.find('.'))
+                            : options.label);
   text += "\\begin{tabular}{|";
   for (std::size_t i = 0; i < all; ++i) text += "c|";
   text += "}\n\\hline\n";
@@ -149,14 +160,17 @@ std::string to_latex(const Page& page, const TableOptions& options) {
   text += " \\\\\n" + units + " \\\\\n\\hline\n";
   for (std::size_t i = 0; i < page.cells.size(); ++i) {
     const TableCell& cell = page.cells[i];
-    const bool begins = i == 0 || !Page::together(cell, page.cells[i - 1]), ends = i + 1 == page.cells.size() || !Page::together(cell, page.cells[i + 1]);
+    const bool begins = i == 0 || !Page::together(cell, page.cells[i - 1]),
+               ends = i + 1 == page.cells.size() || !Page::together(cell, page.cells[i + 1]);
     std::size_t rows = 0;
     for (const TableCell& other : page.cells) rows += Page::together(other, cell);
-    for (const NamedValue& axis : cell.axes) text += (begins ? fmt::format("\\multirow{{{}}}{{*}}{{{}}}", rows, latex_text(axis.value)) : "") + " & ";
+    for (const NamedValue& axis : cell.axes)
+      text += (begins ? fmt::format("\\multirow{{{}}}{{*}}{{{}}}", rows, latex_text(axis.value)) : "") + " & ";
     if (begins) text += fmt::format("\\multirow{{{}}}{{*}}{{{}}}", rows, latex_text(page.name(cell.trajectory)));
     text += " & " + latex_text(page.name(cell.controller));
     if (cell.completed < cell.total) text += fmt::format(" ({}/{})", cell.completed, cell.total);
-    for (const std::size_t metric : options.columns) text += " & " + latex_number(cell.errors[metric], page.is_best(cell, metric));
+    for (const std::size_t metric : options.columns)
+      text += " & " + latex_number(cell.errors[metric], page.is_best(cell, metric));
     text += ends ? " \\\\\n\\hline\n" : fmt::format(" \\\\\n\\cline{{{}-{}}}\n", leading + 1, all);
   }
   return text + "\\end{tabular}\n\\end{table*}\n";
@@ -166,12 +180,14 @@ std::string to_json(const Page& page) {
   nlohmann::ordered_json table{{"format", "gustlab-table/1"}, {"caption", page.caption()}, {"settle_s", page.settle_s}};
   table["cells"] = nlohmann::ordered_json::array();
   for (const TableCell& cell : page.cells) {
-    nlohmann::ordered_json entry{{"experiment", cell.experiment}, {"vehicle", cell.vehicle},     {"trajectory", cell.trajectory},
-                                 {"controller", cell.controller}, {"completed", cell.completed}, {"total", cell.total}};
+    nlohmann::ordered_json entry{{"experiment", cell.experiment}, {"vehicle", cell.vehicle},
+                                 {"trajectory", cell.trajectory}, {"controller", cell.controller},
+                                 {"completed", cell.completed},   {"total", cell.total}};
     for (const NamedValue& axis : cell.axes) entry["axes"][axis.name] = axis.value;
     for (std::size_t i = 0; i < tracking_metrics.size(); ++i) {
       const Summary& error = cell.errors[i];
-      entry[std::string(tracking_metrics[i].name)] = {{"mean", error.mean}, {"sd", error.sd}, {"median", error.median}, {"n", error.n}};
+      entry[std::string(tracking_metrics[i].name)] = {
+          {"mean", error.mean}, {"sd", error.sd}, {"median", error.median}, {"n", error.n}};
     }
     table["cells"].push_back(std::move(entry));
   }
@@ -210,7 +226,8 @@ std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {
     }
     ++cells[place].total;
     if (row.outcome == Outcome::completed) ++cells[place].completed;
-    for (std::size_t i = 0; i < tracking_metrics.size(); ++i) values[place][i].push_back(row.*tracking_metrics[i].value);
+    for (std::size_t i = 0; i < tracking_metrics.size(); ++i)
+      values[place][i].push_back(row.*tracking_metrics[i].value);
   }
   for (std::size_t place = 0; place < cells.size(); ++place)
     for (std::size_t i = 0; i < tracking_metrics.size(); ++i) cells[place].errors[i] = summarize(values[place][i]);
@@ -220,10 +237,14 @@ std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {
 std::string to_table(const Results& results, const TableOptions& options) {
   const Page page(results, options);
   switch (options.format) {
-    case TableFormat::md: return to_markdown(page, options);
-    case TableFormat::csv: return to_csv(page, options);
-    case TableFormat::latex: return to_latex(page, options);
-    case TableFormat::json: return to_json(page);
+    case TableFormat::md:
+      return to_markdown(page, options);
+    case TableFormat::csv:
+      return to_csv(page, options);
+    case TableFormat::latex:
+      return to_latex(page, options);
+    case TableFormat::json:
+      return to_json(page);
   }
   return {};
 }

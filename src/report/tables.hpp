@@ -18,7 +18,7 @@ std::optional<TableFormat> find_table_format(std::string_view name);
 
 // The tracking errors of a run that tables show and gates compare.
 struct Metric {
-  std::string_view name;    // of the column in runs.csv
+  std::string_view name;  // of the column in runs.csv
   std::string_view title;
   std::string_view latex;
   double ResultRow::*value;
@@ -47,8 +47,8 @@ struct TableOptions {
   TableFormat format = TableFormat::md;
   std::vector<std::size_t> columns{0, 1, 2, 3, 4};  // of tracking_metrics
   bool bold_best = false;                           // the least mean of each trajectory (and point of the axes)
-  std::map<std::string, std::string> names{};       // what a vehicle, trajectory, controller or axis is called in the table
-  std::string label{};                              // LaTeX's; empty: the experiment's name
+  std::map<std::string, std::string> names{};  // what a vehicle, trajectory, controller or axis is called in the table
+  std::string label{};                         // LaTeX's; empty: the experiment's name
 };
 std::string to_table(const Results& results, const TableOptions& options);
 

@@ -18,17 +18,19 @@ TrackingFigures tracking_of(const FlightLog& log, double settle_s) {
     std::vector<std::string> there;
     for (const LogColumn& column : log.columns) there.push_back(column.name);
     const std::string near = suggest_column(names[i], there);
-    throw DataError(fmt::format("{}:1:1: column \"{}\" is missing (a tracking error needs position and reference){}{}", log.path, names[i],
-                                near.empty() ? "" : " ", near));
+    throw DataError(fmt::format("{}:1:1: column \"{}\" is missing (a tracking error needs position and reference){}{}",
+                                log.path, names[i], near.empty() ? "" : " ", near));
   }
   TrackingError error(settle_s, log.rows());
   for (std::size_t row = 0; row < log.rows(); ++row) {
     const auto at = [&](std::size_t i) { return (*columns[i])[row]; };
     const Vector3 position_W_m(at(0), at(1), at(2)), reference_W_m(at(3), at(4), at(5));
-    if (position_W_m.allFinite() && reference_W_m.allFinite()) error.add(log.time_s[row] - log.time_s.front(), position_W_m, reference_W_m);
+    if (position_W_m.allFinite() && reference_W_m.allFinite())
+      error.add(log.time_s[row] - log.time_s.front(), position_W_m, reference_W_m);
   }
   const TrackingFigures figures = error.figures();
-  if (figures.samples == 0) throw DataError(fmt::format("{}: no sample with position and reference from {} s on", log.path, settle_s));
+  if (figures.samples == 0)
+    throw DataError(fmt::format("{}: no sample with position and reference from {} s on", log.path, settle_s));
   return figures;
 }
 
@@ -36,7 +38,10 @@ nlohmann::ordered_json to_json(const TrackingFigures& figures) {
   const auto norms = [](const ErrorFigures& e) {
     return nlohmann::ordered_json{{"rmse_m", e.rmse_m}, {"mae_m", e.mae_m}, {"p95_m", e.p95_m}, {"max_m", e.max_m}};
   };
-  return {{"samples", figures.samples}, {"planar", norms(figures.planar)}, {"spatial", norms(figures.spatial)}, {"rmse_z_m", figures.rmse_z_m}};
+  return {{"samples", figures.samples},
+          {"planar", norms(figures.planar)},
+          {"spatial", norms(figures.spatial)},
+          {"rmse_z_m", figures.rmse_z_m}};
 }
 
 }  // namespace gustlab

@@ -29,11 +29,12 @@ struct Sensor {
   std::vector<std::string_view> columns;
 };
 const std::array<Sensor, 5>& sensors() {
-  static const std::array<Sensor, 5> all{{{"pose", {"px", "py", "pz", "qw", "qx", "qy", "qz"}},
-                                          {"velocity", {"vx", "vy", "vz"}},
-                                          {"gyroscope", {"wx", "wy", "wz"}},
-                                          {"accelerometer", {"ax", "ay", "az"}},
-                                          {"rotor_speed", {"rotor1", "rotor2", "rotor3", "rotor4", "rotor5", "rotor6", "rotor7", "rotor8"}}}};
+  static const std::array<Sensor, 5> all{
+      {{"pose", {"px", "py", "pz", "qw", "qx", "qy", "qz"}},
+       {"velocity", {"vx", "vy", "vz"}},
+       {"gyroscope", {"wx", "wy", "wz"}},
+       {"accelerometer", {"ax", "ay", "az"}},
+       {"rotor_speed", {"rotor1", "rotor2", "rotor3", "rotor4", "rotor5", "rotor6", "rotor7", "rotor8"}}}};
   return all;
 }
 
@@ -43,14 +44,14 @@ std::vector<std::string> read_sensors(config::Table& document) {
   for (const Sensor& sensor : sensors()) known.emplace_back(sensor.name);
   for (const std::string& name : names)
     if (std::find(known.begin(), known.end(), name) == known.end())
-      document.fail("sensors", fmt::format("\"{}\" is no sensor", name), "one of " + fmt::format("{}", fmt::join(known, ", ")),
-                    config::suggest(name, known));
+      document.fail("sensors", fmt::format("\"{}\" is no sensor", name),
+                    "one of " + fmt::format("{}", fmt::join(known, ", ")), config::suggest(name, known));
   return names;
 }
 
 // the trajectories of a list, by their place in the experiment
-std::vector<std::size_t> find_trajectories(const config::Table& table, std::string_view key, const std::vector<std::string>& names,
-                                           const Experiment& experiment) {
+std::vector<std::size_t> find_trajectories(const config::Table& table, std::string_view key,
+                                           const std::vector<std::string>& names, const Experiment& experiment) {
   std::vector<std::size_t> found;
   std::vector<std::string> known;
   for (const Choice& choice : experiment.trajectories) known.push_back(choice.name);
@@ -95,7 +96,8 @@ struct Draft {
 };
 
 Draft read_draft(config::Table table, const std::vector<std::string>& fit, const std::vector<std::string>& holdout) {
-  Draft draft{table, {}, table.text("vehicle"), table.texts("fit").value_or(fit), table.texts("holdout").value_or(holdout)};
+  Draft draft{
+      table, {}, table.text("vehicle"), table.texts("fit").value_or(fit), table.texts("holdout").value_or(holdout)};
   draft.trial.name = table.need_text("name");
   draft.trial.concealed = read_concealed(table);
   draft.trial.kind = table.text("kind").value_or(kind_of(draft.trial.concealed.size()));
@@ -106,7 +108,8 @@ Draft read_draft(config::Table table, const std::vector<std::string>& fit, const
 FlightLog without_secrets(FlightLog log, const std::vector<std::string>& wanted) {
   std::set<std::string_view> keep;
   for (const Sensor& sensor : sensors())
-    if (std::find(wanted.begin(), wanted.end(), sensor.name) != wanted.end()) keep.insert(sensor.columns.begin(), sensor.columns.end());
+    if (std::find(wanted.begin(), wanted.end(), sensor.name) != wanted.end())
+      keep.insert(sensor.columns.begin(), sensor.columns.end());
   std::erase_if(log.columns, [&](const LogColumn& column) {
     const bool command = column.name.size() == 2 && column.name[0] == 'u';
     return !command && !keep.contains(column.name);
@@ -126,8 +129,9 @@ FlightLog fly_one(const PlannedFlight& planned) {
   LoggedRun flown = run_logged(experiment, planned.spec);
   const RunRecord& end = flown.record;
   if (end.outcome != Outcome::completed)
-    throw ConfigError(fmt::format("trial \"{}\": {} {} at {:.1f} s (what it conceals is more than the controller can take) use less",
-                                  planned.trial->name, planned.file, to_string(end.outcome), end.duration_s));
+    throw ConfigError(
+        fmt::format("trial \"{}\": {} {} at {:.1f} s (what it conceals is more than the controller can take) use less",
+                    planned.trial->name, planned.file, to_string(end.outcome), end.duration_s));
   return std::move(flown.log);
 }
 

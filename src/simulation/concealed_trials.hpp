@@ -11,15 +11,15 @@
 namespace gustlab {
 
 struct ConcealedTrial {
-  std::string name, kind;                // kind: clean, single, pair, … from the number of effects unless it is given
+  std::string name, kind;  // kind: clean, single, pair, … from the number of effects unless it is given
   std::vector<EffectSpec> concealed;
-  Experiment experiment;                 // everything that acts
-  std::vector<std::size_t> fit, holdout; // indices of its trajectories
+  Experiment experiment;                  // everything that acts
+  std::vector<std::size_t> fit, holdout;  // indices of its trajectories
 };
 
 struct TrialsFile {
   std::vector<ConcealedTrial> trials;
-  std::vector<std::string> sensors;      // pose, velocity, gyroscope, accelerometer, rotor_speed
+  std::vector<std::string> sensors;  // pose, velocity, gyroscope, accelerometer, rotor_speed
 };
 
 // TRIALS.toml: an experiment (its [[effect]] tables are the room: noise, turbulence) with `fit` and `holdout` lists of

@@ -36,12 +36,15 @@ class ExperimentKeys final : public Parameterized {
     visitor.text("format", format, {});
     visitor.text("name", name, {.help = "what results call it"});
     visitor.text("vehicle", vehicle, {.help = "name under models/, or path of a vehicle.toml"});
-    visitor.texts("trajectories", trajectories, {.help = "see `gustlab list trajectories`; parameters in [trajectory.NAME]"});
-    visitor.texts("controllers", controllers, {.help = "see `gustlab list controllers`; parameters in [controller.NAME]"});
+    visitor.texts("trajectories", trajectories,
+                  {.help = "see `gustlab list trajectories`; parameters in [trajectory.NAME]"});
+    visitor.texts("controllers", controllers,
+                  {.help = "see `gustlab list controllers`; parameters in [controller.NAME]"});
     visitor.integer("replicates", replicates, {.help = "seeded runs of each cell", .min = 1, .max = 1e6});
     visitor.integer("first_replicate", first_replicate, {.help = "number of the first", .min = 0, .max = 4e9});
     visitor.integer("seed", seed, {.help = "of every random stream", .min = 0});
-    visitor.texts("include", include, {.help = "files with [[effect]] and [controller.NAME] tables, relative to this one"});
+    visitor.texts("include", include,
+                  {.help = "files with [[effect]] and [controller.NAME] tables, relative to this one"});
     flight.visit(visitor);
     log.visit(visitor);
   }
@@ -65,7 +68,9 @@ void lay_under(Choice& choice, const std::vector<Choice>& included) {
     spec.value_where.resize(spec.values.size(), spec.where);
     for (std::size_t i = 0; i < below.spec.values.size(); ++i) {
       const auto& value = below.spec.values[i];
-      if (std::any_of(spec.values.begin(), spec.values.end(), [&](const auto& own) { return own.first == value.first; })) continue;
+      if (std::any_of(spec.values.begin(), spec.values.end(),
+                      [&](const auto& own) { return own.first == value.first; }))
+        continue;
       spec.values.push_back(value);
       spec.value_where.push_back(below.spec.value_where[i]);
     }
@@ -84,7 +89,8 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
     std::string near = config::suggest(choice.spec.type, known);
     // a name of the field that is not ours: what a row says of itself may have it
     for (const auto& row : registry)
-      if (near.empty() && choice.spec.type.size() > 3 && config::lower(row.says).find(config::lower(choice.spec.type)) != std::string::npos)
+      if (near.empty() && choice.spec.type.size() > 3 &&
+          config::lower(row.says).find(config::lower(choice.spec.type)) != std::string::npos)
         near = fmt::format("did you mean \"{}\"?", row.name);
     throw ConfigError(fmt::format("{}: unknown {} \"{}\" {}", choice.spec.where, kind, choice.spec.type,
                                   near.empty() ? fmt::format("(see `gustlab list {}`)", key) : near));
@@ -93,7 +99,8 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
   std::optional<config::Table> tables = document.table(kind);
   std::vector<Choice> choices;
   std::set<std::string> seen;
-  if (names.empty()) document.fail(key, fmt::format("\"{}\" is empty", key), "there is nothing to fly", fmt::format("name a {}", kind));
+  if (names.empty())
+    document.fail(key, fmt::format("\"{}\" is empty", key), "there is nothing to fly", fmt::format("name a {}", kind));
   for (const std::string& name : names) {
     check_name(document, key, name);
     if (!seen.insert(name).second) document.fail(key, fmt::format("\"{}\" is here twice", name), "", "keep one");
@@ -127,7 +134,8 @@ Included read_included(config::Table& experiment, const std::string& path, std::
     document.text("vehicle");
     included.effects = config::merge_effects(included.effects, config::read_effects(document));
     if (std::optional<config::Table> tables = document.table("controller"))
-      for (const std::string& name : tables->keys()) included.controllers.push_back(read_choice(name, tables->table(name), ""));
+      for (const std::string& name : tables->keys())
+        included.controllers.push_back(read_choice(name, tables->table(name), ""));
     document.finish();
   }
   return included;
@@ -140,8 +148,12 @@ void choose(std::vector<Variant>& variants, const std::vector<std::string>& only
   for (const std::string& name : only)
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw ConfigError(fmt::format("{}: there is no variant \"{}\" (it has {}) {}", path, name,
-                                    known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")), config::suggest(name, known)));
-  if (!only.empty()) std::erase_if(variants, [&](const Variant& variant) { return std::find(only.begin(), only.end(), variant.name) == only.end(); });
+                                    known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")),
+                                    config::suggest(name, known)));
+  if (!only.empty())
+    std::erase_if(variants, [&](const Variant& variant) {
+      return std::find(only.begin(), only.end(), variant.name) == only.end();
+    });
 }
 
 // an override above what a variant sets would make variants alike
@@ -152,8 +164,11 @@ void check_not_lost(const std::vector<std::string>& overrides, const std::vector
         for (const std::string& setting : variant.set)
           for (const std::string& own : config::override_keys(setting))
             if (own == key || own.starts_with(key + ".") || key.starts_with(own + "."))
-              throw ConfigError(fmt::format("--set {}: variant \"{}\" sets {} itself ({}; its value would be lost) fly others with --variant, or change "
-                                            "the file", text, variant.name, own, variant.where));
+              throw ConfigError(
+                  fmt::format("--set {}: variant \"{}\" sets {} itself ({}; its value would be lost) fly others with "
+                              "--variant, or change "
+                              "the file",
+                              text, variant.name, own, variant.where));
 }
 
 // a flight of each trajectory and each controller is made once, so that what does not fit shows before anything runs
@@ -171,23 +186,37 @@ void check_flights(const Experiment& experiment, const config::Table& document) 
 }  // namespace
 
 void FlightOptions::visit(ParameterVisitor& visitor) {
-  visitor.number("duration_s", duration_s, {.unit = "s", .help = "0: as long as the trajectory says", .min = 0.0, .max = 1e5});
-  visitor.number("step_s", step_s, {.unit = "s", .help = "plant step; divides every controller period", .min = 1e-5, .max = 0.02});
+  visitor.number("duration_s", duration_s,
+                 {.unit = "s", .help = "0: as long as the trajectory says", .min = 0.0, .max = 1e5});
+  visitor.number("step_s", step_s,
+                 {.unit = "s", .help = "plant step; divides every controller period", .min = 1e-5, .max = 0.02});
   visitor.number("settle_s", settle_s, {.unit = "s", .help = "samples before it do not count", .min = 0.0});
   visitor.number("offboard_rate_hz", offboard_rate_hz,
-                 {.unit = "Hz", .help = "rate at which position, velocity and reference reach the controller; 0: every tick", .min = 0.0});
+                 {.unit = "Hz",
+                  .help = "rate at which position, velocity and reference reach the controller; 0: every tick",
+                  .min = 0.0});
   visitor.number("offboard_delay_s", offboard_delay_s,
-                 {.unit = "s", .help = "age at which position and velocity reach the controller, over the same link", .min = 0.0, .max = 1.0});
-  visitor.number("offboard_jitter_s", offboard_jitter_s,
-                 {.unit = "s", .help = "what a message of the link may be later than that, uniformly; one that is overtaken is dropped", .min = 0.0, .max = 1.0});
-  visitor.number("offboard_dropout", offboard_dropout,
-                 {.unit = "-", .help = "share of the messages that are lost; set points hold then, too", .min = 0.0, .max = 0.99});
-  visitor.number("max_error_m", max_error_m, {.unit = "m", .help = "farther from the reference: left_envelope", .min = 0.0});
+                 {.unit = "s",
+                  .help = "age at which position and velocity reach the controller, over the same link",
+                  .min = 0.0,
+                  .max = 1.0});
+  visitor.number(
+      "offboard_jitter_s", offboard_jitter_s,
+      {.unit = "s",
+       .help = "what a message of the link may be later than that, uniformly; one that is overtaken is dropped",
+       .min = 0.0,
+       .max = 1.0});
+  visitor.number(
+      "offboard_dropout", offboard_dropout,
+      {.unit = "-", .help = "share of the messages that are lost; set points hold then, too", .min = 0.0, .max = 0.99});
+  visitor.number("max_error_m", max_error_m,
+                 {.unit = "m", .help = "farther from the reference: left_envelope", .min = 0.0});
   visitor.number("max_speed_mps", max_speed_mps, {.unit = "m/s", .help = "faster: left_envelope", .min = 0.0});
 }
 
 void LogOptions::visit(ParameterVisitor& visitor) {
-  visitor.number("log_rate_hz", log_rate_hz, {.unit = "Hz", .help = "rows of a flight log; 0: every control tick", .min = 0.0});
+  visitor.number("log_rate_hz", log_rate_hz,
+                 {.unit = "Hz", .help = "rows of a flight log; 0: every control tick", .min = 0.0});
   visitor.text("log_source", log_source, {.help = "sensors: what was measured; truth: the simulator's state"});
 }
 
@@ -202,20 +231,24 @@ std::string find_experiment(const std::string& name_or_path) {
     const fs::path file = home / "experiments" / (name_or_path + ".toml");
     if (fs::exists(file, error)) return file.string();
     for (const auto& entry : fs::directory_iterator(home / "experiments", error))
-      if (entry.path().extension() == ".toml" && entry.path().stem().extension().empty()) known.push_back(entry.path().stem().string());
+      if (entry.path().extension() == ".toml" && entry.path().stem().extension().empty())
+        known.push_back(entry.path().stem().string());
   }
   const std::string near = config::suggest(name_or_path, known);
-  throw ConfigError(fmt::format("{}: no such file, and no such name under experiments/{}{}", name_or_path, near.empty() ? "" : " ", near));
+  throw ConfigError(fmt::format("{}: no such file, and no such name under experiments/{}{}", name_or_path,
+                                near.empty() ? "" : " ", near));
 }
 
 Experiment read_experiment(const std::string& path, const std::vector<std::string>& overrides) {
   config::Table document = config::Table::read_file(path, overrides);
   if (document.need_text("format") != experiment_format)
-    document.fail("format", "not an experiment of this program", fmt::format("\"format\" must be \"{}\"", experiment_format), "");
+    document.fail("format", "not an experiment of this program",
+                  fmt::format("\"format\" must be \"{}\"", experiment_format), "");
   return make_experiment(document, path);
 }
 
-void check_override(const std::string& path, std::vector<std::string> overrides, const std::string& setting, const std::string& where) {
+void check_override(const std::string& path, std::vector<std::string> overrides, const std::string& setting,
+                    const std::string& where) {
   overrides.push_back(setting);
   try {
     read_experiment(path, overrides);
@@ -224,7 +257,8 @@ void check_override(const std::string& path, std::vector<std::string> overrides,
   }
 }
 
-std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides, const std::vector<std::string>& only) {
+std::vector<Experiment> read_variants(const std::string& path, const std::vector<std::string>& overrides,
+                                      const std::vector<std::string>& only) {
   config::Table document = config::Table::read_file(path);
   std::vector<Variant> variants = read_variant_tables(document);
   choose(variants, only, path);
@@ -258,11 +292,13 @@ Experiment make_experiment(config::Table& document, const std::string& path) {
   const auto controller_names = document.texts("controllers").value_or(std::vector<std::string>{});
 
   Experiment experiment;
-  experiment.trajectories = read_choices(document, "trajectory", "trajectories", trajectory_names, trajectory_registry());
+  experiment.trajectories =
+      read_choices(document, "trajectory", "trajectories", trajectory_names, trajectory_registry());
   experiment.vehicle_name = document.need_text("vehicle");
   experiment.vehicle = read_vehicle(experiment.vehicle_name, path);
   const Included included = read_included(document, path, experiment.vehicle.effects);
-  experiment.controllers = read_choices(document, "controller", "controllers", controller_names, controller_registry(), included.controllers);
+  experiment.controllers = read_choices(document, "controller", "controllers", controller_names, controller_registry(),
+                                        included.controllers);
   const std::vector<EffectSpec> own_effects = config::read_effects(document);
   const bool has_environment = document.has("environment");
   const Environment environment = config::read_environment(document);
@@ -277,7 +313,8 @@ Experiment make_experiment(config::Table& document, const std::string& path) {
   experiment.flight = keys.flight;
   experiment.log = keys.log;
   if (keys.log.log_source != "sensors" && keys.log.log_source != "truth")
-    document.fail("log_source", fmt::format("\"{}\" is no source", keys.log.log_source), "", "write \"sensors\" or \"truth\"");
+    document.fail("log_source", fmt::format("\"{}\" is no source", keys.log.log_source), "",
+                  "write \"sensors\" or \"truth\"");
   if (keys.flight.duration_s > 0.0 && keys.flight.settle_s >= keys.flight.duration_s)
     document.fail("settle_s", "\"settle_s\" leaves nothing to measure", "it is not shorter than \"duration_s\"", "");
 

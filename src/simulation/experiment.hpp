@@ -35,7 +35,7 @@ struct FlightOptions final : Parameterized {
   double offboard_jitter_s = 0.0;  // what a message may be later than that, drawn for each
   double offboard_dropout = 0.0;   // share of the messages that are lost, set points with them
   // the envelope, far beyond any flight that is worth a figure
-  double max_error_m = 100.0;      // distance from the reference
+  double max_error_m = 100.0;  // distance from the reference
   double max_speed_mps = 50.0;
   void visit(ParameterVisitor& visitor) override;
 };
@@ -49,8 +49,8 @@ struct LogOptions final : Parameterized {
 
 struct Experiment {
   std::string name;
-  std::string vehicle_name;        // as written, for the sidecar of a flight log
-  VehicleModel vehicle;            // nominal, with the experiment's environment: what a controller knows
+  std::string vehicle_name;         // as written, for the sidecar of a flight log
+  VehicleModel vehicle;             // nominal, with the experiment's environment: what a controller knows
   std::vector<EffectSpec> effects;  // all that act: the vehicle's own, the included, the experiment's
   std::vector<Choice> trajectories, controllers;
   std::int64_t replicates = 1;
@@ -58,11 +58,11 @@ struct Experiment {
   std::int64_t seed = 1;
   FlightOptions flight;
   LogOptions log;
-  std::string variant;             // name of its [[variant]] or point of its grid; empty: it is the experiment as it stands
-  std::vector<NamedValue> axes;    // "variant" where it is a [[variant]], then the [[axis]] tables in their order
-  std::size_t variant_place = 0;   // among the variants, from 0
-  bool held_out = false;           // a variant that training only tests on
-  bool speed_is_logged = false;    // concealed trials: see Plant::Options
+  std::string variant;  // name of its [[variant]] or point of its grid; empty: it is the experiment as it stands
+  std::vector<NamedValue> axes;   // "variant" where it is a [[variant]], then the [[axis]] tables in their order
+  std::size_t variant_place = 0;  // among the variants, from 0
+  bool held_out = false;          // a variant that training only tests on
+  bool speed_is_logged = false;   // concealed trials: see Plant::Options
 };
 
 // One run: indices into its experiment, and 128 bits that stand for everything that can change its result.
@@ -86,7 +86,8 @@ std::vector<Experiment> read_variants(const std::string& path, const std::vector
 // The same from a table that was read already, but for its format; `path` is what relative paths resolve against.
 Experiment make_experiment(config::Table& document, const std::string& path);
 // Whether `setting` could be set above `overrides`, for a file that asks for it at `where`. Throws ConfigError there.
-void check_override(const std::string& path, std::vector<std::string> overrides, const std::string& setting, const std::string& where);
+void check_override(const std::string& path, std::vector<std::string> overrides, const std::string& setting,
+                    const std::string& where);
 // A path as given, or a name under experiments/. Throws ConfigError when there is neither.
 std::string find_experiment(const std::string& name_or_path);
 // The keys of an experiment outside its tables, for `gustlab defaults experiment`.

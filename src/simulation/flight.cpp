@@ -25,11 +25,12 @@ constexpr std::array<std::pair<Outcome, std::string_view>, 5> outcome_names{{
 }};
 
 // how often `part` fits into `whole`; throws, of a parameter, when it does not do so a whole number of times
-std::int64_t divide(std::string_view of, double whole_s, double part_s, const std::string& whole_says, const std::string& part_says) {
+std::int64_t divide(std::string_view of, double whole_s, double part_s, const std::string& whole_says,
+                    const std::string& part_says) {
   const double times = std::round(whole_s / part_s);
   if (times < 1.0 || std::abs(times * part_s - whole_s) > 1e-9 * whole_s)
-    throw ParameterError(of, fmt::format("{} {} s does not divide {} {} s", part_says, config::shortest(part_s), whole_says,
-                                         config::shortest(whole_s)));
+    throw ParameterError(of, fmt::format("{} {} s does not divide {} {} s", part_says, config::shortest(part_s),
+                                         whole_says, config::shortest(whole_s)));
   return static_cast<std::int64_t>(times);
 }
 
@@ -61,8 +62,8 @@ class OffboardLink {
     const auto [lost, late, unused, unused_too] = flight_.link_stream.uniform4(static_cast<std::uint64_t>(number));
     const double age_s = number == 0 ? 0.0 : link.offboard_delay_s + late * link.offboard_jitter_s;
     const bool is_lost = number > 0 && lost < link.offboard_dropout;
-    message(number) = {is_lost ? std::numeric_limits<std::int64_t>::max() : tick + std::llround(age_s / flight_.tick_s), seen.pose_time_s,
-                       seen.position_W_m, seen.velocity_W_mps};
+    message(number) = {is_lost ? std::numeric_limits<std::int64_t>::max() : tick + std::llround(age_s / flight_.tick_s),
+                       seen.pose_time_s, seen.position_W_m, seen.velocity_W_mps};
     if (!is_lost) reference_ = set_point;
     newest_ = number;
   }
@@ -96,13 +97,16 @@ class OffboardLink {
 };
 
 Plant::Options plant_options(const Experiment& experiment, const RunSpec& spec) {
-  return {experiment.flight.step_s, static_cast<std::uint64_t>(experiment.seed), spec.replicate, experiment.speed_is_logged};
+  return {experiment.flight.step_s, static_cast<std::uint64_t>(experiment.seed), spec.replicate,
+          experiment.speed_is_logged};
 }
 
 }  // namespace
 
 std::string_view to_string(Outcome outcome) {
-  return std::find_if(outcome_names.begin(), outcome_names.end(), [&](const auto& name) { return name.first == outcome; })->second;
+  return std::find_if(outcome_names.begin(), outcome_names.end(),
+                      [&](const auto& name) { return name.first == outcome; })
+      ->second;
 }
 
 std::optional<Outcome> find_outcome(std::string_view text) {
@@ -112,14 +116,16 @@ std::optional<Outcome> find_outcome(std::string_view text) {
 }
 
 Flight::Flight(const Experiment& experiment, const RunSpec& spec)
-    : options(experiment.flight), plant(experiment.vehicle, make_flown_effects(experiment.effects), plant_options(experiment, spec)) {
+    : options(experiment.flight),
+      plant(experiment.vehicle, make_flown_effects(experiment.effects), plant_options(experiment, spec)) {
   const Choice& path = experiment.trajectories[spec.trajectory];
   trajectory = find_trajectory(path.spec.type)->make();
   config::read_parameters(path.spec, *trajectory);
   config::at_place(path.spec, [&] { trajectory->prepare(); });
   if (options.duration_s == 0.0) options.duration_s = trajectory->duration_s();
   if (options.duration_s <= 0.0)
-    throw ParameterError("duration_s", fmt::format("trajectory \"{}\" has no natural end, and \"duration_s\" is missing", path.name));
+    throw ParameterError("duration_s",
+                         fmt::format("trajectory \"{}\" has no natural end, and \"duration_s\" is missing", path.name));
 
   const Choice& law = experiment.controllers[spec.controller];
   controller = find_controller(law.spec.type)->make();
@@ -128,7 +134,8 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   const std::string period_says = fmt::format("the period of controller \"{}\",", law.name);
   steps_per_tick = divide("step_s", period_s, options.step_s, period_says, "\"step_s\"");
   if (options.offboard_rate_hz > 0.0)
-    ticks_per_offboard = divide("offboard_rate_hz", 1.0 / options.offboard_rate_hz, period_s, "the period of \"offboard_rate_hz\",", period_says);
+    ticks_per_offboard = divide("offboard_rate_hz", 1.0 / options.offboard_rate_hz, period_s,
+                                "the period of \"offboard_rate_hz\",", period_says);
   tick_s = period_s;
   rotors = static_cast<std::size_t>(experiment.vehicle.rotor_count);
   link_stream = RandomStream(static_cast<std::uint64_t>(experiment.seed), spec.replicate, "offboard link");
@@ -150,9 +157,11 @@ std::vector<NamedValue> arcs_of(const Experiment& experiment) {
     double length_m = 0.0;
     for (std::int64_t k = 0; static_cast<double>(k + 1) * interval_s <= duration_s + 1e-9; ++k)
       length_m += (flight.trajectory->at(static_cast<double>(k + 1) * interval_s).position_W_m -
-                   flight.trajectory->at(static_cast<double>(k) * interval_s).position_W_m).norm();
+                   flight.trajectory->at(static_cast<double>(k) * interval_s).position_W_m)
+                      .norm();
     arcs.push_back({experiment.trajectories[spec.trajectory].name,
-                    fmt::format("{} s, {:.1f} m{}", config::shortest(duration_s), length_m, lap_s > 0.0 ? fmt::format(", {:.2f} laps", duration_s / lap_s) : "")});
+                    fmt::format("{} s, {:.1f} m{}", config::shortest(duration_s), length_m,
+                                lap_s > 0.0 ? fmt::format(", {:.2f} laps", duration_s / lap_s) : "")});
   }
   return arcs;
 }

@@ -46,10 +46,10 @@ struct Flight {
   std::unique_ptr<Trajectory> trajectory;
   std::unique_ptr<Controller> controller;
   Plant plant;
-  std::int64_t ticks = 0;                  // updates of the controller
-  std::int64_t steps_per_tick = 1;         // of the plant
-  std::int64_t ticks_per_offboard = 1;     // between two messages of the offboard link
-  double tick_s = 0.0;                     // between two updates of the controller
+  std::int64_t ticks = 0;               // updates of the controller
+  std::int64_t steps_per_tick = 1;      // of the plant
+  std::int64_t ticks_per_offboard = 1;  // between two messages of the offboard link
+  double tick_s = 0.0;                  // between two updates of the controller
   std::size_t rotors = 0;
   RandomStream link_stream;                // which messages of the link are lost, and how late the others are
   std::vector<LinkMessage> link_messages;  // ring of those that are under way

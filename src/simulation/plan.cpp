@@ -20,16 +20,23 @@ std::string describe(const Row* row, const EffectSpec& spec) {
   config::read_parameters(spec, *made);
   return fmt::format("type = \"{}\"\n{}", row->name, config::canonical_text(*made));
 }
-std::string describe_trajectory(const Choice& choice) { return describe(find_trajectory(choice.spec.type), choice.spec); }
-std::string describe_controller(const Choice& choice) { return describe(find_controller(choice.spec.type), choice.spec); }
+std::string describe_trajectory(const Choice& choice) {
+  return describe(find_trajectory(choice.spec.type), choice.spec);
+}
+std::string describe_controller(const Choice& choice) {
+  return describe(find_controller(choice.spec.type), choice.spec);
+}
 
 std::string describe(const Environment& environment) {
-  const auto height = [](const std::optional<double>& z_m) { return z_m ? config::shortest(*z_m) : std::string("none"); };
+  const auto height = [](const std::optional<double>& z_m) {
+    return z_m ? config::shortest(*z_m) : std::string("none");
+  };
   std::string text = fmt::format("[environment]\nground_z_m = {}\nceiling_z_m = {}\n", height(environment.ground_z_m),
                                  height(environment.ceiling_z_m));
   for (const Environment::Wall& wall : environment.walls)
-    text += fmt::format("wall = [{}, {}, {}, {}]\n", config::shortest(wall.point_W_m.x()), config::shortest(wall.point_W_m.y()),
-                        config::shortest(wall.normal_W.x()), config::shortest(wall.normal_W.y()));
+    text += fmt::format("wall = [{}, {}, {}, {}]\n", config::shortest(wall.point_W_m.x()),
+                        config::shortest(wall.point_W_m.y()), config::shortest(wall.normal_W.x()),
+                        config::shortest(wall.normal_W.y()));
   return text;
 }
 
@@ -53,8 +60,10 @@ std::string to_hex(const std::array<std::uint64_t, 2>& key) { return fmt::format
 std::vector<RunSpec> plan(const Experiment& experiment) {
   const std::string shared = shared_text(experiment);
   std::vector<std::string> trajectories, controllers;
-  for (const Choice& choice : experiment.trajectories) trajectories.push_back("[trajectory]\n" + describe_trajectory(choice));
-  for (const Choice& choice : experiment.controllers) controllers.push_back("[controller]\n" + describe_controller(choice));
+  for (const Choice& choice : experiment.trajectories)
+    trajectories.push_back("[trajectory]\n" + describe_trajectory(choice));
+  for (const Choice& choice : experiment.controllers)
+    controllers.push_back("[controller]\n" + describe_controller(choice));
 
   std::vector<RunSpec> runs;
   RunSpec spec;

@@ -6,7 +6,8 @@
 namespace gustlab {
 
 FlightRecorder::FlightRecorder(const Experiment& experiment, Flight& flight)
-    : truth_(experiment.log.log_source == "truth"), rate_hz_(experiment.log.log_rate_hz),
+    : truth_(experiment.log.log_source == "truth"),
+      rate_hz_(experiment.log.log_rate_hz),
       rotors_(static_cast<std::size_t>(experiment.vehicle.rotor_count)) {
   log_.meta.vehicle = experiment.vehicle_name;
   log_.meta.actuator = ActuatorKind::rotor_speed;
@@ -14,11 +15,12 @@ FlightRecorder::FlightRecorder(const Experiment& experiment, Flight& flight)
   log_.meta.hold = Hold::zoh;
   log_.meta.environment = experiment.vehicle.environment;
 
-  std::vector<std::string> names{"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "ax", "ay", "az"};
+  std::vector<std::string> names{"px", "py", "pz", "vx", "vy", "vz", "qw", "qx",
+                                 "qy", "qz", "wx", "wy", "wz", "ax", "ay", "az"};
   for (const char* prefix : {"u", "rotor"})
     for (std::size_t i = 1; i <= rotors_; ++i) names.push_back(prefix + std::to_string(i));
-  for (const char* name : {"rpx", "rpy", "rpz", "rvx", "rvy", "rvz", "rax", "ray", "raz", "ryaw", "fx", "fy", "fz", "tx", "ty",
-                           "tz", "awx", "awy", "awz"})
+  for (const char* name : {"rpx", "rpy", "rpz", "rvx", "rvy", "rvz", "rax", "ray", "raz", "ryaw", "fx", "fy", "fz",
+                           "tx", "ty", "tz", "awx", "awy", "awz"})
     names.emplace_back(name);
   for (const std::string_view name : flight.controller->telemetry_names()) names.emplace_back(name);
   telemetry_.resize(flight.controller->telemetry_names().size());
@@ -35,7 +37,8 @@ void FlightRecorder::add(const Vector3& value) {
   for (const double component : value) add(component);
 }
 
-void FlightRecorder::append(Flight& flight, const Observation& measured, const Reference& reference, const RotorCommand& command) {
+void FlightRecorder::append(Flight& flight, const Observation& measured, const Reference& reference,
+                            const RotorCommand& command) {
   const VehicleState& truth = flight.plant.state();
   // a row is due when the log's own clock has ticked; the margin is far below a step and far above rounding
   if (rate_hz_ > 0.0 && std::floor(truth.time_s * rate_hz_ + 1e-6) < static_cast<double>(log_.rows())) {
@@ -84,7 +87,9 @@ LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec) {
 
 void write_run_log(FlightLog log, const Experiment& experiment, const std::string& csv_path) {
   if (experiment.vehicle_name.find_first_of("/.") != std::string::npos)
-    log.meta.vehicle = std::filesystem::proximate(experiment.vehicle.source_path, std::filesystem::path(csv_path).parent_path()).string();
+    log.meta.vehicle =
+        std::filesystem::proximate(experiment.vehicle.source_path, std::filesystem::path(csv_path).parent_path())
+            .string();
   write_flight_log(log, csv_path);
 }
 

@@ -36,7 +36,8 @@ std::vector<std::string> read_keys(config::Table& table) {
 std::vector<std::string> values_of_keys(config::Table& table, const std::string& literal, std::size_t keys) {
   if (keys == 1 || !literal.starts_with("[")) return std::vector<std::string>(keys, literal);
   const auto row = config::Table::parse("row = " + literal, "values").literals("row").value();
-  if (row.size() != keys) table.fail("values", fmt::format("{} has {} values for {} keys", literal, row.size(), keys), "", "");
+  if (row.size() != keys)
+    table.fail("values", fmt::format("{} has {} values for {} keys", literal, row.size(), keys), "", "");
   return row;
 }
 
@@ -44,7 +45,8 @@ std::vector<std::string> values_of_keys(config::Table& table, const std::string&
 std::string label_of(std::string literal) {
   if (literal.starts_with("\"")) literal = literal.substr(1, literal.size() - 2);
   if (literal.ends_with(".0")) literal.resize(literal.size() - 2);
-  std::replace_if(literal.begin(), literal.end(), [](char c) { return !is_plain(c); }, '-');
+  std::replace_if(
+      literal.begin(), literal.end(), [](char c) { return !is_plain(c); }, '-');
   return literal;
 }
 
@@ -53,13 +55,16 @@ Axis read_axis(config::Table& table) {
   Axis axis{table.text("name").value_or(keys.front().substr(keys.front().rfind('.') + 1)), table.where("values"), {}};
   check_name(table, "name", axis.name);
   const auto literals = table.literals("values");
-  if (!literals || literals->empty()) table.fail("values", "\"values\" is missing or empty", "an axis has points", "write values = [0.5, 1.0]");
+  if (!literals || literals->empty())
+    table.fail("values", "\"values\" is missing or empty", "an axis has points", "write values = [0.5, 1.0]");
   std::set<std::string> seen;
   for (const std::string& literal : *literals) {
     const std::vector<std::string> values = values_of_keys(table, literal, keys.size());
     Axis::Point& point = axis.points.emplace_back();
     point.value = label_of(values.front());
-    if (!seen.insert(point.value).second) table.fail("values", fmt::format("\"{}\" is here twice", point.value), "results name a point by its first value", "");
+    if (!seen.insert(point.value).second)
+      table.fail("values", fmt::format("\"{}\" is here twice", point.value), "results name a point by its first value",
+                 "");
     for (std::size_t k = 0; k < keys.size(); ++k) point.set.push_back(fmt::format("{}={}", keys[k], values[k]));
   }
   return axis;
@@ -85,8 +90,11 @@ std::vector<Variant> read_variant_tables(config::Table& document) {
   std::vector<Variant> variants;
   std::set<std::string> seen;
   for (config::Table& table : document.tables("variant")) {
-    variants.push_back({table.need_text("name"), table.texts("set").value_or(std::vector<std::string>{}), {},
-                        table.flag("held_out").value_or(false), table.where("set")});
+    variants.push_back({table.need_text("name"),
+                        table.texts("set").value_or(std::vector<std::string>{}),
+                        {},
+                        table.flag("held_out").value_or(false),
+                        table.where("set")});
     variants.back().axes.push_back({"variant", variants.back().name});
     check_name(table, "name", variants.back().name);
     if (!seen.insert(variants.back().name).second)
@@ -95,7 +103,8 @@ std::vector<Variant> read_variant_tables(config::Table& document) {
   seen = {"variant"};
   for (config::Table& table : document.tables("axis")) {
     const Axis axis = read_axis(table);
-    if (!seen.insert(axis.name).second) table.fail("name", fmt::format("axis \"{}\" is here twice", axis.name), "", "give one of them a name of its own");
+    if (!seen.insert(axis.name).second)
+      table.fail("name", fmt::format("axis \"{}\" is here twice", axis.name), "", "give one of them a name of its own");
     if (variants.empty()) variants.emplace_back();
     std::vector<Variant> grid;
     for (const Variant& variant : variants)

@@ -11,10 +11,10 @@ namespace gustlab {
 
 struct Variant {
   std::string name;
-  std::vector<std::string> set;   // key=value
-  std::vector<NamedValue> axes;    // where it stands on each axis
+  std::vector<std::string> set;  // key=value
+  std::vector<NamedValue> axes;  // where it stands on each axis
   bool held_out = false;
-  std::string where;              // file:line:col of what sets the most
+  std::string where;  // file:line:col of what sets the most
 };
 
 // Every point of the grid that the axes span, the last axis fastest, for each [[variant]] (or once, where there is none); empty

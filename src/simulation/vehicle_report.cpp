@@ -19,8 +19,10 @@ constexpr double hover_s = 10.0;
 
 Experiment hover_of(const VehicleModel& vehicle) {
   config::Table document = config::Table::parse(
-      fmt::format("name = \"hover\"\nvehicle = {}\ntrajectories = [\"hover\"]\ncontrollers = [\"geometric\"]\nduration_s = {}\n"
-                  "step_s = 0.0005\nlog_source = \"truth\"\n", config::quoted(std::filesystem::absolute(vehicle.source_path).string()), hover_s),
+      fmt::format(
+          "name = \"hover\"\nvehicle = {}\ntrajectories = [\"hover\"]\ncontrollers = [\"geometric\"]\nduration_s = {}\n"
+          "step_s = 0.0005\nlog_source = \"truth\"\n",
+          config::quoted(std::filesystem::absolute(vehicle.source_path).string()), hover_s),
       "hover");
   return make_experiment(document, "");
 }
@@ -33,7 +35,8 @@ double mean_of_last_half(const std::vector<double>& values) {
 }
 
 // the input for which a map gives a speed; std::nullopt where it has none
-std::optional<double> input_for(double speed_radps, const Rotor& rotor, const std::optional<std::pair<double, double>>& line,
+std::optional<double> input_for(double speed_radps, const Rotor& rotor,
+                                const std::optional<std::pair<double, double>>& line,
                                 const std::optional<std::array<double, 3>>& thrust) {
   if (line) return (speed_radps - line->second) / line->first;
   if (!thrust) return std::nullopt;
@@ -70,7 +73,8 @@ VehicleReport examine_vehicle(const VehicleModel& vehicle) {
   report.outcome = record.outcome;
   report.flown_s = record.duration_s;
   if (record.outcome != Outcome::completed) {
-    report.contradictions.push_back(fmt::format("the simulated hover {} after {:.2g} s", to_string(record.outcome), record.duration_s));
+    report.contradictions.push_back(
+        fmt::format("the simulated hover {} after {:.2g} s", to_string(record.outcome), record.duration_s));
     return report;
   }
   report.error_m = std::sqrt(std::pow(mean_of_last_half(*log.find("px")) - mean_of_last_half(*log.find("rpx")), 2) +
@@ -80,7 +84,8 @@ VehicleReport examine_vehicle(const VehicleModel& vehicle) {
   for (int i = 0; i < vehicle.rotor_count; ++i) {
     const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
     const double speed = mean_of_last_half(*log.find(fmt::format("u{}", i + 1)));
-    report.trim.push_back({rotor.site, speed, input_for(speed, rotor, vehicle.actuator.throttle_line, vehicle.actuator.throttle_thrust),
+    report.trim.push_back({rotor.site, speed,
+                           input_for(speed, rotor, vehicle.actuator.throttle_line, vehicle.actuator.throttle_thrust),
                            input_for(speed, rotor, vehicle.actuator.pwm_line, vehicle.actuator.pwm_thrust)});
   }
   return report;

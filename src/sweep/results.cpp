@@ -17,7 +17,8 @@ namespace gustlab {
 namespace {
 
 constexpr std::string_view header =
-    "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,key";
+    "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_"
+    "m,key";
 // behind them, where the table is of this version of the program; behind these, the axes
 constexpr std::string_view effort_columns = ",rotor_sd_radps,rotor_rate_radps2";
 
@@ -43,18 +44,21 @@ class Cells {
     const std::string_view text = next();
     if (text.empty()) return text;
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || rest != text.data() + text.size()) fail(fmt::format("\"{}\" is not a number", text), "");
+    if (error != std::errc() || rest != text.data() + text.size())
+      fail(fmt::format("\"{}\" is not a number", text), "");
     return text;
   }
   void next_figure(double& value) {
     const bool empty = next(value).empty();
-    if (!is_figure(value) || (!empty && std::isnan(value))) fail(fmt::format("{} is no figure of a flight", value), "a number from 0 to 1e12, or an empty cell");
+    if (!is_figure(value) || (!empty && std::isnan(value)))
+      fail(fmt::format("{} is no figure of a flight", value), "a number from 0 to 1e12, or an empty cell");
   }
   void finish() {
     if (!done_) fail("there are too many cells", std::string(header));
   }
   [[noreturn]] void fail(const std::string& problem, const std::string& why) const {
-    throw DataError(fmt::format("{}:{}: {}{}", where_, start_ + 1, problem, why.empty() ? "" : fmt::format(" (expected {})", why)));
+    throw DataError(
+        fmt::format("{}:{}: {}{}", where_, start_ + 1, problem, why.empty() ? "" : fmt::format(" (expected {})", why)));
   }
 
  private:
@@ -75,9 +79,11 @@ std::string csv_header(const std::vector<NamedValue>& axes) {
 }
 
 std::string csv_line(const ResultRow& row) {
-  std::string text = fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.experiment, row.vehicle, row.trajectory, row.controller, row.replicate,
-                                 to_string(row.outcome), cell(row.duration_s), cell(row.rmse_xy_m), cell(row.mae_xy_m), cell(row.p95_xy_m),
-                                 cell(row.max_xy_m), cell(row.rmse_z_m), row.key, cell(row.rotor_sd_radps), cell(row.rotor_rate_radps2));
+  std::string text =
+      fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.experiment, row.vehicle, row.trajectory,
+                  row.controller, row.replicate, to_string(row.outcome), cell(row.duration_s), cell(row.rmse_xy_m),
+                  cell(row.mae_xy_m), cell(row.p95_xy_m), cell(row.max_xy_m), cell(row.rmse_z_m), row.key,
+                  cell(row.rotor_sd_radps), cell(row.rotor_rate_radps2));
   for (const NamedValue& axis : row.axes) text += "," + axis.value;
   return text + "\n";
 }
@@ -91,11 +97,13 @@ std::string to_csv(const std::vector<ResultRow>& rows) {
 void check_axis_names(const Experiment& experiment) {
   for (const NamedValue& axis : experiment.axes)
     if (fmt::format(",{}{},", header, effort_columns).find(fmt::format(",{},", axis.name)) != std::string::npos)
-      throw ConfigError(fmt::format("{}: an axis is called \"{}\" (runs.csv has such a column) give it another name", experiment.name, axis.name));
+      throw ConfigError(fmt::format("{}: an axis is called \"{}\" (runs.csv has such a column) give it another name",
+                                    experiment.name, axis.name));
 }
 
 std::vector<ResultRow> read_results_csv(const std::string& path) {
-  if (const std::string why = why_unreadable(path); !why.empty()) throw DataError(fmt::format("{}: cannot read ({})", path, why));
+  if (const std::string why = why_unreadable(path); !why.empty())
+    throw DataError(fmt::format("{}: cannot read ({})", path, why));
   note_input(path);
   std::ifstream file(path);
   std::string line;
@@ -105,7 +113,8 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
   const bool has_effort = line.starts_with(effort_columns);
   if (has_effort) line.erase(0, effort_columns.size());
   std::vector<NamedValue> axes;
-  for (std::istringstream names(line.empty() ? line : line.substr(1)); std::getline(names, line, ',');) axes.push_back({line, ""});
+  for (std::istringstream names(line.empty() ? line : line.substr(1)); std::getline(names, line, ',');)
+    axes.push_back({line, ""});
 
   std::vector<ResultRow> rows;
   for (int number = 2; std::getline(file, line); ++number) {

@@ -14,7 +14,7 @@ void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(dat
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
 Database::Database(const std::string& path, Mode mode) : path_(path) {
-  const int flags = mode == Mode::read ? SQLITE_OPEN_READONLY
+  const int flags = mode == Mode::read    ? SQLITE_OPEN_READONLY
                     : mode == Mode::write ? SQLITE_OPEN_READWRITE
                                           : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   sqlite3* handle = nullptr;
@@ -25,8 +25,9 @@ Database::Database(const std::string& path, Mode mode) : path_(path) {
 
 void Database::fail() const {
   const int code = sqlite3_errcode(handle_.get());
-  const std::string message = fmt::format("{}: cannot use this result store ({}){}", path_, sqlite3_errmsg(handle_.get()),
-                                          code == SQLITE_BUSY ? " close the program that has it open" : "");
+  const std::string message =
+      fmt::format("{}: cannot use this result store ({}){}", path_, sqlite3_errmsg(handle_.get()),
+                  code == SQLITE_BUSY ? " close the program that has it open" : "");
   // an error of ours in SQL means other tables than ours: the primary code is in the lowest byte
   for (const int wrong : {SQLITE_NOTADB, SQLITE_CORRUPT, SQLITE_ERROR, SQLITE_CONSTRAINT, SQLITE_MISMATCH})
     if ((code & 0xff) == wrong) throw DataError(message);
@@ -39,7 +40,8 @@ void Database::run(const std::string& sql) {
 
 Statement Database::prepare(std::string_view sql) {
   sqlite3_stmt* statement = nullptr;
-  if (sqlite3_prepare_v2(handle_.get(), sql.data(), static_cast<int>(sql.size()), &statement, nullptr) != SQLITE_OK) fail();
+  if (sqlite3_prepare_v2(handle_.get(), sql.data(), static_cast<int>(sql.size()), &statement, nullptr) != SQLITE_OK)
+    fail();
   return Statement(*this, statement);
 }
 
@@ -58,7 +60,8 @@ Statement& Statement::bind(int parameter, double value) {
 }
 
 Statement& Statement::bind(int parameter, std::string_view value) {
-  check(sqlite3_bind_text(handle_.get(), parameter + 1, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT));
+  check(
+      sqlite3_bind_text(handle_.get(), parameter + 1, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT));
   return *this;
 }
 
@@ -79,7 +82,8 @@ double Statement::number(int column) const {
 
 std::string Statement::text(int column) const {
   const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(handle_.get(), column));
-  return bytes ? std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column))) : std::string();
+  return bytes ? std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column)))
+               : std::string();
 }
 
 }  // namespace gustlab

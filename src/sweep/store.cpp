@@ -50,7 +50,8 @@ std::string to_lines(const std::vector<NamedValue>& values) {
 std::vector<NamedValue> from_lines(const std::string& text) {
   std::vector<NamedValue> values;
   std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) values.push_back({line.substr(0, line.find('=')), line.substr(line.find('=') + 1)});
+  for (std::string line; std::getline(lines, line);)
+    values.push_back({line.substr(0, line.find('=')), line.substr(line.find('=') + 1)});
   return values;
 }
 
@@ -78,7 +79,8 @@ std::vector<std::string> differences(const Provenance& a, const Provenance& b) {
   std::vector<std::string> names;
   for (const auto& [name, value] : a) {
     const auto other = b.find(name);
-    if (name != "shard" && name != "cpu" && name != "variant_place" && (other == b.end() || other->second != value)) names.push_back(name);
+    if (name != "shard" && name != "cpu" && name != "variant_place" && (other == b.end() || other->second != value))
+      names.push_back(name);
   }
   return names;
 }
@@ -86,15 +88,19 @@ std::vector<std::string> differences(const Provenance& a, const Provenance& b) {
 RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(path, mode) {
   if (mode != Database::Mode::read)
     database_.run("PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;");
-  Statement tables = database_.prepare("SELECT count(*), total(name IN ('provenance', 'plan', 'flown')) FROM sqlite_master "
-                                       "WHERE type = 'table'");
+  Statement tables = database_.prepare(
+      "SELECT count(*), total(name IN ('provenance', 'plan', 'flown')) FROM sqlite_master "
+      "WHERE type = 'table'");
   tables.step();
   if (tables.integer(0) == 0) return;
   if (tables.integer(1) != 3) throw DataError(fmt::format("{}: not a result store of this program", path));
   Statement all = database_.prepare("SELECT name, value FROM provenance");
   while (all.step()) provenance_[all.text(0)] = all.text(1);
-  for (const char* name : {"experiment", "name", "vehicle", "settle_s", "version", "commit", "mujoco", "compiler", "flags", "shard", "cpu", "arcs", "axes", "variant_place"})
-    if (!provenance_.contains(name)) throw DataError(fmt::format("{}: not a result store of this program (\"{}\" is not in its provenance)", path, name));
+  for (const char* name : {"experiment", "name", "vehicle", "settle_s", "version", "commit", "mujoco", "compiler",
+                           "flags", "shard", "cpu", "arcs", "axes", "variant_place"})
+    if (!provenance_.contains(name))
+      throw DataError(
+          fmt::format("{}: not a result store of this program (\"{}\" is not in its provenance)", path, name));
 }
 
 void RunStore::write_provenance(const Provenance& provenance) {
@@ -121,22 +127,31 @@ void RunStore::begin(const Provenance& provenance, const Experiment& experiment,
 
 std::vector<bool> RunStore::done() {
   std::vector<bool> done;
-  Statement all = database_.prepare("SELECT flown.run IS NOT NULL, run FROM plan LEFT JOIN flown USING (run) ORDER BY run");
+  Statement all =
+      database_.prepare("SELECT flown.run IS NOT NULL, run FROM plan LEFT JOIN flown USING (run) ORDER BY run");
   while (all.step()) {
     if (all.integer(1) != static_cast<std::int64_t>(done.size()))
-      throw DataError(fmt::format("{}: run {} is not in the plan of this store (it was changed by another program)", database_.path(), done.size()));
+      throw DataError(fmt::format("{}: run {} is not in the plan of this store (it was changed by another program)",
+                                  database_.path(), done.size()));
     done.push_back(all.integer(0) != 0);
   }
-  if (done.empty()) throw DataError(fmt::format("{}: no run is planned in this store (it was changed by another program)", database_.path()));
+  if (done.empty())
+    throw DataError(
+        fmt::format("{}: no run is planned in this store (it was changed by another program)", database_.path()));
   return done;
 }
 
 void RunStore::add(const RunRecord& record) {
   if (!insert_) insert_ = database_.prepare("INSERT INTO flown VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const ErrorFigures& planar = record.error.planar;
-  insert_->bind(0, static_cast<std::int64_t>(record.spec.index)).bind(1, to_string(record.outcome)).bind(2, record.duration_s);
+  insert_->bind(0, static_cast<std::int64_t>(record.spec.index))
+      .bind(1, to_string(record.outcome))
+      .bind(2, record.duration_s);
   insert_->bind(3, planar.rmse_m).bind(4, planar.mae_m).bind(5, planar.p95_m).bind(6, planar.max_m);
-  insert_->bind(7, record.error.rmse_z_m).bind(8, record.effort.speed_sd_radps).bind(9, record.effort.acceleration_radps2).step();
+  insert_->bind(7, record.error.rmse_z_m)
+      .bind(8, record.effort.speed_sd_radps)
+      .bind(9, record.effort.acceleration_radps2)
+      .step();
 }
 
 void RunStore::start_over(const Provenance& provenance) {
@@ -151,7 +166,11 @@ void RunStore::copy_plan(RunStore& from, const Provenance& provenance) {
   Statement all = from.database_.prepare("SELECT run, trajectory, controller, replicate, key FROM plan");
   Statement insert = database_.prepare("INSERT INTO plan VALUES (?, ?, ?, ?, ?)");
   while (all.step()) {
-    insert.bind(0, all.integer(0)).bind(1, all.text(1)).bind(2, all.text(2)).bind(3, all.integer(3)).bind(4, all.text(4));
+    insert.bind(0, all.integer(0))
+        .bind(1, all.text(1))
+        .bind(2, all.text(2))
+        .bind(3, all.integer(3))
+        .bind(4, all.text(4));
     insert.step();
   }
   write_provenance(provenance);
@@ -187,13 +206,15 @@ void RunStore::for_each(const std::function<void(ResultRow)>& use) {
     row.controller = all.text(1);
     row.replicate = all.integer(2);
     const auto wrong = [&](const std::string& problem) {
-      return DataError(fmt::format("{}: {} {} {}: {}", database_.path(), row.trajectory, row.controller, row.replicate, problem));
+      return DataError(
+          fmt::format("{}: {} {} {}: {}", database_.path(), row.trajectory, row.controller, row.replicate, problem));
     };
     const auto outcome = find_outcome(all.text(3));
     if (!outcome) throw wrong(fmt::format("\"{}\" is no outcome", all.text(3)));
     row.outcome = *outcome;
     int column = 4;
-    for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m}) {
+    for (double* value :
+         {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m}) {
       *value = all.number(column++);
       if (!is_figure(*value)) throw wrong(fmt::format("{} is no figure of a flight", *value));
     }
@@ -208,7 +229,8 @@ Results RunStore::results() {
   Results results;
   const std::string& settle_s = provenance_.at("settle_s");
   const char* end = settle_s.data() + settle_s.size();
-  if (const auto [rest, error] = std::from_chars(settle_s.data(), end, results.settle_s); error != std::errc() || rest != end)
+  if (const auto [rest, error] = std::from_chars(settle_s.data(), end, results.settle_s);
+      error != std::errc() || rest != end)
     throw DataError(fmt::format("{}: \"settle_s\" of the provenance is no number ({})", database_.path(), settle_s));
   results.arcs = from_lines(provenance_.at("arcs"));
   for_each([&](ResultRow row) { results.rows.push_back(std::move(row)); });

@@ -30,18 +30,25 @@ std::string csv_path(const std::string& folder) { return (fs::path(folder) / "ru
 
 void check_same_sweep(const std::string& path, const Provenance& there, const Provenance& here) {
   if (there.at("experiment") != here.at("experiment"))
-    throw ConfigError(fmt::format("{}: this store is of another experiment (its resolved configuration differs) use another --out", path));
+    throw ConfigError(fmt::format(
+        "{}: this store is of another experiment (its resolved configuration differs) use another --out", path));
   if (there.at("shard") != here.at("shard"))
-    throw ConfigError(fmt::format("{}: this store is of shard {}, not {} use another --out", path, there.at("shard"), here.at("shard")));
+    throw ConfigError(fmt::format("{}: this store is of shard {}, not {} use another --out", path, there.at("shard"),
+                                  here.at("shard")));
 }
 
 std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   const std::string path = store_path(folder);
   if (!fs::is_regular_file(path))
-    throw DataError(fmt::format("{}: no results here (runs.sqlite is missing) make them with `gustlab sweep EXPERIMENT --out {}`", folder, folder));
+    throw DataError(
+        fmt::format("{}: no results here (runs.sqlite is missing) make them with `gustlab sweep EXPERIMENT --out {}`",
+                    folder, folder));
   note_input(path);
   auto store = std::make_unique<RunStore>(path, Database::Mode::read);
-  if (store->provenance().empty()) throw DataError(fmt::format("{}: not a result store of this program (it is empty: a sweep ended before its first run) go on with --resume", path));
+  if (store->provenance().empty())
+    throw DataError(fmt::format(
+        "{}: not a result store of this program (it is empty: a sweep ended before its first run) go on with --resume",
+        path));
   return store;
 }
 
@@ -86,24 +93,28 @@ void check_complete(const std::vector<std::string>& folders, const std::vector<s
   std::vector<const std::string*> owner(shards.front()->done().size());
   for (std::size_t k = 0; k < shards.size(); ++k) {
     const std::vector<bool> done = shards[k]->done();
-    if (done.size() != owner.size()) throw DataError(fmt::format("{} and {} plan different runs", folders.front(), folders[k]));
+    if (done.size() != owner.size())
+      throw DataError(fmt::format("{} and {} plan different runs", folders.front(), folders[k]));
     for (std::size_t run = 0; run < done.size(); ++run) {
       if (!done[run]) continue;
       if (owner[run])
-        throw DataError(fmt::format("{} and {} both have run {} (each run may be in one shard only) leave one of them out", *owner[run],
-                                    folders[k], shards[k]->name_of(run)));
+        throw DataError(
+            fmt::format("{} and {} both have run {} (each run may be in one shard only) leave one of them out",
+                        *owner[run], folders[k], shards[k]->name_of(run)));
       owner[run] = &folders[k];
     }
   }
   const auto missing = std::count(owner.begin(), owner.end(), nullptr);
   const auto first = static_cast<std::size_t>(std::find(owner.begin(), owner.end(), nullptr) - owner.begin());
   if (missing > 0)
-    throw DataError(fmt::format("{} of {} runs are missing, {} the first of them (every shard must be there, and finished)", missing,
-                                owner.size(), shards.front()->name_of(first)));
+    throw DataError(
+        fmt::format("{} of {} runs are missing, {} the first of them (every shard must be there, and finished)",
+                    missing, owner.size(), shards.front()->name_of(first)));
 }
 
 // the whole is made beside, and the store takes its place last: where there is one, all is there
-void write_merged(const std::vector<std::unique_ptr<RunStore>>& shards, const Provenance& merged, const std::string& out) {
+void write_merged(const std::vector<std::unique_ptr<RunStore>>& shards, const Provenance& merged,
+                  const std::string& out) {
   const ScratchFolder scratch(out);
   const std::string beside = scratch.path().string();
   RunStore store(store_path(beside), Database::Mode::create);
@@ -128,13 +139,15 @@ RunRecord run_with_log(const Experiment& experiment, const RunSpec& spec, const 
 // shards of one experiment without variants
 void merge_stores(const std::vector<std::string>& folders, const std::string& out) {
   if (fs::exists(store_path(out)))
-    throw ConfigError(fmt::format("{}: there are results already (a merge never overwrites) use another --out", store_path(out)));
+    throw ConfigError(
+        fmt::format("{}: there are results already (a merge never overwrites) use another --out", store_path(out)));
   std::vector<std::unique_ptr<RunStore>> shards;
   for (const std::string& folder : folders) {
     shards.push_back(open_to_read(folder));
     const auto differ = differences(shards.front()->provenance(), shards.back()->provenance());
     if (!differ.empty())
-      throw DataError(fmt::format("{} and {} do not belong together (their {} differ)", folders.front(), folder, fmt::join(differ, ", ")));
+      throw DataError(fmt::format("{} and {} do not belong together (their {} differ)", folders.front(), folder,
+                                  fmt::join(differ, ", ")));
   }
   check_complete(folders, shards);
 
@@ -142,7 +155,8 @@ void merge_stores(const std::vector<std::string>& folders, const std::string& ou
   merged["shard"] = "1/1";
   // every kind of machine that took part
   for (const auto& shard : shards)
-    if (const std::string& cpu = shard->provenance().at("cpu"); merged["cpu"].find(cpu) == std::string::npos) merged["cpu"] += " | " + cpu;
+    if (const std::string& cpu = shard->provenance().at("cpu"); merged["cpu"].find(cpu) == std::string::npos)
+      merged["cpu"] += " | " + cpu;
 
   const bool is_new = !fs::exists(out);
   make_folder(out);
@@ -159,8 +173,9 @@ Results read_store(const std::string& folder) {
   Results results = store->results();
   const std::size_t planned = store->done().size();
   if (results.rows.size() != planned)
-    throw DataError(fmt::format("{}: {} of {} runs are done (a table needs every one) finish with --resume, or `gustlab merge` the shards",
-                                folder, results.rows.size(), planned));
+    throw DataError(fmt::format(
+        "{}: {} of {} runs are done (a table needs every one) finish with --resume, or `gustlab merge` the shards",
+        folder, results.rows.size(), planned));
   return results;
 }
 
@@ -178,7 +193,8 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
                   const std::function<void(std::size_t done, std::size_t planned)>& progress) {
   const std::string path = store_path(options.out);
   if (fs::exists(path) && !options.resume)
-    throw ConfigError(fmt::format("{}: there are results already (a sweep never overwrites) use --resume or another --out", path));
+    throw ConfigError(
+        fmt::format("{}: there are results already (a sweep never overwrites) use --resume or another --out", path));
   make_folder(options.out);
 
   SweepReport report;
@@ -211,7 +227,9 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   std::erase_if(runs, [&](const RunSpec& spec) { return !options.shard.has(spec.index); });
   report.planned = runs.size();
   const std::vector<bool> done = store.done();
-  if (done.size() != planned) throw DataError(fmt::format("{}: {} runs are planned here, {} there (the store was changed by another program)", path, done.size(), planned));
+  if (done.size() != planned)
+    throw DataError(fmt::format("{}: {} runs are planned here, {} there (the store was changed by another program)",
+                                path, done.size(), planned));
   std::erase_if(runs, [&done](const RunSpec& spec) { return done[spec.index]; });
   report.done = report.planned - runs.size();
   progress(report.done, report.planned);
@@ -250,7 +268,8 @@ void write_combined(const std::string& out) {
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out) {
-  const std::vector<std::string> variants = fs::exists(store_path(folders.front())) ? std::vector<std::string>{} : variants_in(folders.front());
+  const std::vector<std::string> variants =
+      fs::exists(store_path(folders.front())) ? std::vector<std::string>{} : variants_in(folders.front());
   if (variants.empty()) return merge_stores(folders, out);
   for (const std::string& variant : variants) {
     std::vector<std::string> shards;
@@ -267,10 +286,13 @@ Results read_results(const std::string& folder) {
     Results results = read_store(one);
     if (!std::exchange(first, false)) {
       if (results.settle_s != all.settle_s)
-        throw DataError(fmt::format("{}: its variants settle for {} s and for {} s (no table has both) name a variant's folder", folder, all.settle_s, results.settle_s));
+        throw DataError(
+            fmt::format("{}: its variants settle for {} s and for {} s (no table has both) name a variant's folder",
+                        folder, all.settle_s, results.settle_s));
       if (results.arcs != all.arcs) results.arcs.clear();
     }
-    results.rows.insert(results.rows.begin(), std::make_move_iterator(all.rows.begin()), std::make_move_iterator(all.rows.end()));
+    results.rows.insert(results.rows.begin(), std::make_move_iterator(all.rows.begin()),
+                        std::make_move_iterator(all.rows.end()));
     all = std::move(results);
   }
   return all;

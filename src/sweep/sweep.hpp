@@ -15,16 +15,16 @@ namespace gustlab {
 std::vector<RunRecord> fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs);
 
 struct SweepOptions {
-  std::string out;     // folder of runs.sqlite and runs.csv
+  std::string out;  // folder of runs.sqlite and runs.csv
   Shard shard;
   int jobs = 1;
   bool resume = false;
-  bool logs = false;   // writes the flight log of every run that is flown: OUT/TRAJECTORY_CONTROLLER_REPLICATE.csv
+  bool logs = false;  // writes the flight log of every run that is flown: OUT/TRAJECTORY_CONTROLLER_REPLICATE.csv
 };
 struct SweepReport {
-  std::size_t planned = 0;      // runs of the shard
-  std::size_t done = 0;         // of those, now in the store
-  std::string redone_because;   // not empty: runs of another program were thrown away
+  std::size_t planned = 0;     // runs of the shard
+  std::size_t done = 0;        // of those, now in the store
+  std::string redone_because;  // not empty: runs of another program were thrown away
 };
 
 // Throws ConfigError when the store is there without `resume`, or is of another experiment or shard. runs.csv is written

@@ -11,7 +11,7 @@
 namespace gustlab {
 
 struct TunedParameter {
-  std::string name;        // of a number of the controller
+  std::string name;  // of a number of the controller
   double min = 0.0, max = 1.0, start = 0.5;
   bool logarithmic = false;  // searched on a logarithmic scale
   std::string where = {};    // file:line:col
@@ -19,11 +19,12 @@ struct TunedParameter {
 
 // NAME.tuning.toml, beside NAME.toml.
 struct Tuning {
-  std::int64_t flights = 0;            // budget of each controller in each search
+  std::int64_t flights = 0;             // budget of each controller in each search
   std::int64_t first_replicate = 1001;  // of the gusts that are tuned on
   std::int64_t replicates = 4;
   std::vector<std::int64_t> search_seeds{1};  // searches of each controller; the best counts
-  std::vector<std::vector<std::string>> scenarios{{}};  // [[scenario]]: key=value lists that are flown alike; the mean counts
+  std::vector<std::vector<std::string>> scenarios{
+      {}};  // [[scenario]]: key=value lists that are flown alike; the mean counts
   struct Controller {
     std::string name;  // as in the experiment
     std::vector<TunedParameter> parameters;
@@ -50,8 +51,9 @@ struct TuneResult {
 // The same values for any number of threads. Throws ConfigError, before anything flies, when replicates
 // are tuned on that the experiment, or one of its variants, reports, or that are among the tables' 1 to 10, when the
 // experiment knows no such controller or parameter, or when the budget does not pay for a single evaluation.
-std::vector<TuneResult> tune(const std::string& experiment_path, const std::vector<std::string>& overrides, const Tuning& tuning, int jobs,
-                             const std::atomic<bool>& stop, const std::function<void(std::size_t done, std::size_t all)>& progress);
+std::vector<TuneResult> tune(const std::string& experiment_path, const std::vector<std::string>& overrides,
+                             const Tuning& tuning, int jobs, const std::atomic<bool>& stop,
+                             const std::function<void(std::size_t done, std::size_t all)>& progress);
 
 // [controller.NAME] tables that an experiment can include.
 std::string to_toml(const std::vector<TuneResult>& results, const Tuning& tuning, const std::string& experiment);

@@ -15,20 +15,22 @@ class Circle final : public Trajectory {
     visitor.number("radius_m", radius_m_, {.unit = "m", .help = "radius", .min = 0.0, .max = 1000.0});
     visitor.number("period_s", period_s_, {.unit = "s", .help = "time of one lap", .min = 0.1, .max = 1e4});
     visitor.vector("center_m", center_W_m_, {.unit = "m", .help = "centre, altitude included"});
-    visitor.number("ramp_s", ramp_s_, {.unit = "s", .help = "time to reach the full speed from rest", .min = 0.0, .max = 1e3});
+    visitor.number("ramp_s", ramp_s_,
+                   {.unit = "s", .help = "time to reach the full speed from rest", .min = 0.0, .max = 1e3});
     visitor.text("start", start_, {.help = "where the vehicle starts: center (as in the paper) or reference"});
     visitor.number("yaw_rad", yaw_rad_, {.unit = "rad", .help = "heading", .min = -pi, .max = pi});
   }
 
   void prepare() override {
     if (start_ != "center" && start_ != "reference")
-      throw ParameterError("start", "start = \"" + start_ + "\" is unknown (where the vehicle starts) use center or reference");
+      throw ParameterError("start",
+                           "start = \"" + start_ + "\" is unknown (where the vehicle starts) use center or reference");
   }
 
   Reference at(double time_s) const override {
     const SineCosine turn = sine_cosine((2.0 * pi / period_s_) * ramped_time(time_s, ramp_s_));
-    return reference_of(center_W_m_.x() + radius_m_ * turn.cosine, center_W_m_.y() + radius_m_ * turn.sine, center_W_m_.z(),
-                        yaw_rad_);
+    return reference_of(center_W_m_.x() + radius_m_ * turn.cosine, center_W_m_.y() + radius_m_ * turn.sine,
+                        center_W_m_.z(), yaw_rad_);
   }
 
   Vector3 start_position_W_m() const override { return start_ == "center" ? center_W_m_ : at(0.0).position_W_m; }

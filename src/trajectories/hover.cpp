@@ -10,7 +10,8 @@ class Hover final : public Trajectory {
   void visit(ParameterVisitor& visitor) override {
     visitor.vector("position_m", position_W_m_, {.unit = "m", .help = "where to stay"});
     visitor.number("yaw_rad", yaw_rad_, {.unit = "rad", .help = "heading", .min = -pi, .max = pi});
-    visitor.vector("start_offset_m", start_offset_W_m_, {.unit = "m", .help = "where the vehicle starts, from that point"});
+    visitor.vector("start_offset_m", start_offset_W_m_,
+                   {.unit = "m", .help = "where the vehicle starts, from that point"});
   }
 
   Reference at(double) const override {

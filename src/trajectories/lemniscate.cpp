@@ -15,14 +15,16 @@ class Lemniscate final : public Trajectory {
     visitor.number("amplitude_m", amplitude_m_, {.unit = "m", .help = "half its length", .min = 0.0, .max = 1000.0});
     visitor.number("period_s", period_s_, {.unit = "s", .help = "time of one lap", .min = 0.1, .max = 1e4});
     visitor.vector("center_m", center_W_m_, {.unit = "m", .help = "crossing, altitude included"});
-    visitor.number("ramp_s", ramp_s_, {.unit = "s", .help = "time to reach the full speed from rest", .min = 0.0, .max = 1e3});
+    visitor.number("ramp_s", ramp_s_,
+                   {.unit = "s", .help = "time to reach the full speed from rest", .min = 0.0, .max = 1e3});
     visitor.text("shape", shape_, {.help = "gerono or bernoulli"});
     visitor.number("yaw_rad", yaw_rad_, {.unit = "rad", .help = "heading", .min = -pi, .max = pi});
   }
 
   void prepare() override {
     if (shape_ != "gerono" && shape_ != "bernoulli")
-      throw ParameterError("shape", "shape = \"" + shape_ + "\" is unknown (which figure of eight) use gerono or bernoulli");
+      throw ParameterError("shape",
+                           "shape = \"" + shape_ + "\" is unknown (which figure of eight) use gerono or bernoulli");
     bernoulli_ = shape_ == "bernoulli";
   }
 

@@ -18,8 +18,10 @@ class Multisine final : public Trajectory {
     visitor.numbers(names[2], frequencies_hz_[2], {.unit = "Hz", .help = "lines along z"});
     visitor.vector("center_m", center_W_m_, {.unit = "m", .help = "mean position"});
     visitor.number("ramp_s", ramp_s_, {.unit = "s", .help = "time until the full amplitude", .min = 0.0, .max = 1e3});
-    visitor.number("yaw_amplitude_rad", yaw_amplitude_rad_, {.unit = "rad", .help = "heading swing", .min = 0.0, .max = pi});
-    visitor.number("yaw_frequency_hz", yaw_frequency_hz_, {.unit = "Hz", .help = "of the heading swing", .min = 0.0, .max = 10.0});
+    visitor.number("yaw_amplitude_rad", yaw_amplitude_rad_,
+                   {.unit = "rad", .help = "heading swing", .min = 0.0, .max = pi});
+    visitor.number("yaw_frequency_hz", yaw_frequency_hz_,
+                   {.unit = "Hz", .help = "of the heading swing", .min = 0.0, .max = 10.0});
   }
 
   void prepare() override {
@@ -31,8 +33,9 @@ class Multisine final : public Trajectory {
 
   Reference at(double time_s) const override {
     const Jet ramp = smooth_step(time_s, ramp_s_);
-    Reference reference = reference_of(center_W_m_.x() + ramp * axis(0, time_s), center_W_m_.y() + ramp * axis(1, time_s),
-                                       center_W_m_.z() + ramp * axis(2, time_s), 0.0);
+    Reference reference =
+        reference_of(center_W_m_.x() + ramp * axis(0, time_s), center_W_m_.y() + ramp * axis(1, time_s),
+                     center_W_m_.z() + ramp * axis(2, time_s), 0.0);
     const Jet yaw = ramp * (yaw_amplitude_rad_ * sine_cosine(2.0 * pi * yaw_frequency_hz_ * Jet::time(time_s)).sine);
     reference.yaw_rad = yaw.derivative(0);
     reference.yaw_rate_radps = yaw.derivative(1);

@@ -36,7 +36,8 @@ class Recorded final : public Trajectory {
     };
     const auto need = [&](const std::string& name) -> const std::vector<double>& {
       if (const auto* found = column(name)) return *found;
-      throw DataError(file_.path + ":1:1: column " + name + " is missing (a recorded trajectory is read from it) name a log with a reference");
+      throw DataError(file_.path + ":1:1: column " + name +
+                      " is missing (a recorded trajectory is read from it) name a log with a reference");
     };
     const std::vector<double>& time_s = need("time_s");
     const std::vector<double>* yaw = column("ryaw");
@@ -56,13 +57,17 @@ class Recorded final : public Trajectory {
       // rows without a reference are skipped
       if (knot.position_W_m.allFinite() && std::isfinite(knot.time_s) && std::isfinite(knot.yaw_rad)) {
         if (!knots_.empty() && !(knot.time_s > knots_.back().time_s))
-          throw DataError(csv.where(row, 0) + ": time does not rise (a trajectory is a function of time) repair the log");
-        if (!knots_.empty()) knot.yaw_rad = knots_.back().yaw_rad + std::remainder(knot.yaw_rad - knots_.back().yaw_rad, 2.0 * pi);
+          throw DataError(csv.where(row, 0) +
+                          ": time does not rise (a trajectory is a function of time) repair the log");
+        if (!knots_.empty())
+          knot.yaw_rad = knots_.back().yaw_rad + std::remainder(knot.yaw_rad - knots_.back().yaw_rad, 2.0 * pi);
         knots_.push_back(knot);
       }
     }
     if (knots_.size() < 2)
-      throw DataError(file_.path + ":1:1: fewer than two samples of a reference (columns rpx, rpy, rpz) name a log with a reference");
+      throw DataError(
+          file_.path +
+          ":1:1: fewer than two samples of a reference (columns rpx, rpy, rpz) name a log with a reference");
     fill(&Knot::position_W_m, &Knot::velocity_W_mps);
     fill(&Knot::velocity_W_mps, &Knot::acceleration_W_mps2);
   }
@@ -76,7 +81,8 @@ class Recorded final : public Trajectory {
       reference.yaw_rad = end.yaw_rad;
       return reference;
     }
-    const auto later = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, time_s, [](double t, const Knot& knot) { return t < knot.time_s; });
+    const auto later = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, time_s,
+                                        [](double t, const Knot& knot) { return t < knot.time_s; });
     const Knot &a = *(later - 1), &b = *later;
     const double length_s = b.time_s - a.time_s;
     const Jet x = (1.0 / length_s) * (Jet::time(time_s) - a.time_s);
@@ -85,13 +91,15 @@ class Recorded final : public Trajectory {
       // quintic in x with the ends' position, velocity and acceleration
       const double p0 = a.position_W_m[k] + offset_W_m_[k], d = b.position_W_m[k] - a.position_W_m[k];
       const double v0 = a.velocity_W_mps[k] * length_s, v1 = b.velocity_W_mps[k] * length_s;
-      const double a0 = a.acceleration_W_mps2[k] * length_s * length_s, a1 = b.acceleration_W_mps2[k] * length_s * length_s;
+      const double a0 = a.acceleration_W_mps2[k] * length_s * length_s,
+                   a1 = b.acceleration_W_mps2[k] * length_s * length_s;
       const double c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1;
       const double c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1;
       const double c5 = 6.0 * d - 3.0 * v0 - 3.0 * v1 - 0.5 * a0 + 0.5 * a1;
       position[static_cast<std::size_t>(k)] = p0 + x * (v0 + x * (0.5 * a0 + x * (c3 + x * (c4 + x * c5))));
     }
-    Reference reference = reference_of(position[0], position[1], position[2], a.yaw_rad + x.value() * (b.yaw_rad - a.yaw_rad));
+    Reference reference =
+        reference_of(position[0], position[1], position[2], a.yaw_rad + x.value() * (b.yaw_rad - a.yaw_rad));
     reference.yaw_rate_radps = (b.yaw_rad - a.yaw_rad) / length_s;
     return reference;
   }

@@ -14,7 +14,8 @@ class Spiral final : public Trajectory {
     visitor.number("length_s", length_s_, {.unit = "s", .help = "time until its end", .min = 0.1, .max = 1e4});
     visitor.number("climb_m", climb_m_, {.unit = "m", .help = "height gained until its end", .min = -1e3, .max = 1e3});
     visitor.vector("center_m", center_W_m_, {.unit = "m", .help = "where it begins"});
-    visitor.number("ramp_s", ramp_s_, {.unit = "s", .help = "time to reach the full pace from rest", .min = 0.0, .max = 1e3});
+    visitor.number("ramp_s", ramp_s_,
+                   {.unit = "s", .help = "time to reach the full pace from rest", .min = 0.0, .max = 1e3});
     visitor.number("yaw_rad", yaw_rad_, {.unit = "rad", .help = "heading", .min = -pi, .max = pi});
   }
 

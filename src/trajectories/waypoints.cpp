@@ -27,8 +27,10 @@ class Waypoints final : public Trajectory {
  public:
   void visit(ParameterVisitor& visitor) override {
     visitor.numbers("points_m", points_W_m_, {.unit = "m", .help = "x, y, z of every point, one after the other"});
-    visitor.numbers("times_s", times_s_, {.unit = "s", .help = "when each point is passed, from 0; empty: from the speed"});
-    visitor.number("speed_mps", speed_mps_, {.unit = "m/s", .help = "mean speed between points", .min = 1e-3, .max = 100.0});
+    visitor.numbers("times_s", times_s_,
+                    {.unit = "s", .help = "when each point is passed, from 0; empty: from the speed"});
+    visitor.number("speed_mps", speed_mps_,
+                   {.unit = "m/s", .help = "mean speed between points", .min = 1e-3, .max = 100.0});
     visitor.number("yaw_rad", yaw_rad_, {.unit = "rad", .help = "heading", .min = -pi, .max = pi});
   }
 
@@ -39,13 +41,16 @@ class Waypoints final : public Trajectory {
     knots_s_ = times_s_;
     if (knots_s_.empty()) {
       knots_s_.push_back(0.0);
-      for (std::size_t i = 1; i < count; ++i) knots_s_.push_back(knots_s_.back() + (point(i) - point(i - 1)).norm() / speed_mps_);
+      for (std::size_t i = 1; i < count; ++i)
+        knots_s_.push_back(knots_s_.back() + (point(i) - point(i - 1)).norm() / speed_mps_);
     }
     if (knots_s_.size() != count || knots_s_.front() != 0.0)
-      throw ParameterError("times_s", "times_s must hold one time per point, the first 0 (a point is passed at a time)");
+      throw ParameterError("times_s",
+                           "times_s must hold one time per point, the first 0 (a point is passed at a time)");
     for (std::size_t i = 1; i < count; ++i)
       if (!(knots_s_[i] > knots_s_[i - 1]))
-        throw ParameterError(times_s_.empty() ? "points_m" : "times_s", "times_s must rise and no two points follow each other at one place");
+        throw ParameterError(times_s_.empty() ? "points_m" : "times_s",
+                             "times_s must rise and no two points follow each other at one place");
     solve(static_cast<int>(count) - 1);
   }
 
@@ -55,7 +60,8 @@ class Waypoints final : public Trajectory {
     const auto segment = static_cast<Eigen::Index>(later - knots_s_.begin()) - 1;
     const double length = knots_s_[static_cast<std::size_t>(segment) + 1] - knots_s_[static_cast<std::size_t>(segment)];
     const bool at_rest = time_s < 0.0 || time_s > knots_s_.back();
-    const Jet x = (1.0 / length) * ((at_rest ? Jet(time) : Jet::time(time)) - knots_s_[static_cast<std::size_t>(segment)]);
+    const Jet x =
+        (1.0 / length) * ((at_rest ? Jet(time) : Jet::time(time)) - knots_s_[static_cast<std::size_t>(segment)]);
     std::array<Jet, 3> position;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       Jet sum;
@@ -77,7 +83,8 @@ class Waypoints final : public Trajectory {
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(size, 3);
     Eigen::Index row = 0;
     const auto add = [&](int segment, int derivative, double x, double factor) {
-      const double length = knots_s_[static_cast<std::size_t>(segment) + 1] - knots_s_[static_cast<std::size_t>(segment)];
+      const double length =
+          knots_s_[static_cast<std::size_t>(segment) + 1] - knots_s_[static_cast<std::size_t>(segment)];
       for (int j = 0; j < terms; ++j)
         matrix(row, segment * terms + j) += factor * power_derivative(j, derivative, x) / std::pow(length, derivative);
     };

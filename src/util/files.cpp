@@ -45,7 +45,8 @@ Inputs& inputs() {
 bool is_input(const fs::path& path) {
   struct stat there {};
   const std::lock_guard lock(inputs().mutex);
-  return inputs().are_protected && stat(path.c_str(), &there) == 0 && inputs().read.contains({there.st_dev, there.st_ino});
+  return inputs().are_protected && stat(path.c_str(), &there) == 0 &&
+         inputs().read.contains({there.st_dev, there.st_ino});
 }
 
 // calls `make(path)` with new names in the folder until none stands there; it returns false with errno
@@ -102,7 +103,8 @@ Target find_target(const std::string& path) {
   }
   const fs::file_status status = fs::status(target.path, error);
   if (fs::is_directory(status)) fail(path, EISDIR);
-  if (is_input(target.path)) throw ConfigError(fmt::format("{}: is an input of this command (it would be lost) name another file", path));
+  if (is_input(target.path))
+    throw ConfigError(fmt::format("{}: is an input of this command (it would be lost) name another file", path));
   if (fs::exists(status) && access(target.path.c_str(), W_OK) != 0) fail(path, errno);
   target.written_through = fs::exists(status) && !fs::is_regular_file(status);
   return target;
@@ -145,7 +147,8 @@ void make_folder(const std::string& path) {
 
 ScratchFolder::ScratchFolder(const fs::path& parent) {
   path_ = make_unique(parent, [](const char* path) { return mkdir(path, 0777) == 0; });
-  if (path_.empty()) throw IoError(fmt::format("{}: cannot make a folder here ({})", parent.string(), std::strerror(errno)));
+  if (path_.empty())
+    throw IoError(fmt::format("{}: cannot make a folder here ({})", parent.string(), std::strerror(errno)));
 }
 
 ScratchFolder::~ScratchFolder() {

@@ -41,11 +41,13 @@ void check_files_can_be_written(const std::string& folder, std::initializer_list
 // The bytes of a file. Throws Error (ConfigError, DataError) with the path when it cannot be read, or is larger than
 // `most_bytes`.
 inline constexpr std::size_t most_text_bytes = std::size_t{64} << 20;
-std::string read_into(const std::string& path, std::string& bytes, std::size_t most_bytes = most_text_bytes);  // why not; empty: it is read
+std::string read_into(const std::string& path, std::string& bytes,
+                      std::size_t most_bytes = most_text_bytes);  // why not; empty: it is read
 template <class Error>
 std::string read_file(const std::string& path, std::size_t most_bytes = most_text_bytes) {
   std::string bytes;
-  if (const std::string why = read_into(path, bytes, most_bytes); !why.empty()) throw Error(path + ": cannot read (" + why + ")");
+  if (const std::string why = read_into(path, bytes, most_bytes); !why.empty())
+    throw Error(path + ": cannot read (" + why + ")");
   return bytes;
 }
 // From here on the program refuses to write over a file that it has read (ConfigError).

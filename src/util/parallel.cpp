@@ -83,7 +83,8 @@ double cpu_quota(const std::string& cgroup_list, const std::string& mounted_at) 
   const auto take = [&](std::istream& file) {
     // "max 100000" where there is no limit
     double quota_us = 0.0, period_us = 0.0;
-    if (file >> quota_us >> period_us && quota_us > 0.0 && period_us > 0.0) least = std::min(least, quota_us / period_us);
+    if (file >> quota_us >> period_us && quota_us > 0.0 && period_us > 0.0)
+      least = std::min(least, quota_us / period_us);
   };
   std::ifstream list(cgroup_list);
   for (std::string line; std::getline(list, line);) {

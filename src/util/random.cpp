@@ -28,8 +28,8 @@ RandomStream::RandomStream(std::uint64_t seed, std::uint32_t replicate, std::str
 }
 
 std::array<double, 4> RandomStream::uniform4(std::uint64_t counter, std::uint32_t lane) const {
-  const r123::Philox4x32::ctr_type words = {{static_cast<std::uint32_t>(counter),
-                                             static_cast<std::uint32_t>(counter >> 32), word2_, lane}};
+  const r123::Philox4x32::ctr_type words = {
+      {static_cast<std::uint32_t>(counter), static_cast<std::uint32_t>(counter >> 32), word2_, lane}};
   const r123::Philox4x32::key_type key = {{key0_, key1_}};
   const auto bits = r123::Philox4x32{}(words, key);
   std::array<double, 4> result;

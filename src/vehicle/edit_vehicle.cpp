@@ -36,7 +36,8 @@ bool is_header(const std::string& line) { return trimmed(line).starts_with('[');
 // first line after the header of [table], and the line after its last; std::nullopt when it is not there
 std::optional<std::pair<std::size_t, std::size_t>> find_table(const Lines& lines, std::string_view table) {
   const std::string header = fmt::format("[{}]", table);
-  const auto at = std::find_if(lines.begin(), lines.end(), [&](const std::string& line) { return trimmed(line).starts_with(header); });
+  const auto at = std::find_if(lines.begin(), lines.end(),
+                               [&](const std::string& line) { return trimmed(line).starts_with(header); });
   if (at == lines.end()) return std::nullopt;
   const auto end = std::find_if(at + 1, lines.end(), is_header);
   return std::pair{static_cast<std::size_t>(at - lines.begin()) + 1, static_cast<std::size_t>(end - lines.begin())};
@@ -69,19 +70,22 @@ void drop_key(std::string& text, std::string_view table, std::string_view key) {
   text = join(lines);
 }
 
-void set_key(std::string& text, std::string_view table, std::string_view key, std::string_view literal, std::string_view source) {
+void set_key(std::string& text, std::string_view table, std::string_view key, std::string_view literal,
+             std::string_view source) {
   Lines lines = split(text);
   auto place = find_table(lines, table);
   if (!place) {
     // before the first [[effect]], which may be many
-    const auto effect = std::find_if(lines.begin(), lines.end(), [](const std::string& line) { return trimmed(line).starts_with("[[effect]]"); });
+    const auto effect = std::find_if(lines.begin(), lines.end(),
+                                     [](const std::string& line) { return trimmed(line).starts_with("[[effect]]"); });
     lines.insert(effect, {fmt::format("[{}]", table), ""});
     place = find_table(lines, table);
   }
   std::size_t at = place->first;
   for (std::size_t i = place->first; i < place->second; ++i)
     if (sets(lines[i], key)) at = erase_with_comments(lines, i, place->first);
-  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(at), {fmt::format("# {}", source), fmt::format("{} = {}", key, literal)});
+  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(at),
+               {fmt::format("# {}", source), fmt::format("{} = {}", key, literal)});
   text = join(lines);
 }
 

@@ -11,9 +11,9 @@
 namespace gustlab {
 
 struct VehicleGap {
-  Need need;                     // effects that ask for it cannot be identified
-  std::string_view what, key;    // in words, and how the vehicle file writes it
-  std::string says() const;      // "the vehicle file has no rotor radius ([thrust] radius_m)"
+  Need need;                   // effects that ask for it cannot be identified
+  std::string_view what, key;  // in words, and how the vehicle file writes it
+  std::string says() const;    // "the vehicle file has no rotor radius ([thrust] radius_m)"
 };
 std::vector<VehicleGap> gaps_of(const VehicleModel& vehicle);
 

@@ -18,8 +18,10 @@ constexpr Place quad_betaflight[] = {{135, false}, {45, true}, {-135, true}, {-4
 constexpr Place quad_crazyflie[] = {{45, true}, {135, false}, {-135, true}, {-45, false}};
 constexpr Place hexa_x[] = {{90, false}, {-90, true}, {-30, false}, {150, true}, {30, true}, {-150, false}};
 constexpr Place hexa_plus[] = {{0, false}, {180, true}, {-120, false}, {60, true}, {-60, true}, {120, false}};
-constexpr Place octo_x[] = {{22.5, false}, {-157.5, false}, {67.5, true}, {157.5, true}, {-22.5, true}, {-112.5, true}, {-67.5, false}, {112.5, false}};
-constexpr Place octo_plus[] = {{0, false}, {180, false}, {45, true}, {135, true}, {-45, true}, {-135, true}, {-90, false}, {90, false}};
+constexpr Place octo_x[] = {{22.5, false}, {-157.5, false}, {67.5, true},   {157.5, true},
+                            {-22.5, true}, {-112.5, true},  {-67.5, false}, {112.5, false}};
+constexpr Place octo_plus[] = {{0, false},  {180, false}, {45, true},   {135, true},
+                               {-45, true}, {-135, true}, {-90, false}, {90, false}};
 
 constexpr std::string_view autopilots = "motor numbers and directions of PX4 and ArduPilot";
 constexpr Layout known[] = {
@@ -44,7 +46,8 @@ const Layout& find_layout(std::string_view name) {
     names.emplace_back(layout.name);
   }
   const std::string near = config::suggest(name, names);
-  throw ConfigError(fmt::format("--layout: there is no layout \"{}\" (known: {}){}{}", name, fmt::join(names, ", "), near.empty() ? "" : " ", near));
+  throw ConfigError(fmt::format("--layout: there is no layout \"{}\" (known: {}){}{}", name, fmt::join(names, ", "),
+                                near.empty() ? "" : " ", near));
 }
 
 std::vector<Hub> hubs_on_circle(const Layout& layout, double arm_m) {

@@ -21,7 +21,7 @@ struct MjcfBody {
   };
   std::vector<Site> sites;
   std::vector<CollisionShape> shapes;
-  std::string bytes;                         // the file, and those that it names, as read
+  std::string bytes;  // the file, and those that it names, as read
 };
 
 // Throws ConfigError with file:line:col as far as MuJoCo tells it: not MJCF, not exactly one free joint and no other,

@@ -35,18 +35,23 @@ double hub_distance_m(const NewVehicle& wanted) {
 
 void check(const NewVehicle& wanted) {
   if (wanted.propeller_diameter_m && wanted.propeller_diameter_m->value > 1.02 * hub_distance_m(wanted))
-    throw ConfigError(fmt::format("--prop: propellers of {} m overlap (neighbouring hubs are {} m apart) check --prop and --arm, which is from "
-                                  "the centre to a motor", number(wanted.propeller_diameter_m->value), number(hub_distance_m(wanted))));
+    throw ConfigError(fmt::format(
+        "--prop: propellers of {} m overlap (neighbouring hubs are {} m apart) check --prop and --arm, which is from "
+        "the centre to a motor",
+        number(wanted.propeller_diameter_m->value), number(hub_distance_m(wanted))));
   if (wanted.thrust_to_weight && wanted.thrust_to_weight->value <= 1.05)
-    throw ConfigError(fmt::format("--thrust-to-weight: a vehicle with {} does not fly (all rotors at full input carry that much of the weight)",
-                                  number(wanted.thrust_to_weight->value)));
+    throw ConfigError(fmt::format(
+        "--thrust-to-weight: a vehicle with {} does not fly (all rotors at full input carry that much of the weight)",
+        number(wanted.thrust_to_weight->value)));
   if (wanted.hover && !(wanted.hover->value > 0.0 && wanted.hover->value < 1.0))
-    throw ConfigError(fmt::format("--hover: {} is no hover throttle (it is between 0 and 1)", number(wanted.hover->value)));
+    throw ConfigError(
+        fmt::format("--hover: {} is no hover throttle (it is between 0 and 1)", number(wanted.hover->value)));
   if (wanted.hover && wanted.thrust_to_weight)
     throw ConfigError("--hover and --thrust-to-weight are two answers to one question: keep one");
   if (!wanted.hover && !wanted.thrust_to_weight)
-    throw ConfigError("--thrust-to-weight or --hover is missing: without one of them nothing says how much the rotors push "
-                      "(all of them at full throttle over the weight; the throttle in hover, 0 to 1)");
+    throw ConfigError(
+        "--thrust-to-weight or --hover is missing: without one of them nothing says how much the rotors push "
+        "(all of them at full throttle over the weight; the throttle in hover, 0 to 1)");
 }
 
 // from f h² + (1 − f) h = weight / full thrust
@@ -58,58 +63,81 @@ double hover_of(double thrust_to_weight, double curve) {
 
 std::string thrust_table(const NewVehicle& wanted) {
   const Sourced curve = wanted.throttle_curve.value_or(
-      Sourced{usual_throttle_curve, fmt::format("estimated, usual motor controllers within {} (ArduPilot's default MOT_THST_EXPO)", throttle_curve_spread)});
-  const Sourced hover = wanted.hover ? *wanted.hover
-                                     : Sourced{hover_of(wanted.thrust_to_weight->value, curve.value),
-                                               fmt::format("from thrust to weight {} ({}) and throttle_curve", number(wanted.thrust_to_weight->value),
-                                                           wanted.thrust_to_weight->source)};
-  std::string text = fmt::format("[thrust]\n# throttle (0..1) at which all rotors together carry the weight: {}\nhover = {}\n", hover.source, number(hover.value));
+      Sourced{usual_throttle_curve,
+              fmt::format("estimated, usual motor controllers within {} (ArduPilot's default MOT_THST_EXPO)",
+                          throttle_curve_spread)});
+  const Sourced hover =
+      wanted.hover ? *wanted.hover
+                   : Sourced{hover_of(wanted.thrust_to_weight->value, curve.value),
+                             fmt::format("from thrust to weight {} ({}) and throttle_curve",
+                                         number(wanted.thrust_to_weight->value), wanted.thrust_to_weight->source)};
+  std::string text =
+      fmt::format("[thrust]\n# throttle (0..1) at which all rotors together carry the weight: {}\nhover = {}\n",
+                  hover.source, number(hover.value));
   const Sourced diameter = wanted.propeller_diameter_m.value_or(
       Sourced{diameter_per_hub_distance * hub_distance_m(wanted),
-              fmt::format("estimated, {} of the distance between neighbouring hubs, within {:.0f} %", diameter_per_hub_distance, 100.0 * diameter_spread)});
+              fmt::format("estimated, {} of the distance between neighbouring hubs, within {:.0f} %",
+                          diameter_per_hub_distance, 100.0 * diameter_spread)});
   const Sourced ratio = wanted.torque_ratio_m.value_or(
       Sourced{torque_ratio_per_diameter * diameter.value,
-              fmt::format("estimated, {} propeller diameters, within {:.0f} % (Brandt, Selig, AIAA 2011-1255)", torque_ratio_per_diameter, 100.0 * torque_ratio_spread)});
+              fmt::format("estimated, {} propeller diameters, within {:.0f} % (Brandt, Selig, AIAA 2011-1255)",
+                          torque_ratio_per_diameter, 100.0 * torque_ratio_spread)});
   text += fmt::format("# propeller radius, m: {}\nradius_m = {}\n", diameter.source, number(0.5 * diameter.value));
   text += fmt::format("# torque over thrust of a rotor, m: {}\ntorque_ratio = {}\n", ratio.source, number(ratio.value));
-  text += fmt::format("# where rotor speeds are logged, write this in place of hover; estimated from the propeller, C_T {} within {:.0f} %\n"
-                      "# (Brandt, Selig, AIAA 2011-1255), N/(rad/s)^2\n# coefficient = {}\n",
-                      propeller_ct, 100.0 * propeller_ct_spread, number(estimated_thrust_coefficient_Ns2(diameter.value)));
-  return text + fmt::format("\n[actuator]\n# f of thrust ~ f u^2 + (1 - f) u: {}\nthrottle_curve = {}\n", curve.source, number(curve.value));
+  text += fmt::format(
+      "# where rotor speeds are logged, write this in place of hover; estimated from the propeller, C_T {} within "
+      "{:.0f} %\n"
+      "# (Brandt, Selig, AIAA 2011-1255), N/(rad/s)^2\n# coefficient = {}\n",
+      propeller_ct, 100.0 * propeller_ct_spread, number(estimated_thrust_coefficient_Ns2(diameter.value)));
+  return text + fmt::format("\n[actuator]\n# f of thrust ~ f u^2 + (1 - f) u: {}\nthrottle_curve = {}\n", curve.source,
+                            number(curve.value));
 }
 
 std::string vehicle_toml(const NewVehicle& wanted) {
-  std::string text = fmt::format("# {}: written by `gustlab vehicle new`; every number says where it comes from.\n"
-                                 "# Not in here, because nothing told it: motor lag, drag, battery sag. `gustlab vehicle fit LOG...` finds them in flights.\n"
-                                 "format = \"gustlab-vehicle/1\"\nname = {}\nmjcf = {}\n\n# in the order of u1...u{}: {}\n",
-                                 wanted.name, config::quoted(wanted.name), config::quoted(wanted.name + ".xml"), wanted.hubs.size(), wanted.hubs_source);
+  std::string text = fmt::format(
+      "# {}: written by `gustlab vehicle new`; every number says where it comes from.\n"
+      "# Not in here, because nothing told it: motor lag, drag, battery sag. `gustlab vehicle fit LOG...` finds them "
+      "in flights.\n"
+      "format = \"gustlab-vehicle/1\"\nname = {}\nmjcf = {}\n\n# in the order of u1...u{}: {}\n",
+      wanted.name, config::quoted(wanted.name), config::quoted(wanted.name + ".xml"), wanted.hubs.size(),
+      wanted.hubs_source);
   for (std::size_t i = 0; i < wanted.hubs.size(); ++i)
-    text += fmt::format("[[rotor]]\nsite = \"rotor{}\"\ndirection = \"{}\"\n", i + 1, wanted.hubs[i].counter_clockwise ? "ccw" : "cw");
+    text += fmt::format("[[rotor]]\nsite = \"rotor{}\"\ndirection = \"{}\"\n", i + 1,
+                        wanted.hubs[i].counter_clockwise ? "ccw" : "cw");
   return text + "\n" + thrust_table(wanted);
 }
 
 std::string mjcf(const NewVehicle& wanted) {
   const double mass = wanted.mass_kg.value, arm = arm_m(wanted), square = mass * arm * arm;
-  const std::string rule = fmt::format("estimated, {} and {} of mass times arm squared, within {:.0f} % (five vehicles: see src/vehicle/estimates.hpp)",
-                                       tilt_inertia, yaw_inertia, 100.0 * inertia_spread);
-  const auto inertia = wanted.inertia_kgm2.value_or(
-      std::array<Sourced, 3>{Sourced{tilt_inertia * square, rule}, Sourced{tilt_inertia * square, rule}, Sourced{yaw_inertia * square, rule}});
+  const std::string rule = fmt::format(
+      "estimated, {} and {} of mass times arm squared, within {:.0f} % (five vehicles: see src/vehicle/estimates.hpp)",
+      tilt_inertia, yaw_inertia, 100.0 * inertia_spread);
+  const auto inertia = wanted.inertia_kgm2.value_or(std::array<Sourced, 3>{
+      Sourced{tilt_inertia * square, rule}, Sourced{tilt_inertia * square, rule}, Sourced{yaw_inertia * square, rule}});
   std::string text = fmt::format(
-      "<mujoco model=\"{0}\">\n  <!-- x forward, y left, z up; kg, m, kg m^2 -->\n  <compiler inertiafromgeom=\"false\"/>\n  <worldbody>\n"
-      "    <light pos=\"0 0 5\" dir=\"0 0 -1\" directional=\"true\"/>\n    <geom name=\"floor\" type=\"plane\" size=\"5 5 0.1\" rgba=\"0.8 0.8 0.8 1\"/>\n"
-      "    <body name=\"{0}\" pos=\"0 0 1\">\n      <freejoint/>\n      <!-- mass: {1}; inertia: {2}; centre of mass: assumed at the centre of the hubs -->\n"
+      "<mujoco model=\"{0}\">\n  <!-- x forward, y left, z up; kg, m, kg m^2 -->\n  <compiler "
+      "inertiafromgeom=\"false\"/>\n  <worldbody>\n"
+      "    <light pos=\"0 0 5\" dir=\"0 0 -1\" directional=\"true\"/>\n    <geom name=\"floor\" type=\"plane\" "
+      "size=\"5 5 0.1\" rgba=\"0.8 0.8 0.8 1\"/>\n"
+      "    <body name=\"{0}\" pos=\"0 0 1\">\n      <freejoint/>\n      <!-- mass: {1}; inertia: {2}; centre of mass: "
+      "assumed at the centre of the hubs -->\n"
       "      <inertial pos=\"0 0 0\" mass=\"{3}\" diaginertia=\"{4} {5} {6}\"/>\n"
-      "      <!-- outline, assumed: what touches the ground -->\n      <geom type=\"box\" size=\"{7} {7} {8}\" group=\"3\" rgba=\"0.8 0.3 0.3 0.3\"/>\n",
-      wanted.name, wanted.mass_kg.source, inertia[0].source, number(mass), number(inertia[0].value), number(inertia[1].value), number(inertia[2].value),
-      number(0.7 * arm), number(0.15 * arm));
-  const double radius = 0.5 * (wanted.propeller_diameter_m ? wanted.propeller_diameter_m->value : diameter_per_hub_distance * hub_distance_m(wanted));
+      "      <!-- outline, assumed: what touches the ground -->\n      <geom type=\"box\" size=\"{7} {7} {8}\" "
+      "group=\"3\" rgba=\"0.8 0.3 0.3 0.3\"/>\n",
+      wanted.name, wanted.mass_kg.source, inertia[0].source, number(mass), number(inertia[0].value),
+      number(inertia[1].value), number(inertia[2].value), number(0.7 * arm), number(0.15 * arm));
+  const double radius = 0.5 * (wanted.propeller_diameter_m ? wanted.propeller_diameter_m->value
+                                                           : diameter_per_hub_distance * hub_distance_m(wanted));
   for (std::size_t i = 0; i < wanted.hubs.size(); ++i) {
     const Vector3& p = wanted.hubs[i].position_B_m;
     const std::string at = fmt::format("{} {} {}", number(p.x()), number(p.y()), number(p.z()));
-    text += fmt::format("      <site name=\"rotor{0}\" pos=\"{1}\"/>\n"
-                        "      <geom type=\"capsule\" size=\"{2}\" fromto=\"0 0 0 {1}\" contype=\"0\" conaffinity=\"0\" rgba=\"0.1 0.1 0.1 1\"/>\n"
-                        "      <geom type=\"cylinder\" size=\"{3} 0.002\" pos=\"{1}\" contype=\"0\" conaffinity=\"0\" rgba=\"0.2 0.2 0.2 0.5\"/>\n",
-                        i + 1, at, number(0.04 * arm), number(radius));
+    text += fmt::format(
+        "      <site name=\"rotor{0}\" pos=\"{1}\"/>\n"
+        "      <geom type=\"capsule\" size=\"{2}\" fromto=\"0 0 0 {1}\" contype=\"0\" conaffinity=\"0\" rgba=\"0.1 0.1 "
+        "0.1 1\"/>\n"
+        "      <geom type=\"cylinder\" size=\"{3} 0.002\" pos=\"{1}\" contype=\"0\" conaffinity=\"0\" rgba=\"0.2 0.2 "
+        "0.2 0.5\"/>\n",
+        i + 1, at, number(0.04 * arm), number(radius));
   }
   return text + "    </body>\n  </worldbody>\n</mujoco>\n";
 }

@@ -44,7 +44,7 @@ struct NewVehicle {
   std::vector<Hub> hubs;
   std::string hubs_source;
   std::optional<Sourced> propeller_diameter_m, hover, thrust_to_weight, throttle_curve, torque_ratio_m;
-  std::optional<std::array<Sourced, 3>> inertia_kgm2;   // about x, y, z; absent: estimated from mass and arm
+  std::optional<std::array<Sourced, 3>> inertia_kgm2;  // about x, y, z; absent: estimated from mass and arm
 };
 
 struct VehicleFiles {

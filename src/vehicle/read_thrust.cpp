@@ -45,7 +45,8 @@ double read_hover(Table& thrust, double curve, VehicleModel& vehicle) {
   if (hover > most_throttle && hover <= most_speed_radps) return thrust_N / (hover * hover);
   const bool throttle = hover <= most_throttle;
   const double full = throttle ? most_throttle : most_pwm;
-  (throttle ? vehicle.actuator.throttle_thrust : vehicle.actuator.pwm_thrust) = thrust_curve(curve, hover, full, thrust_N);
+  (throttle ? vehicle.actuator.throttle_thrust : vehicle.actuator.pwm_thrust) =
+      thrust_curve(curve, hover, full, thrust_N);
   const auto& map = throttle ? *vehicle.actuator.throttle_thrust : *vehicle.actuator.pwm_thrust;
   // stands for what nothing tells: speeds are on this scale
   const double coefficient_Ns2 = estimated_thrust_coefficient_Ns2(diameter_m(vehicle));
@@ -59,8 +60,11 @@ double read_curve(Table& document, bool has_hover) {
   auto actuator = document.table("actuator");
   if (!actuator || !actuator->has("throttle_curve")) return 1.0;
   const double curve = actuator->need_number("throttle_curve");
-  if (!has_hover) actuator->fail("throttle_curve", "there is no [thrust] hover", "throttle_curve says how thrust rises from and to that", "");
-  if (!(curve >= 0.0 && curve <= 1.0)) actuator->fail("throttle_curve", "\"throttle_curve\" must be from 0 to 1", "", "");
+  if (!has_hover)
+    actuator->fail("throttle_curve", "there is no [thrust] hover",
+                   "throttle_curve says how thrust rises from and to that", "");
+  if (!(curve >= 0.0 && curve <= 1.0))
+    actuator->fail("throttle_curve", "\"throttle_curve\" must be from 0 to 1", "", "");
   return curve;
 }
 
@@ -68,7 +72,8 @@ void read_map(Table& actuator, const std::string& input, std::optional<std::pair
               std::optional<std::array<double, 3>>& thrust) {
   const std::string thrust_key = input + "_thrust";
   if (thrust && (actuator.has(input) || actuator.has(thrust_key)))
-    actuator.fail(actuator.has(input) ? input : thrust_key, fmt::format("both [thrust] hover and a map of {} are here", input),
+    actuator.fail(actuator.has(input) ? input : thrust_key,
+                  fmt::format("both [thrust] hover and a map of {} are here", input),
                   "they are two answers to one question", "keep one");
   if (auto table = actuator.table(input)) {
     const double slope = table->need_number("slope");
@@ -77,13 +82,14 @@ void read_map(Table& actuator, const std::string& input, std::optional<std::pair
   }
   if (const auto c = actuator.numbers(thrust_key)) {
     if (c->size() != 3)
-      actuator.fail(thrust_key, fmt::format("\"{}\" must have three numbers", thrust_key), fmt::format("this has {}", c->size()),
+      actuator.fail(thrust_key, fmt::format("\"{}\" must have three numbers", thrust_key),
+                    fmt::format("this has {}", c->size()),
                     fmt::format("write [c0, c1, c2] of f = c0 + c1 {0} + c2 {0}^2", input));
     thrust = {(*c)[0], (*c)[1], (*c)[2]};
   }
   if (line && thrust)
-    actuator.fail(thrust_key, fmt::format("both \"{}\" and \"{}\" are here", input, thrust_key), "they are two answers to one question",
-                  "keep one");
+    actuator.fail(thrust_key, fmt::format("both \"{}\" and \"{}\" are here", input, thrust_key),
+                  "they are two answers to one question", "keep one");
 }
 
 }  // namespace
@@ -98,18 +104,20 @@ void read_thrust(Table& document, const std::vector<std::optional<double>>& own_
   Table thrust = document.table("thrust").value_or(Table::parse("", document.path()));
   const double curve = read_curve(document, thrust.has("hover"));
   if (thrust.has("hover") && thrust.has("coefficient"))
-    thrust.fail("hover", "both \"coefficient\" and \"hover\" are here", "they are two answers to one question", "keep one");
+    thrust.fail("hover", "both \"coefficient\" and \"hover\" are here", "they are two answers to one question",
+                "keep one");
 
   vehicle.max_speed_radps = std::numeric_limits<double>::infinity();
   vehicle.rotor_radius_m = positive(thrust, "radius_m").value_or(0.0);
   const auto coefficient = positive(thrust, "coefficient");
-  const double common = coefficient             ? *coefficient
+  const double common = coefficient           ? *coefficient
                         : thrust.has("hover") ? read_hover(thrust, curve, vehicle)
                                               : *own_coefficient.front();
   if (const auto most = positive(thrust, "max_speed_radps")) vehicle.max_speed_radps = *most;
   vehicle.nominal_voltage_V = positive(thrust, "nominal_voltage_V").value_or(0.0);
   vehicle.torque_ratio_known = thrust.has("torque_ratio");
-  const double ratio_m = vehicle.torque_ratio_known ? not_negative(thrust, "torque_ratio") : torque_ratio_per_diameter * diameter_m(vehicle);
+  const double ratio_m = vehicle.torque_ratio_known ? not_negative(thrust, "torque_ratio")
+                                                    : torque_ratio_per_diameter * diameter_m(vehicle);
   for (std::size_t i = 0; i < own_coefficient.size(); ++i) {
     vehicle.rotors[i].thrust_coefficient_Ns2 = own_coefficient[i].value_or(common);
     vehicle.rotors[i].torque_ratio_m = ratio_m;

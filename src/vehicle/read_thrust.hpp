@@ -9,7 +9,8 @@ namespace gustlab {
 // Fills thrust coefficients, torque ratios, limits and actuator maps of a vehicle whose mass, gravity and rotors are known;
 // `own_coefficient`: of each rotor, where its table says one. What is optional and absent is estimated or unknown, see
 // VehicleModel. Throws ConfigError with file:line:col.
-void read_thrust(config::Table& document, const std::vector<std::optional<double>>& own_coefficient, VehicleModel& vehicle);
+void read_thrust(config::Table& document, const std::vector<std::optional<double>>& own_coefficient,
+                 VehicleModel& vehicle);
 
 // A number that must be above zero; std::nullopt when absent.
 std::optional<double> positive(config::Table& table, std::string_view key);

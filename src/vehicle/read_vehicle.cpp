@@ -55,22 +55,32 @@ void check_required(Table& document) {
     if (!there) missing.push_back(what);
   };
   require(document.has("format"), fmt::format("format = \"{}\": what kind of file this is", format_name));
-  require(document.has("mjcf"), "mjcf = \"FILE.xml\", beside this file: mass [kg], inertia [kg m^2] and a site at every rotor [m]");
+  require(document.has("mjcf"),
+          "mjcf = \"FILE.xml\", beside this file: mass [kg], inertia [kg m^2] and a site at every rotor [m]");
   std::vector<Table> rotors = document.tables("rotor");
-  require(!rotors.empty(), "[[rotor]], one for each of 3 to 8: site (its name in the MJCF) and direction (\"ccw\" or \"cw\" seen from above)");
+  require(!rotors.empty(),
+          "[[rotor]], one for each of 3 to 8: site (its name in the MJCF) and direction (\"ccw\" or \"cw\" seen from "
+          "above)");
   for (std::size_t i = 0; i < rotors.size(); ++i) {
     require(rotors[i].has("site"), fmt::format("site of [[rotor]] {}: the name of its place in the MJCF", i + 1));
-    require(rotors[i].has("direction"), fmt::format("direction of [[rotor]] {}: \"ccw\" or \"cw\" seen from above; without it nothing says how it yaws", i + 1));
+    require(
+        rotors[i].has("direction"),
+        fmt::format("direction of [[rotor]] {}: \"ccw\" or \"cw\" seen from above; without it nothing says how it yaws",
+                    i + 1));
   }
   auto thrust = document.table("thrust");
-  const bool every_own = std::all_of(rotors.begin(), rotors.end(), [](const Table& rotor) { return rotor.has("coefficient"); });
+  const bool every_own =
+      std::all_of(rotors.begin(), rotors.end(), [](const Table& rotor) { return rotor.has("coefficient"); });
   require(thrust && (thrust->has("coefficient") || thrust->has("hover") || (every_own && !rotors.empty())),
-          "under [thrust] coefficient [N/(rad/s)^2], or hover = the input (throttle 0..1, pwm or rad/s) that carries the weight: "
+          "under [thrust] coefficient [N/(rad/s)^2], or hover = the input (throttle 0..1, pwm or rad/s) that carries "
+          "the weight: "
           "without one of them nothing says how much a rotor pushes");
   if (missing.empty()) return;
-  throw ConfigError(fmt::format("{}: {} missing:\n  {}\n(`gustlab defaults vehicle` prints a whole file, `gustlab vehicle new` writes one)",
-                                document.path(), missing.size() == 1 ? "one required key is" : fmt::format("{} required keys are", missing.size()),
-                                fmt::join(missing, "\n  ")));
+  throw ConfigError(fmt::format(
+      "{}: {} missing:\n  {}\n(`gustlab defaults vehicle` prints a whole file, `gustlab vehicle new` writes one)",
+      document.path(),
+      missing.size() == 1 ? "one required key is" : fmt::format("{} required keys are", missing.size()),
+      fmt::join(missing, "\n  ")));
 }
 
 // places and directions; returns each rotor's own thrust coefficient where it says one
@@ -78,7 +88,8 @@ std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& 
   std::vector<std::optional<double>> own_coefficient;
   std::vector<Table> tables = document.tables("rotor");
   if (tables.size() < 3 || tables.size() > static_cast<std::size_t>(max_rotors))
-    document.fail("rotor", fmt::format("{} rotors", tables.size()), "a multirotor here has 3 to 8", "write one [[rotor]] for each");
+    document.fail("rotor", fmt::format("{} rotors", tables.size()), "a multirotor here has 3 to 8",
+                  "write one [[rotor]] for each");
   vehicle.rotor_count = static_cast<int>(tables.size());
   std::vector<std::string> names;
   for (const MjcfBody::Site& site : body.sites) names.push_back(site.name);
@@ -88,9 +99,10 @@ std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& 
     rotor.site = table.need_text("site");
     const auto site = std::find(names.begin(), names.end(), rotor.site);
     if (site == names.end())
-      table.fail("site", fmt::format("there is no site \"{}\" in {}", rotor.site, vehicle.mjcf_path),
-                 fmt::format("sites on the vehicle: {}", names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))),
-                 config::suggest(rotor.site, names));
+      table.fail(
+          "site", fmt::format("there is no site \"{}\" in {}", rotor.site, vehicle.mjcf_path),
+          fmt::format("sites on the vehicle: {}", names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))),
+          config::suggest(rotor.site, names));
     for (std::size_t j = 0; j < i; ++j)
       if (vehicle.rotors[j].site == rotor.site)
         table.fail("site", fmt::format("site \"{}\" carries two rotors", rotor.site), "", "give each rotor its own");
@@ -99,7 +111,8 @@ std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& 
     rotor.axis_B = hub.axis_B;
     const std::string direction = table.need_text("direction");
     if (direction != "ccw" && direction != "cw")
-      table.fail("direction", fmt::format("\"{}\" is not a direction", direction), "", "write \"ccw\" or \"cw\", seen from above");
+      table.fail("direction", fmt::format("\"{}\" is not a direction", direction), "",
+                 "write \"ccw\" or \"cw\", seen from above");
     rotor.direction = direction == "ccw" ? 1.0 : -1.0;
     own_coefficient.push_back(positive(table, "coefficient"));
   }
@@ -113,12 +126,14 @@ VehicleModel read_vehicle(const std::string& name_or_path, const std::string& fr
   check_required(document);
   const std::string format = document.need_text("format");
   if (format != format_name)
-    document.fail("format", fmt::format("format \"{}\" is not a vehicle's", format), "", fmt::format("write \"{}\"", format_name));
+    document.fail("format", fmt::format("format \"{}\" is not a vehicle's", format), "",
+                  fmt::format("write \"{}\"", format_name));
 
   VehicleModel vehicle;
   vehicle.source_path = document.path();
   const fs::path file = fs::absolute(document.path());
-  vehicle.name = document.text("name").value_or(file.filename() == "vehicle.toml" ? file.parent_path().filename().string() : file.stem().string());
+  vehicle.name = document.text("name").value_or(
+      file.filename() == "vehicle.toml" ? file.parent_path().filename().string() : file.stem().string());
   vehicle.mjcf_path = mjcf_file(document);
   const MjcfBody body = read_mjcf(vehicle.mjcf_path);
   vehicle.mass_kg = body.mass_kg;
@@ -131,9 +146,10 @@ VehicleModel read_vehicle(const std::string& name_or_path, const std::string& fr
   document.finish();
 
   if (vehicle.hover_speed_radps() > vehicle.max_speed_radps)
-    throw ConfigError(fmt::format("{}: the vehicle cannot hover (it takes {:.4g} rad/s, max_speed_radps is {:.4g}) "
-                                  "check the units of coefficient and mass",
-                                  vehicle.source_path, vehicle.hover_speed_radps(), vehicle.max_speed_radps));
+    throw ConfigError(
+        fmt::format("{}: the vehicle cannot hover (it takes {:.4g} rad/s, max_speed_radps is {:.4g}) "
+                    "check the units of coefficient and mass",
+                    vehicle.source_path, vehicle.hover_speed_radps(), vehicle.max_speed_radps));
   vehicle.source_bytes = read_file<ConfigError>(vehicle.source_path) + '\0' + body.bytes;
   return vehicle;
 }

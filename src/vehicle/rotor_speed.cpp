@@ -37,8 +37,9 @@ double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, Actuat
       break;
   }
   if (speed) return *speed;
-  throw DataError(fmt::format("{}: nothing says what {} does (the log's inputs are {}) add [actuator] {} or {}_thrust, or [thrust] hover",
-                              vehicle.source_path, to_string(kind), to_string(kind), to_string(kind), to_string(kind)));
+  throw DataError(fmt::format(
+      "{}: nothing says what {} does (the log's inputs are {}) add [actuator] {} or {}_thrust, or [thrust] hover",
+      vehicle.source_path, to_string(kind), to_string(kind), to_string(kind), to_string(kind)));
 }
 
 }  // namespace gustlab

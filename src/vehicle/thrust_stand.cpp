@@ -14,9 +14,9 @@ namespace gustlab {
 
 namespace {
 
-constexpr double gravity_mps2 = 9.80665;             // of the units gf and kgf (CGPM 1901)
+constexpr double gravity_mps2 = 9.80665;  // of the units gf and kgf (CGPM 1901)
 constexpr std::size_t fewest_rows = 5;
-constexpr double least_voltage_spread = 0.02;        // of the mean: less does not tell an exponent
+constexpr double least_voltage_spread = 0.02;  // of the mean: less does not tell an exponent
 constexpr int voltage_rounds = 50;
 
 // A column that may be written in several units, as SI.
@@ -27,7 +27,8 @@ struct Quantity {
   };
   std::vector<Name> names;
 };
-const Quantity thrust{{{"thrust_N", 1.0, 0.0}, {"thrust_gf", 1e-3 * gravity_mps2, 0.0}, {"thrust_kgf", gravity_mps2, 0.0}}};
+const Quantity thrust{
+    {{"thrust_N", 1.0, 0.0}, {"thrust_gf", 1e-3 * gravity_mps2, 0.0}, {"thrust_kgf", gravity_mps2, 0.0}}};
 const Quantity torque{{{"torque_Nm", 1.0, 0.0}}};
 const Quantity speed{{{"speed_radps", 1.0, 0.0}, {"speed_rpm", pi / 30.0, 0.0}}};
 const Quantity voltage{{{"voltage_V", 1.0, 0.0}}};
@@ -41,8 +42,11 @@ std::optional<Eigen::VectorXd> read_column(const CsvNumbers& csv, const Quantity
     const auto index = static_cast<std::size_t>(found - csv.names().begin());
     const std::vector<double>& column = csv.column(index);
     for (std::size_t row = 0; row < column.size(); ++row)
-      if (std::isnan(column[row])) throw DataError(fmt::format("{}: the cell of \"{}\" is empty", csv.where(row, index), name));
-    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size())).array() * factor + offset);
+      if (std::isnan(column[row]))
+        throw DataError(fmt::format("{}: the cell of \"{}\" is empty", csv.where(row, index), name));
+    return Eigen::VectorXd(
+        Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size())).array() * factor +
+        offset);
   }
   return std::nullopt;
 }
@@ -54,7 +58,8 @@ Estimate proportion(const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
 }
 
 // f = (c0 + c1 u + c2 u²) (V / V₀)^a, least squares, the two parts in turn
-void fit_input(const Eigen::VectorXd& u, const Eigen::VectorXd& thrust_N, const std::optional<Eigen::VectorXd>& voltage_V, ThrustStand& out) {
+void fit_input(const Eigen::VectorXd& u, const Eigen::VectorXd& thrust_N,
+               const std::optional<Eigen::VectorXd>& voltage_V, ThrustStand& out) {
   Eigen::MatrixXd powers(u.size(), 3);
   powers << Eigen::VectorXd::Ones(u.size()), u, u.cwiseAbs2();
   const auto decomposition = powers.colPivHouseholderQr();
@@ -62,8 +67,10 @@ void fit_input(const Eigen::VectorXd& u, const Eigen::VectorXd& thrust_N, const 
     out.unknown.emplace_back("the map from the input to thrust: it was measured at fewer than three inputs");
     return;
   }
-  const bool varied = voltage_V && (voltage_V->maxCoeff() - voltage_V->minCoeff()) > least_voltage_spread * voltage_V->mean();
-  const Eigen::ArrayXd log_voltage = varied ? (voltage_V->array() / *out.nominal_voltage_V).log().eval() : Eigen::ArrayXd::Zero(u.size());
+  const bool varied =
+      voltage_V && (voltage_V->maxCoeff() - voltage_V->minCoeff()) > least_voltage_spread * voltage_V->mean();
+  const Eigen::ArrayXd log_voltage =
+      varied ? (voltage_V->array() / *out.nominal_voltage_V).log().eval() : Eigen::ArrayXd::Zero(u.size());
   Vector3 c = decomposition.solve(thrust_N);
   double exponent = 0.0;
   Eigen::ArrayXd scale = Eigen::ArrayXd::Ones(u.size());
@@ -80,12 +87,14 @@ void fit_input(const Eigen::VectorXd& u, const Eigen::VectorXd& thrust_N, const 
   out.thrust_misfit_N = misfit.norm() / std::sqrt(static_cast<double>(u.size()));
   out.input_thrust = {c[0], c[1], c[2]};
   if (!varied) {
-    out.unknown.emplace_back(voltage_V ? "what the voltage does: it varied by less than 2 %" : "what the voltage does: there is no column voltage_V");
+    out.unknown.emplace_back(voltage_V ? "what the voltage does: it varied by less than 2 %"
+                                       : "what the voltage does: there is no column voltage_V");
     return;
   }
   Eigen::MatrixXd slope(u.size(), 4);
   slope << (powers.array().colwise() * scale).matrix(), ((powers * c).array() * scale * log_voltage).matrix();
-  const Eigen::Matrix4d covariance = (slope.transpose() * slope).inverse() * misfit.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, u.size() - 4));
+  const Eigen::Matrix4d covariance = (slope.transpose() * slope).inverse() * misfit.squaredNorm() /
+                                     static_cast<double>(std::max<Eigen::Index>(1, u.size() - 4));
   out.voltage_exponent = Estimate{exponent, std::sqrt(covariance(3, 3))};
 }
 
@@ -94,14 +103,19 @@ void fit_input(const Eigen::VectorXd& u, const Eigen::VectorXd& thrust_N, const 
 ThrustStand read_thrust_stand(const std::string& csv_path) {
   const CsvNumbers csv(csv_path, [](std::string_view) { return false; });
   const auto measured_thrust_N = read_column(csv, thrust);
-  if (!measured_thrust_N) throw DataError(fmt::format("{}:1:1: column \"thrust_N\" is missing (or thrust_gf, thrust_kgf)", csv_path));
-  if (csv.rows() < fewest_rows) throw DataError(fmt::format("{}: {} rows are too few (at least {})", csv_path, csv.rows(), fewest_rows));
-  if (!(measured_thrust_N->maxCoeff() > 0.0)) throw DataError(fmt::format("{}: no row has thrust above zero (it is positive upwards)", csv_path));
+  if (!measured_thrust_N)
+    throw DataError(fmt::format("{}:1:1: column \"thrust_N\" is missing (or thrust_gf, thrust_kgf)", csv_path));
+  if (csv.rows() < fewest_rows)
+    throw DataError(fmt::format("{}: {} rows are too few (at least {})", csv_path, csv.rows(), fewest_rows));
+  if (!(measured_thrust_N->maxCoeff() > 0.0))
+    throw DataError(fmt::format("{}: no row has thrust above zero (it is positive upwards)", csv_path));
   ThrustStand out;
   out.rows = csv.rows();
-  const auto speed_radps = read_column(csv, speed), torque_Nm = read_column(csv, torque), voltage_V = read_column(csv, voltage);
+  const auto speed_radps = read_column(csv, speed), torque_Nm = read_column(csv, torque),
+             voltage_V = read_column(csv, voltage);
   if (voltage_V) out.nominal_voltage_V = voltage_V->mean();
-  if (speed_radps && speed_radps->squaredNorm() > 0.0) out.coefficient_Ns2 = proportion(speed_radps->cwiseAbs2(), *measured_thrust_N);
+  if (speed_radps && speed_radps->squaredNorm() > 0.0)
+    out.coefficient_Ns2 = proportion(speed_radps->cwiseAbs2(), *measured_thrust_N);
   else out.unknown.emplace_back("the thrust coefficient: there is no column speed_radps or speed_rpm");
   if (torque_Nm) {
     out.torque_ratio_m = proportion(*measured_thrust_N, *torque_Nm);
@@ -111,7 +125,8 @@ ThrustStand read_thrust_stand(const std::string& csv_path) {
   }
   const auto as_throttle = read_column(csv, throttle), as_pwm = read_column(csv, pwm);
   if (as_throttle && (as_throttle->minCoeff() < -0.05 || as_throttle->maxCoeff() > 1.05))
-    throw DataError(fmt::format("{}: throttle is from 0 to 1 and pulse_us from 1000 to 2000 (here {:.3g} to {:.3g})", csv_path, as_throttle->minCoeff(), as_throttle->maxCoeff()));
+    throw DataError(fmt::format("{}: throttle is from 0 to 1 and pulse_us from 1000 to 2000 (here {:.3g} to {:.3g})",
+                                csv_path, as_throttle->minCoeff(), as_throttle->maxCoeff()));
   out.input = as_throttle ? "throttle" : as_pwm ? "pwm" : "";
   if (as_throttle || as_pwm) fit_input(as_throttle ? *as_throttle : *as_pwm, *measured_thrust_N, voltage_V, out);
   else out.unknown.emplace_back("the map from the input to thrust: there is no column throttle, pulse_us or pwm");

@@ -14,15 +14,15 @@ struct Estimate {
 };
 
 struct ThrustStand {
-  std::optional<Estimate> coefficient_Ns2;                 // thrust = coefficient Ω²
-  std::optional<Estimate> torque_ratio_m;                  // torque = ratio × thrust
-  std::string input;                                       // throttle | pwm; empty: none was measured
-  std::optional<std::array<double, 3>> input_thrust;       // f = c0 + c1 u + c2 u² at the nominal voltage, N
-  std::optional<Estimate> voltage_exponent;                // f goes with this power of the voltage
-  std::optional<double> nominal_voltage_V;                 // mean of the rows
-  double thrust_misfit_N = 0.0;                            // rms of the best map's residual
+  std::optional<Estimate> coefficient_Ns2;            // thrust = coefficient Ω²
+  std::optional<Estimate> torque_ratio_m;             // torque = ratio × thrust
+  std::string input;                                  // throttle | pwm; empty: none was measured
+  std::optional<std::array<double, 3>> input_thrust;  // f = c0 + c1 u + c2 u² at the nominal voltage, N
+  std::optional<Estimate> voltage_exponent;           // f goes with this power of the voltage
+  std::optional<double> nominal_voltage_V;            // mean of the rows
+  double thrust_misfit_N = 0.0;                       // rms of the best map's residual
   std::size_t rows = 0;
-  std::vector<std::string> unknown;                        // what was not measured, or not varied
+  std::vector<std::string> unknown;  // what was not measured, or not varied
 };
 
 // Columns: thrust_N | thrust_gf | thrust_kgf, and any of torque_Nm, speed_radps | speed_rpm, voltage_V, and throttle (0..1) |

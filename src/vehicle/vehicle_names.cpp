@@ -10,7 +10,8 @@ std::vector<std::string> vehicle_names() {
   for (const std::filesystem::path& home : resource_homes()) {
     std::error_code error;
     for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(home / "models", error))
-      if (std::filesystem::exists(entry.path() / "vehicle.toml", error)) names.push_back(entry.path().filename().string());
+      if (std::filesystem::exists(entry.path() / "vehicle.toml", error))
+        names.push_back(entry.path().filename().string());
   }
   std::sort(names.begin(), names.end());
   names.erase(std::unique(names.begin(), names.end()), names.end());

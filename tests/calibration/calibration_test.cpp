@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "gustlab/errors.hpp"
-#include "sweep/sweep.hpp"
 #include "support/experiments.hpp"
+#include "sweep/sweep.hpp"
 
 namespace gustlab {
 namespace {
@@ -25,7 +25,8 @@ mean_x = 0.01
 )";
 
 Calibration calibration(std::int64_t first_replicate) {
-  CalibrationStage stage{"gust", 25, {{"hover", "pid", 0, Statistic::mean}}, {{"effect.gust.mean_x", 0.005, 0.05, 0.01, true, "N"}}};
+  CalibrationStage stage{
+      "gust", 25, {{"hover", "pid", 0, Statistic::mean}}, {{"effect.gust.mean_x", 0.005, 0.05, 0.01, true, "N"}}};
   return {"t", first_replicate, 2, {stage}};
 }
 
@@ -96,7 +97,8 @@ TEST(Calibration, RefusesSeedsThatAreReported) {
   const std::atomic<bool> stop = false;
   const auto message = [&](const std::string& experiment, std::int64_t first, const Published& paper) -> std::string {
     try {
-      calibrate(experiment, {"first_replicate=900"}, calibration(first), paper, 1, stop, [](std::size_t, std::size_t) {});
+      calibrate(experiment, {"first_replicate=900"}, calibration(first), paper, 1, stop,
+                [](std::size_t, std::size_t) {});
     } catch (const ConfigError& error) {
       return error.what();
     }
@@ -123,14 +125,21 @@ std::string reading(const std::string& text) {
 
 TEST(Calibration, SaysWhatIsWrongAndWhere) {
   const std::string head = "format = \"gustlab-calibration/1\"\ntable = \"table2\"\n[[stage]]\nname = \"s\"\n";
-  const std::string target = "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rmse_xy_m\"]}]\n";
+  const std::string target =
+      "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rmse_xy_m\"]}]\n";
   const std::string parameter = "parameters = [{key = \"duration_s\", min = 1, start = 2, max = 3}]\n";
   EXPECT_EQ(reading(head + target + parameter), "read");
   EXPECT_THAT(reading(head + parameter), HasSubstr("\"targets\" is empty"));
-  EXPECT_THAT(reading(head + target + "parameters = [{key = \"duration_s\", min = 1, start = 5, max = 3}]\n"), HasSubstr("c.toml:6:"));
-  EXPECT_THAT(reading(head + "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rms\"]}]\n" + parameter),
-              HasSubstr("\"rms\" is no metric"));
-  EXPECT_THAT(reading(head + "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rmse_xy_m\"], statistics = [\"max\"]}]\n" + parameter),
+  EXPECT_THAT(reading(head + target + "parameters = [{key = \"duration_s\", min = 1, start = 5, max = 3}]\n"),
+              HasSubstr("c.toml:6:"));
+  EXPECT_THAT(
+      reading(head + "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rms\"]}]\n" +
+              parameter),
+      HasSubstr("\"rms\" is no metric"));
+  EXPECT_THAT(reading(head +
+                      "targets = [{trajectories = [\"circle\"], controllers = [\"pid\"], metrics = [\"rmse_xy_m\"], "
+                      "statistics = [\"max\"]}]\n" +
+                      parameter),
               HasSubstr("c.toml:5:101: \"max\" is no statistic"));
 }
 
@@ -140,10 +149,12 @@ TEST(Calibration, SaysWhereItsFileDoesNotFitTheExperiment) {
   const std::string path = folder.write("e.toml", experiment_text);
   const auto message = [&](const std::string& table, const std::string& controller, const std::string& key,
                            int replicates = 10) -> std::string {
-    const Calibration asked = read_calibration(folder.write(
-        "c.toml", "format = \"gustlab-calibration/1\"\ntable = \"" + table + "\"\nreplicates = " + std::to_string(replicates) + "\n[[stage]]\nname = \"s\"\n" +
-                      "targets = [{trajectories = [\"hover\"], controllers = [\"" + controller + "\"], metrics = [\"rmse_xy_m\"]}]\n" +
-                      "parameters = [{key = \"" + key + "\", min = 0.005, start = 0.01, max = 0.05}]\n"));
+    const Calibration asked = read_calibration(
+        folder.write("c.toml", "format = \"gustlab-calibration/1\"\ntable = \"" + table +
+                                   "\"\nreplicates = " + std::to_string(replicates) + "\n[[stage]]\nname = \"s\"\n" +
+                                   "targets = [{trajectories = [\"hover\"], controllers = [\"" + controller +
+                                   "\"], metrics = [\"rmse_xy_m\"]}]\n" + "parameters = [{key = \"" + key +
+                                   "\", min = 0.005, start = 0.01, max = 0.05}]\n"));
     const std::atomic<bool> stop = true;
     try {
       calibrate(path, {}, asked, published(0.1), 1, stop, [](std::size_t, std::size_t) { ADD_FAILURE() << "flew"; });
@@ -154,8 +165,10 @@ TEST(Calibration, SaysWhereItsFileDoesNotFitTheExperiment) {
   };
   EXPECT_THAT(message("u", "pid", "effect.gust.mean_x"), HasSubstr("c.toml:6:53: u has no row hover pid"));
   EXPECT_THAT(message("t", "pdi", "effect.gust.mean_x"), HasSubstr("c.toml:6:53: t has no row hover pdi"));
-  EXPECT_THAT(message("t", "pid", "effect.gust.man_x"), HasSubstr("c.toml:7:22: unknown key \"man_x\" did you mean \"mean_x\"?"));
-  EXPECT_THAT(message("t", "pid", "effect.gust.mean_x", 0), HasSubstr("c.toml:3:14: \"replicates\" is out of range (0 is not from 1 to 1e+06)"));
+  EXPECT_THAT(message("t", "pid", "effect.gust.man_x"),
+              HasSubstr("c.toml:7:22: unknown key \"man_x\" did you mean \"mean_x\"?"));
+  EXPECT_THAT(message("t", "pid", "effect.gust.mean_x", 0),
+              HasSubstr("c.toml:3:14: \"replicates\" is out of range (0 is not from 1 to 1e+06)"));
 }
 
 // what is shipped is read, and every target of it was published
@@ -169,10 +182,12 @@ TEST(Calibration, ShippedOnesLookAtPublishedCells) {
     // neither the ten reported gusts nor those that the experiment itself flies
     EXPECT_GT(shipped.first_replicate, 10) << name;
     EXPECT_TRUE(shipped.first_replicate >= experiment.first_replicate + experiment.replicates ||
-                shipped.first_replicate + shipped.replicates <= experiment.first_replicate) << name;
+                shipped.first_replicate + shipped.replicates <= experiment.first_replicate)
+        << name;
     for (const CalibrationStage& stage : shipped.stages)
       for (const Target& cell : stage.targets)
-        EXPECT_NE(all.find(shipped.table, cell.trajectory, cell.controller), nullptr) << name << " " << cell.trajectory << " " << cell.controller;
+        EXPECT_NE(all.find(shipped.table, cell.trajectory, cell.controller), nullptr)
+            << name << " " << cell.trajectory << " " << cell.controller;
   }
 }
 

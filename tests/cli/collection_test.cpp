@@ -29,7 +29,8 @@ ResidualModel read_model(const std::string& path) {
 std::vector<std::string> logs_in(const fs::path& folder, const std::vector<std::string>& variants) {
   std::vector<std::string> logs;
   for (const std::string& variant : variants)
-    for (const char* name : {"circle_pid_101.csv", "circle_pid_102.csv", "lemniscate_pid_101.csv", "lemniscate_pid_102.csv"})
+    for (const char* name :
+         {"circle_pid_101.csv", "circle_pid_102.csv", "lemniscate_pid_101.csv", "lemniscate_pid_102.csv"})
       logs.push_back((folder / variant / name).string());
   return logs;
 }
@@ -41,7 +42,8 @@ TEST(Collection, LeadsToTheModelOfAsindy) {
   ASSERT_EQ(flown.exit_code, 0) << flown.err;
 
   // rows 25 ms apart, between which nobody knows the command
-  const std::vector<std::string> logs = logs_in(folder.file("logs"), {"calm", "breeze", "north", "west", "quick", "strong"});
+  const std::vector<std::string> logs =
+      logs_in(folder.file("logs"), {"calm", "breeze", "north", "west", "quick", "strong"});
   const FlightLog log = read_flight_log(logs[0]);
   ASSERT_EQ(log.rows(), 2400u);
   EXPECT_NEAR(log.time_s[1] - log.time_s[0], 0.025, 1e-9);
@@ -49,7 +51,8 @@ TEST(Collection, LeadsToTheModelOfAsindy) {
 
   std::vector<std::string> command{"identify"};
   command.insert(command.end(), logs.begin(), logs.end());
-  for (const char* word : {"--known", "thrust", "--smooth", "5", "--trim", "1", "--optimizer", "sr3", "--library", "1,T sin theta,T sin phi", "--out"})
+  for (const char* word : {"--known", "thrust", "--smooth", "5", "--trim", "1", "--optimizer", "sr3", "--library",
+                           "1,T sin theta,T sin phi", "--out"})
     command.emplace_back(word);
   command.push_back(folder.file("model.toml"));
   const Said identified = gustlab(command);
@@ -59,7 +62,8 @@ TEST(Collection, LeadsToTheModelOfAsindy) {
   const ResidualModel shipped = read_model((fs::path(source_directory()) / "configs/asindy.toml").string());
   ASSERT_EQ(found.terms().size(), shipped.terms().size());
   for (std::size_t i = 0; i < found.terms().size(); ++i) EXPECT_EQ(found.terms()[i].name(), shipped.terms()[i].name());
-  EXPECT_LT((found.coefficients() - shipped.coefficients()).cwiseAbs().maxCoeff(), 1e-6);  // what the last digits of the simulation may change
+  EXPECT_LT((found.coefficients() - shipped.coefficients()).cwiseAbs().maxCoeff(),
+            1e-6);  // what the last digits of the simulation may change
 }
 
 // the logs are those of the very runs that the table of runs has
@@ -97,16 +101,25 @@ name = "short"
 set = ["duration_s = 0.5"]
 )");
   ASSERT_EQ(gustlab({"sweep", path, "--out", folder.file("o")}).exit_code, 0);
-  EXPECT_THAT(read_text(folder.file("o/calm/runs.csv")), testing::HasSubstr("\ne.calm,crazyflie,hover,pid,1,completed,1,"));
-  EXPECT_THAT(read_text(folder.file("o/short/runs.csv")), testing::HasSubstr("\ne.short,crazyflie,hover,pid,1,completed,0.5,"));
-  EXPECT_THAT(gustlab({"sweep", path, "--dry-run"}).out, testing::StartsWith("variant,trajectory,controller,replicate,key\ncalm,hover,pid,1,"));
-  EXPECT_EQ(gustlab({"run", path, "--variant", "short", "--trajectory", "hover", "--controller", "pid", "--out", folder.file("r")}).exit_code, 0);
+  EXPECT_THAT(read_text(folder.file("o/calm/runs.csv")),
+              testing::HasSubstr("\ne.calm,crazyflie,hover,pid,1,completed,1,"));
+  EXPECT_THAT(read_text(folder.file("o/short/runs.csv")),
+              testing::HasSubstr("\ne.short,crazyflie,hover,pid,1,completed,0.5,"));
+  EXPECT_THAT(gustlab({"sweep", path, "--dry-run"}).out,
+              testing::StartsWith("variant,trajectory,controller,replicate,key\ncalm,hover,pid,1,"));
+  EXPECT_EQ(gustlab({"run", path, "--variant", "short", "--trajectory", "hover", "--controller", "pid", "--out",
+                     folder.file("r")})
+                .exit_code,
+            0);
   EXPECT_THAT(read_text(folder.file("r/outcome.json")), testing::HasSubstr("\"duration_s\": 0.5"));
 
-  const Said unknown = gustlab({"run", path, "--variant", "shrt", "--trajectory", "hover", "--controller", "pid", "--out", folder.file("x")});
+  const Said unknown = gustlab(
+      {"run", path, "--variant", "shrt", "--trajectory", "hover", "--controller", "pid", "--out", folder.file("x")});
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.err, testing::HasSubstr("there is no variant \"shrt\" (it has calm, short) did you mean \"short\"?"));
-  const Said twice = gustlab({"sweep", folder.write("t.toml", read_text(path) + "[[variant]]\nname = \"calm\"\n"), "--out", folder.file("y")});
+  EXPECT_THAT(unknown.err,
+              testing::HasSubstr("there is no variant \"shrt\" (it has calm, short) did you mean \"short\"?"));
+  const Said twice = gustlab(
+      {"sweep", folder.write("t.toml", read_text(path) + "[[variant]]\nname = \"calm\"\n"), "--out", folder.file("y")});
   EXPECT_EQ(twice.exit_code, 2);
   EXPECT_THAT(twice.err, testing::HasSubstr("t.toml:17:8: variant \"calm\" is here twice"));
   EXPECT_FALSE(fs::exists(folder.file("y")));

@@ -26,7 +26,8 @@ type = "constant_force"
 class SilentInput {
  public:
   SilentInput() {
-    if (pipe(ends_) != 0 || (before_ = dup(STDIN_FILENO)) < 0 || dup2(ends_[0], STDIN_FILENO) < 0) throw std::runtime_error("no pipe");
+    if (pipe(ends_) != 0 || (before_ = dup(STDIN_FILENO)) < 0 || dup2(ends_[0], STDIN_FILENO) < 0)
+      throw std::runtime_error("no pipe");
   }
   ~SilentInput() {
     dup2(before_, STDIN_FILENO);
@@ -59,7 +60,8 @@ TEST_P(Divergence, IsAResultAndLeavesNothingElse) {
   const test::Said table = gustlab({"table", "all", "--format", "md"});
   EXPECT_THAT(table.out, ::testing::HasSubstr("| 0/2 |"));
   std::vector<std::string> left;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) left.push_back(entry.path().filename().string());
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    left.push_back(entry.path().filename().string());
   EXPECT_THAT(left, ::testing::UnorderedElementsAre("torn.toml", "one", "all"));
 }
 

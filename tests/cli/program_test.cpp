@@ -11,10 +11,10 @@
 namespace gustlab {
 namespace {
 
+using test::Said;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-using test::Said;
 
 TEST(Program, SaysItsVersionAndHelp) {
   const Said version = test::gustlab({"--version"});
@@ -47,7 +47,8 @@ TEST(Program, ListsEveryRegistry) {
   ASSERT_EQ(said.exit_code, 0) << said.err;
   const auto all = nlohmann::json::parse(said.out);
   ASSERT_EQ(all["effects"].size(), effect_registry().size());
-  for (std::size_t i = 0; i < effect_registry().size(); ++i) EXPECT_EQ(all["effects"][i]["name"], effect_registry()[i].name);
+  for (std::size_t i = 0; i < effect_registry().size(); ++i)
+    EXPECT_EQ(all["effects"][i]["name"], effect_registry()[i].name);
   EXPECT_EQ(all["controllers"].size(), controller_registry().size());
   EXPECT_EQ(all["trajectories"].size(), trajectory_registry().size());
   EXPECT_GE(all["vehicles"].size(), 4u);

@@ -46,7 +46,9 @@ struct Sample final : Parameterized {
 };
 
 TEST(Table, ReadsEveryTypeAndAnIntegerAsANumber) {
-  Table table = Table::parse("a = 1\nb = 2.5\nc = true\nd = 'x'\ne = [1, 2.5]\nf = ['p', 'q']\n[g]\nh = 7\n[[i]]\nj = 1\n[[i]]\nj = 2\n", "f.toml");
+  Table table = Table::parse(
+      "a = 1\nb = 2.5\nc = true\nd = 'x'\ne = [1, 2.5]\nf = ['p', 'q']\n[g]\nh = 7\n[[i]]\nj = 1\n[[i]]\nj = 2\n",
+      "f.toml");
   EXPECT_EQ(table.number("a"), 1.0);
   EXPECT_EQ(table.integer("a"), 1);
   EXPECT_EQ(table.number("b"), 2.5);
@@ -71,19 +73,22 @@ TEST(Table, SyntaxErrorHasItsPlace) {
 }
 
 TEST(Table, MissingFileIsNamed) {
-  EXPECT_EQ(message([] { Table::read_file("/nonexistent/x.toml"); }), "/nonexistent/x.toml: cannot read (No such file or directory)");
+  EXPECT_EQ(message([] { Table::read_file("/nonexistent/x.toml"); }),
+            "/nonexistent/x.toml: cannot read (No such file or directory)");
 }
 
 TEST(Table, WrongTypeSaysWhatIsThere) {
   Table table = Table::parse("\n  gain = 'much'\nlist = [1, 'x']\n[t]\n", "f.toml");
   EXPECT_EQ(message([&] { table.number("gain"); }), "f.toml:2:10: \"gain\" must be a number (this is a string)");
-  EXPECT_EQ(message([&] { table.numbers("list"); }), "f.toml:3:12: \"list\" must be an array of numbers (this entry is a string)");
+  EXPECT_EQ(message([&] { table.numbers("list"); }),
+            "f.toml:3:12: \"list\" must be an array of numbers (this entry is a string)");
   Table infinite = Table::parse("a = inf\nb = [1, nan]\nc = [[1, 2], [3, -inf]]\n", "f.toml");
   EXPECT_EQ(message([&] { infinite.number("a"); }), "f.toml:1:5: \"a\" must be finite");
   EXPECT_EQ(message([&] { infinite.numbers("b"); }), "f.toml:2:5: \"b\" must be finite");
   EXPECT_EQ(message([&] { infinite.number_rows("c"); }), "f.toml:3:5: \"c\" must be finite");
   EXPECT_EQ(message([&] { table.integer("t"); }), "f.toml:4:1: \"t\" must be an integer (this is a table)");
-  EXPECT_EQ(message([&] { table.tables("t"); }), "f.toml:4:1: \"t\" must be tables, each under [[t]] (this is a table)");
+  EXPECT_EQ(message([&] { table.tables("t"); }),
+            "f.toml:4:1: \"t\" must be tables, each under [[t]] (this is a table)");
   EXPECT_EQ(message([&] { table.need_text("name"); }), "f.toml:1:1: \"name\" is missing (a string is needed here)");
 }
 
@@ -97,7 +102,8 @@ TEST(Table, UnknownKeyIsSuggested) {
 
 TEST(Table, OverridesReplaceAndAddAndSayWhereTheyCameFrom) {
   const std::string text = "step = 1\nname = 'x'\n[a.b]\nc = 1\n[[effect]]\ntype = 'gust'\nsigma = 1\n";
-  Table table = Table::parse(text, "f.toml", {"step=2.5", "a.b.c=7", "a.b.d=[1, 2]", "name=iris", "effect.gust.sigma=0"});
+  Table table =
+      Table::parse(text, "f.toml", {"step=2.5", "a.b.c=7", "a.b.d=[1, 2]", "name=iris", "effect.gust.sigma=0"});
   EXPECT_EQ(table.number("step"), 2.5);
   EXPECT_EQ(table.text("name"), "iris");
   Table b = *table.table("a")->table("b");
@@ -114,11 +120,14 @@ TEST(Table, OverridesReplaceAndAddAndSayWhereTheyCameFrom) {
 }
 
 TEST(Table, LiteralsReadBackTheSame) {
-  const std::string text = "a = 1\nb = 2.0\nc = 0.1\nd = \"q\\\"\\n\"\ne = [1, 'x']\nf = {g = true}\nh = 1979-05-27\ni = 1e-7\n";
+  const std::string text =
+      "a = 1\nb = 2.0\nc = 0.1\nd = \"q\\\"\\n\"\ne = [1, 'x']\nf = {g = true}\nh = 1979-05-27\ni = 1e-7\n";
   Table table = Table::parse(text, "f");
   std::string again;
   for (const std::string& key : table.keys()) again += key + " = " + *table.literal(key) + "\n";
-  EXPECT_EQ(again, "a = 1\nb = 2.0\nc = 0.1\nd = \"q\\\"\\n\"\ne = [1, \"x\"]\nf = { \"g\" = true }\nh = 1979-05-27\ni = 1e-07\n");
+  EXPECT_EQ(
+      again,
+      "a = 1\nb = 2.0\nc = 0.1\nd = \"q\\\"\\n\"\ne = [1, \"x\"]\nf = { \"g\" = true }\nh = 1979-05-27\ni = 1e-07\n");
   Table reread = Table::parse(again, "f");
   for (const std::string& key : table.keys()) EXPECT_EQ(table.literal(key), reread.literal(key));
 }
@@ -171,14 +180,16 @@ TEST(EffectSpecs, KeepTheirPlaces) {
   EXPECT_EQ(specs[0].type, "x");
   EXPECT_EQ(specs[0].where, "f.toml:1:1");
   Sample sample;
-  EXPECT_EQ(message([&] { read_parameters(specs[0], sample); }), "f.toml:4:8: unknown key \"gian\" did you mean \"gain\"?");
+  EXPECT_EQ(message([&] { read_parameters(specs[0], sample); }),
+            "f.toml:4:8: unknown key \"gian\" did you mean \"gain\"?");
 }
 
 TEST(EffectSpecs, SayWhereAnEntryIsWrong) {
   Table document = Table::parse("[[effect]]\ntype = 'x'\nnames = ['a', 2]\n", "f.toml");
   const auto specs = read_effects(document);
   Sample sample;
-  EXPECT_EQ(message([&] { read_parameters(specs[0], sample); }), "f.toml:3:9: \"names\" must be an array of strings (this entry is an integer)");
+  EXPECT_EQ(message([&] { read_parameters(specs[0], sample); }),
+            "f.toml:3:9: \"names\" must be an array of strings (this entry is an integer)");
 }
 
 // GIVEN an object that finds a parameter wrong WHEN its spec is at hand THEN the place is said, else it is left to who knows it
@@ -196,13 +207,17 @@ TEST(EffectSpecs, KnowThePlaceOfWhatAnObjectFindsWrong) {
 }
 
 TEST(EffectSpecs, LaterReplaceEarlierOfTheSameTypeInPlace) {
-  const EffectSpec a{"a", {{"k", "1"}}, "f:1:1", {}}, b{"b", {}, "f:2:1", {}}, a2{"a", {{"k", "2"}}, "g:1:1", {}}, c{"c", {}, "g:2:1", {}};
+  const EffectSpec a{"a", {{"k", "1"}}, "f:1:1", {}}, b{"b", {}, "f:2:1", {}}, a2{"a", {{"k", "2"}}, "g:1:1", {}},
+      c{"c", {}, "g:2:1", {}};
   const auto merged = merge_effects({a, b}, {c, a2});
   ASSERT_EQ(merged.size(), 3u);
   EXPECT_EQ(merged[0].values[0].second, "2");
   EXPECT_EQ(merged[1].type, "b");
   EXPECT_EQ(merged[2].type, "c");
-  EXPECT_EQ(message([&] { merge_effects({}, {a, a2}); }), "g:1:1: effect \"a\" is here twice (first at f:1:1) keep one");
+  EXPECT_EQ(message([&] {
+              merge_effects({}, {a, a2});
+            }),
+            "g:1:1: effect \"a\" is here twice (first at f:1:1) keep one");
 }
 
 TEST(EffectSpecs, RotorLossIsOnePerRotor) {

@@ -53,7 +53,9 @@ class ControllerContract : public ::testing::TestWithParam<Names> {
     const auto trajectory = eight();
     ControllerFlight f = flight(controller, *trajectory, duration_s);
     f.force = gust(0.05 * vehicle.weight_N());
-    f.heard = [&](const RotorCommand& command) { all.insert(all.end(), command.speed_radps.begin(), command.speed_radps.end()); };
+    f.heard = [&](const RotorCommand& command) {
+      all.insert(all.end(), command.speed_radps.begin(), command.speed_radps.end());
+    };
     fly(f);
     return all;
   }
@@ -144,7 +146,8 @@ TEST_P(ControllerContract, FlagsANan) {
     harm(observation, reference);
     bool flagged = false;
     for (int i = 0; i < 50 && !flagged; ++i)
-      for (const double speed : controller->update(observation, reference).speed_radps) flagged |= !std::isfinite(speed);
+      for (const double speed : controller->update(observation, reference).speed_radps)
+        flagged |= !std::isfinite(speed);
     EXPECT_TRUE(flagged) << name;
   }
 }
@@ -201,7 +204,8 @@ TEST_P(ControllerContract, ConvergesFromEveryAttitude) {
       const auto controller = row.make();
       const auto trajectory = make_hover();
       ControllerFlight f = flight(*controller, *trajectory, of_the_paper ? 30.0 : 2.0);
-      f.start_attitude_WB = Quaternion(Eigen::AngleAxisd(tilt_deg * std::numbers::pi / 180.0, Vector3(std::cos(azimuth), std::sin(azimuth), 0.0)));
+      f.start_attitude_WB = Quaternion(
+          Eigen::AngleAxisd(tilt_deg * std::numbers::pi / 180.0, Vector3(std::cos(azimuth), std::sin(azimuth), 0.0)));
       const ControllerFlightEnd end = fly(f);
       EXPECT_TRUE(end.finite) << tilt_deg << " degrees about " << azimuth << " rad";
       if (!of_the_paper) continue;

@@ -14,7 +14,9 @@ namespace {
 using ::testing::IsEmpty;
 
 // in a room with a ground, a ceiling and one wall; waypoints that come close to none of them
-std::string room(std::string_view waypoints_m = "[0,0,1, 0,0,0.7, 0.1,0,0.8, 0.3,0,1.0, 0.1,0.2,0.9, -0.2,0,1.2, 0,0,0.9, 0.5,0,1.1, 0.5,0.3,0.8, 0.2,0,1.1, -0.1,0,0.9, -0.3,0,1.0]") {
+std::string room(std::string_view waypoints_m =
+                     "[0,0,1, 0,0,0.7, 0.1,0,0.8, 0.3,0,1.0, 0.1,0.2,0.9, -0.2,0,1.2, 0,0,0.9, 0.5,0,1.1, 0.5,0.3,0.8, "
+                     "0.2,0,1.1, -0.1,0,0.9, -0.3,0,1.0]") {
   return fmt::format(R"(
 [environment]
 ground_z_m = 0.0
@@ -34,14 +36,19 @@ radius_m = 0.7
 ramp_s = 2.0
 period_s = 4.0
 start = "reference"
-)", waypoints_m);
+)",
+                     waypoints_m);
 }
 
 // waypoints close to the surface that an effect needs; empty: it needs none
 std::string_view waypoints_m(std::string_view effect) {
-  if (effect == "ground_effect") return "[0,0,0.6, 0,0,0.3, 0,0,0.08, 0.3,0,0.08, 0.3,0,0.2, 0.3,0.3,0.12, 0,0.3,0.07, 0,0,0.3, -0.2,0,0.1, 0,0,0.08, 0,0,0.5]";
-  if (effect == "ceiling_effect") return "[0,0,1.2, 0.2,0,1.5, 0.2,0,1.8, -0.1,0,1.84, -0.3,0,1.8, 0,0.3,1.6, 0.2,0.2,1.84, 0,0,1.3]";
-  if (effect == "wall_effect") return "[0,0,1, 0.8,0,1, 0.9,0,1, 0.92,0.4,1, 0.9,0,1.2, 0.6,0,1, 0.92,-0.3,0.8, 0.92,0.3,0.8, 0.4,0,1, 0.92,0,1]";
+  if (effect == "ground_effect")
+    return "[0,0,0.6, 0,0,0.3, 0,0,0.08, 0.3,0,0.08, 0.3,0,0.2, 0.3,0.3,0.12, 0,0.3,0.07, 0,0,0.3, -0.2,0,0.1, "
+           "0,0,0.08, 0,0,0.5]";
+  if (effect == "ceiling_effect")
+    return "[0,0,1.2, 0.2,0,1.5, 0.2,0,1.8, -0.1,0,1.84, -0.3,0,1.8, 0,0.3,1.6, 0.2,0.2,1.84, 0,0,1.3]";
+  if (effect == "wall_effect")
+    return "[0,0,1, 0.8,0,1, 0.9,0,1, 0.92,0.4,1, 0.9,0,1.2, 0.6,0,1, 0.92,-0.3,0.8, 0.92,0.3,0.8, 0.4,0,1, 0.92,0,1]";
   return {};
 }
 
@@ -72,7 +79,8 @@ Values strong_values(const EffectRow& row, const VehicleModel& vehicle, double s
 Values small_values(const EffectRow& row, const VehicleModel& vehicle) {
   Values values;
   for (const Declared& parameter : parameters_of(*row.make()))
-    if (parameter.info.tolerance > 0.0) values[parameter.name] = 0.5 * parameter.info.tolerance * scale_of(parameter.info.scale, vehicle);
+    if (parameter.info.tolerance > 0.0)
+      values[parameter.name] = 0.5 * parameter.info.tolerance * scale_of(parameter.info.scale, vehicle);
   if (values.empty()) return values;
   for (const auto& [name, value] : nominal_values(vehicle, row.name)) values[name] += value;
   if (row.name == "rotor_loss") values["rotor"] = 3;
@@ -84,9 +92,12 @@ diagnosis::Diagnosis diagnose_with(const EffectRow& row, const Values& values) {
   for (const auto& [name, value] : values) text += fmt::format(", {} = {:.9g}", name, value);
   const TemporaryFolder folder;
   const std::string_view near = waypoints_m(row.name);
-  return diagnosis::diagnose(fly_trial(folder, {.fit = {"lemniscate", "multisine", "waypoints"}, .holdout = {near.empty() ? "circle" : "waypoints"},
-                                                .sensors = {"pose", "velocity", "gyroscope", "accelerometer"}, .duration_s = 16.0,
-                                                .tables = near.empty() ? room() : room(near), .concealed = text + "}"}));
+  return diagnosis::diagnose(fly_trial(folder, {.fit = {"lemniscate", "multisine", "waypoints"},
+                                                .holdout = {near.empty() ? "circle" : "waypoints"},
+                                                .sensors = {"pose", "velocity", "gyroscope", "accelerometer"},
+                                                .duration_s = 16.0,
+                                                .tables = near.empty() ? room() : room(near),
+                                                .concealed = text + "}"}));
 }
 
 class DiagnosisContract : public ::testing::TestWithParam<std::string_view> {

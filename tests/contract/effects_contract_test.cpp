@@ -93,7 +93,8 @@ double norm(const std::vector<double>& values) {
 }
 
 TEST_P(EffectContract, ColumnAtZeroStrengthIsThereAndStraight) {
-  if (!row.diagnosable || row.name == "saturation" || row.name == "gust") GTEST_SKIP() << "has no column (DIAGNOSIS §5)";
+  if (!row.diagnosable || row.name == "saturation" || row.name == "gust")
+    GTEST_SKIP() << "has no column (DIAGNOSIS §5)";
   for (const Declared& parameter : parameters_of(*row.make())) {
     const bool is_choice = parameter.name == "rotor" || parameter.name == "length";
     if (is_choice || parameter.info.natural == 0.0) continue;
@@ -111,7 +112,8 @@ TEST_P(EffectContract, ColumnAtZeroStrengthIsThereAndStraight) {
 // what is fixed in the world turns with it
 Values turned(const EffectRow& row, Values values) {
   for (const auto& [x, y] : {std::pair{"x", "y"}, {"mean_x", "mean_y"}})
-    if ((row.name == "steady_wind" || row.name == "constant_force" || row.name == "gust") && values.count(x) + values.count(y) == 2) {
+    if ((row.name == "steady_wind" || row.name == "constant_force" || row.name == "gust") &&
+        values.count(x) + values.count(y) == 2) {
       const double old_x = values[x];
       values[x] = -values[y];
       values[y] = old_x;
@@ -123,14 +125,13 @@ TEST_P(EffectContract, KnowsNoPreferredHeading) {
   if (row.name == "measurement_noise") GTEST_SKIP() << "draws noise per world axis";
   Values values = natural();
   if (row.name == "gust") values = {{"mean_x", 0.02}, {"mean_y", -0.01}};
-  if (row.name == "fans") values["turbulence"] = 0.0;  // each fan has its own
+  if (row.name == "fans") values["turbulence"] = 0.0;               // each fan has its own
   const Quaternion turn(std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5));  // a quarter to the left
   FlightOptions east, north;
   north.start.position_W_m = turn * east.start.position_W_m;
   north.start.velocity_W_mps = turn * east.start.velocity_W_mps;
   north.start.attitude_WB = turn * east.start.attitude_WB;
-  for (Environment::Wall& wall : north.vehicle.environment.walls)
-    wall = {turn * wall.point_W_m, turn * wall.normal_W};
+  for (Environment::Wall& wall : north.vehicle.environment.walls) wall = {turn * wall.point_W_m, turn * wall.normal_W};
   std::vector<Observation> seen_east, seen_north;
   std::vector<VehicleState> truth_east, truth_north;
   Flight(planted(row, values), east).fly(0.5, seen_east, truth_east);
@@ -177,11 +178,12 @@ TEST(EffectRegistry, NamesAreUniqueAndFound) {
 
 TEST(EffectRegistry, HasTheCatalogueInItsOrder) {
   const std::vector<std::string_view> catalogue = {
-      "rotor_drag", "quadratic_drag", "axial_inflow", "translational_lift", "flapping_torque", "ground_effect",
-      "ceiling_effect", "wall_effect", "steady_wind", "gust", "constant_force", "slung_load", "mass", "center_of_mass",
-      "inertia", "thrust_scale", "rotor_loss", "rotor_tilt", "motor_lag", "actuation_delay", "thrust_curve", "saturation",
-      "battery_sag", "yaw_torque_ratio", "rotor_inertia", "attitude_offset", "yaw_offset", "pose_delay", "imu_lever",
-      "gyro_scale"};
+      "rotor_drag",      "quadratic_drag", "axial_inflow", "translational_lift", "flapping_torque",
+      "ground_effect",   "ceiling_effect", "wall_effect",  "steady_wind",        "gust",
+      "constant_force",  "slung_load",     "mass",         "center_of_mass",     "inertia",
+      "thrust_scale",    "rotor_loss",     "rotor_tilt",   "motor_lag",          "actuation_delay",
+      "thrust_curve",    "saturation",     "battery_sag",  "yaw_torque_ratio",   "rotor_inertia",
+      "attitude_offset", "yaw_offset",     "pose_delay",   "imu_lever",          "gyro_scale"};
   std::vector<std::string_view> diagnosable;
   for (const EffectRow& row : effect_registry())
     if (row.diagnosable) diagnosable.push_back(row.name);

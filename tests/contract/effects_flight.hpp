@@ -35,7 +35,8 @@ inline RotorCommand lively_command(const VehicleModel& vehicle, std::int64_t ste
   constexpr double frequency_Hz[] = {1.7, 2.9, 4.3, 6.1}, phase[] = {0.0, 1.0, 2.5, 4.0};
   RotorCommand command;
   for (std::size_t i = 0; i < 4; ++i)
-    command.speed_radps[i] = vehicle.hover_speed_radps() *
+    command.speed_radps[i] =
+        vehicle.hover_speed_radps() *
         (1.0 + 0.06 * std::sin(2 * pi * frequency_Hz[i] * step_s * static_cast<double>(step) + phase[i]));
   return command;
 }
@@ -50,7 +51,8 @@ struct FlightOptions {
 class Flight {
  public:
   Flight(std::vector<NamedEffect> effects, const FlightOptions& options = {})
-      : vehicle_(options.vehicle), plant_(options.vehicle, std::move(effects), {.step_s = step_s, .seed = options.seed}) {
+      : vehicle_(options.vehicle),
+        plant_(options.vehicle, std::move(effects), {.step_s = step_s, .seed = options.seed}) {
     if (options.with_voltage) plant_.set_voltage(3.6);
     plant_.reset(options.start);
   }
@@ -72,7 +74,9 @@ class Flight {
     std::vector<VehicleState> truth;
     fly(seconds, seen, truth);
     std::vector<double> out;
-    const auto append = [&out](const auto& vector) { out.insert(out.end(), vector.data(), vector.data() + vector.size()); };
+    const auto append = [&out](const auto& vector) {
+      out.insert(out.end(), vector.data(), vector.data() + vector.size());
+    };
     for (std::size_t k = 0; k < seen.size(); ++k) {
       append(truth[k].position_W_m), append(truth[k].velocity_W_mps), append(truth[k].attitude_WB.coeffs());
       append(truth[k].body_rate_B_radps), append(truth[k].rotor_speed_radps);
@@ -89,11 +93,16 @@ class Flight {
 
 inline double scale_of(Scale scale, const VehicleModel& vehicle) {
   switch (scale) {
-    case Scale::one: return 1.0;
-    case Scale::weight: return vehicle.weight_N();
-    case Scale::arm: return vehicle.arm_m();
-    case Scale::rotor_torque_per_speed: return vehicle.weight_N() * vehicle.arm_m() / (4 * vehicle.hover_speed_radps());
-    case Scale::yaw_inertia: return vehicle.inertia_B_kgm2(2, 2);
+    case Scale::one:
+      return 1.0;
+    case Scale::weight:
+      return vehicle.weight_N();
+    case Scale::arm:
+      return vehicle.arm_m();
+    case Scale::rotor_torque_per_speed:
+      return vehicle.weight_N() * vehicle.arm_m() / (4 * vehicle.hover_speed_radps());
+    case Scale::yaw_inertia:
+      return vehicle.inertia_B_kgm2(2, 2);
   }
   return 1.0;
 }
@@ -102,12 +111,13 @@ inline double scale_of(Scale scale, const VehicleModel& vehicle) {
 inline Values natural_values(const EffectRow& row, const VehicleModel& vehicle) {
   if (row.name == "saturation") return {{"max_speed", 2000.0}, {"dead_zone", 0.05}};
   if (row.name == "measurement_noise")
-    return {{"position_sd", 0.001}, {"velocity_sd", 0.01}, {"attitude_sd", 0.002}, {"rate_sd", 0.05}, {"accelerometer_sd", 0.2},
-            {"rate_bias.x", 0.1}};
+    return {{"position_sd", 0.001}, {"velocity_sd", 0.01},     {"attitude_sd", 0.002},
+            {"rate_sd", 0.05},      {"accelerometer_sd", 0.2}, {"rate_bias.x", 0.1}};
   if (row.name == "fans") return {{"center_speed_mps", 1.2}, {"edge_speed_mps", 2.0}, {"turbulence", 0.4}};
   Values values;
   for (const Declared& parameter : parameters_of(*row.make()))
-    if (parameter.info.natural > 0.0) values[parameter.name] = parameter.info.natural * scale_of(parameter.info.scale, vehicle);
+    if (parameter.info.natural > 0.0)
+      values[parameter.name] = parameter.info.natural * scale_of(parameter.info.scale, vehicle);
   if (row.name == "gust") {
     values["limit_N"] = 0.03, values["rate_limit_Nps"] = 0.3, values["torque_sigma_xy"] = 1e-5;
     values["on_s"] = 0.5, values["off_s"] = 0.3;
@@ -119,7 +129,8 @@ inline Values natural_values(const EffectRow& row, const VehicleModel& vehicle) 
 inline std::vector<NamedEffect> planted(const EffectRow& row, const Values& values) {
   std::vector<NamedEffect> effects = make_effect_list({{row.name, values}});
   if (row.name == "steady_wind" || row.name == "fans")
-    for (NamedEffect& air : make_effect_list({{"rotor_drag", {{"at_hover", 0.01}}}, {"quadratic_drag", {{"area_xy", 0.01}}}}))
+    for (NamedEffect& air :
+         make_effect_list({{"rotor_drag", {{"at_hover", 0.01}}}, {"quadratic_drag", {{"area_xy", 0.01}}}}))
       effects.push_back(std::move(air));
   return effects;
 }

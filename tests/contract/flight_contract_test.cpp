@@ -11,7 +11,8 @@ namespace {
 class FlightContract : public testing::TestWithParam<std::string> {};
 
 TEST_P(FlightContract, NoHeapAllocationFromStartToEnd) {
-  const Experiment experiment = test::read_text_experiment(test::small_experiment, {"controllers=[\"" + GetParam() + "\"]"});
+  const Experiment experiment =
+      test::read_text_experiment(test::small_experiment, {"controllers=[\"" + GetParam() + "\"]"});
   for (const bool recorded : {false, true}) {
     Flight flight(experiment, plan(experiment).front());
     TrackingError error(0.0, static_cast<std::size_t>(flight.ticks));
@@ -28,7 +29,8 @@ std::vector<std::string> controllers() {
   for (const ControllerRow& row : controller_registry()) names.emplace_back(row.name);
   return names;
 }
-INSTANTIATE_TEST_SUITE_P(Registry, FlightContract, testing::ValuesIn(controllers()), [](const auto& one) { return one.param; });
+INSTANTIATE_TEST_SUITE_P(Registry, FlightContract, testing::ValuesIn(controllers()),
+                         [](const auto& one) { return one.param; });
 
 }  // namespace
 }  // namespace gustlab

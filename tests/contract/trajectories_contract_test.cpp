@@ -18,8 +18,8 @@ class TrajectoryContract : public ::testing::TestWithParam<std::string_view> {
 
 bool same(const Reference& a, const Reference& b) {
   return a.position_W_m == b.position_W_m && a.velocity_W_mps == b.velocity_W_mps &&
-         a.acceleration_W_mps2 == b.acceleration_W_mps2 && a.jerk_W_mps3 == b.jerk_W_mps3 && a.snap_W_mps4 == b.snap_W_mps4 &&
-         a.yaw_rad == b.yaw_rad && a.yaw_rate_radps == b.yaw_rate_radps;
+         a.acceleration_W_mps2 == b.acceleration_W_mps2 && a.jerk_W_mps3 == b.jerk_W_mps3 &&
+         a.snap_W_mps4 == b.snap_W_mps4 && a.yaw_rad == b.yaw_rad && a.yaw_rate_radps == b.yaw_rate_radps;
 }
 
 TEST_P(TrajectoryContract, IsFiniteAtEveryTime) {

@@ -42,7 +42,8 @@ TEST(Adaptation, FindsConstantParameters) {
 // without leak and growth the law is recursive least squares: the batch solution with its prior
 TEST(Adaptation, WithoutLeakAndGrowthIsLeastSquares) {
   const double period_s = 0.02, noise = 0.7, start = 2.0;
-  Adaptation adaptation({.leak_radps = 0.0, .noise = noise, .growth = 0.0, .start_covariance = start}, Parameters::Zero(2, 3), period_s);
+  Adaptation adaptation({.leak_radps = 0.0, .noise = noise, .growth = 0.0, .start_covariance = start},
+                        Parameters::Zero(2, 3), period_s);
   Eigen::Matrix2d information = Eigen::Matrix2d::Identity() / start;
   Eigen::Matrix<double, 2, 3> right = Eigen::Matrix<double, 2, 3>::Zero();
   for (std::uint64_t i = 0; i < 50; ++i) {
@@ -61,7 +62,8 @@ TEST(Adaptation, FollowsItsDifferentialEquations) {
   const Row phi = (Row(2) << 1.0, 0.6).finished();
   const Vector3 y(0.5, -0.2, 0.1), s(0.03, 0.0, -0.02);
   for (const CovarianceLaw law : {CovarianceLaw::corrected, CovarianceLaw::printed}) {
-    const Adaptation::Options options{.leak_radps = 0.4, .noise = 0.8, .growth = 1.5, .start_covariance = 1.2, .law = law};
+    const Adaptation::Options options{
+        .leak_radps = 0.4, .noise = 0.8, .growth = 1.5, .start_covariance = 1.2, .law = law};
     const double step = 1e-5;
     Adaptation adaptation(options, Parameters::Zero(2, 3), step);
     Eigen::Matrix<double, 2, 3> A = Eigen::Matrix<double, 2, 3>::Zero();
@@ -69,7 +71,8 @@ TEST(Adaptation, FollowsItsDifferentialEquations) {
     for (int i = 0; i < 50000; ++i) {
       adaptation.update(phi, y, s);
       const Eigen::Matrix<double, 1, 3> error = phi * A - y.transpose();
-      const Eigen::Matrix<double, 2, 3> dA = -0.4 * A - P * phi.transpose() * error / 0.8 + P * phi.transpose() * s.transpose();
+      const Eigen::Matrix<double, 2, 3> dA =
+          -0.4 * A - P * phi.transpose() * error / 0.8 + P * phi.transpose() * s.transpose();
       Eigen::Matrix2d shrink = P * phi.transpose() * phi;
       if (law == CovarianceLaw::corrected) shrink = shrink * P;
       P += step * (-0.8 * P + 1.5 * Eigen::Matrix2d::Identity() - shrink / 0.8);
@@ -85,10 +88,12 @@ TEST(Adaptation, CovarianceStaysPositiveDefinite) {
   for (const double period_s : {1e-4, 0.02, 1.0})
     for (const double scale : {1e-3, 1.0, 1e3}) {
       Adaptation adaptation({.leak_radps = 0.1, .noise = 1e-3, .growth = 10.0}, Parameters::Zero(7, 3), period_s);
-      for (std::uint64_t i = 0; i < 20000; ++i) adaptation.update(scale * features(7, i), Vector3::Ones(), Vector3::Ones());
+      for (std::uint64_t i = 0; i < 20000; ++i)
+        adaptation.update(scale * features(7, i), Vector3::Ones(), Vector3::Ones());
       const Eigen::MatrixXd P = adaptation.covariance();
       EXPECT_LT((P - P.transpose()).norm(), 1e-9 * P.norm());
-      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(P).eigenvalues().minCoeff(), 0.0) << period_s << " " << scale;
+      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(P).eigenvalues().minCoeff(), 0.0)
+          << period_s << " " << scale;
     }
 }
 

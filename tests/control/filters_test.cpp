@@ -29,7 +29,8 @@ TEST(LowPass2, IsAButterworthFilter) {
 
 TEST(LowPass2, StartsSettledAndKeepsAConstant) {
   LowPass2<Vector3> filter(8.0, 0.002, Vector3(1.0, -2.0, 3.0));
-  for (int i = 0; i < 100; ++i) EXPECT_LT((filter.update(Vector3(1.0, -2.0, 3.0)) - Vector3(1.0, -2.0, 3.0)).norm(), 1e-12);
+  for (int i = 0; i < 100; ++i)
+    EXPECT_LT((filter.update(Vector3(1.0, -2.0, 3.0)) - Vector3(1.0, -2.0, 3.0)).norm(), 1e-12);
 }
 
 TEST(LowPass2, WithoutACutoffChangesNothing) {

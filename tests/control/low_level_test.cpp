@@ -19,8 +19,10 @@ struct Case {
 };
 
 std::vector<Case> cases() {
-  std::vector<Case> all{{test::crazyflie(), LowLevel::crazyflie}, {test::iris(), LowLevel::ardupilot},
-                        {test::crazyflie(), LowLevel::generic}, {test::iris(), LowLevel::generic}};
+  std::vector<Case> all{{test::crazyflie(), LowLevel::crazyflie},
+                        {test::iris(), LowLevel::ardupilot},
+                        {test::crazyflie(), LowLevel::generic},
+                        {test::iris(), LowLevel::generic}};
   for (int count = 3; count <= 8; ++count) all.push_back({test::ring(count, 1.5, 0.25, 0.03), LowLevel::generic});
   return all;
 }
@@ -91,7 +93,8 @@ TEST(LowLevelLoop, ConvergesFromEveryReasonableAttitude) {
     for (std::uint64_t i = 0; i < 12; ++i) {
       const auto u = RandomStream(1, 0, "low_level_test").uniform4(i);
       const Vector3 axis(std::cos(2.0 * pi * u[0]), std::sin(2.0 * pi * u[0]), 0.0);
-      const Quaternion start = from_euler({0.0, 0.0, 2.0 * pi * u[1]}) * Quaternion(Eigen::AngleAxisd(u[2] * pi / 3.0, axis));
+      const Quaternion start =
+          from_euler({0.0, 0.0, 2.0 * pi * u[1]}) * Quaternion(Eigen::AngleAxisd(u[2] * pi / 3.0, axis));
       const Quaternion target = from_euler({0.2, -0.15, 0.5});
       EXPECT_LT(settled_error_rad(c, start, target, settles_s(c)), 0.02) << c.vehicle.name << " start " << i;
     }
@@ -100,7 +103,9 @@ TEST(LowLevelLoop, ConvergesFromEveryReasonableAttitude) {
 // GIVEN a vehicle upside down WHEN level is asked for THEN loops on quaternions right it
 TEST(LowLevelLoop, RightsItselfFromUpsideDown) {
   for (const Case& c : cases())
-    EXPECT_LT(settled_error_rad(c, Quaternion(Eigen::AngleAxisd(pi - 0.05, Vector3::UnitX())), Quaternion::Identity(), settles_s(c)), 0.02)
+    EXPECT_LT(settled_error_rad(c, Quaternion(Eigen::AngleAxisd(pi - 0.05, Vector3::UnitX())), Quaternion::Identity(),
+                                settles_s(c)),
+              0.02)
         << c.vehicle.name;
 }
 

@@ -13,8 +13,9 @@ NetworkWeights small() {
   weights.inputs = {"a", "b"};
   weights.mean = Eigen::Vector2d(1.0, -1.0);
   weights.scale = Eigen::Vector2d(2.0, 0.5);
-  weights.layers = {{(Eigen::MatrixXd(3, 2) << 1.0, 0.0, 0.0, 1.0, -1.0, -1.0).finished(), Eigen::Vector3d(0.0, 0.1, 0.2)},
-                    {(Eigen::MatrixXd(1, 3) << 1.0, 2.0, 1.0 / 3.0).finished(), Eigen::VectorXd::Constant(1, -0.5)}};
+  weights.layers = {
+      {(Eigen::MatrixXd(3, 2) << 1.0, 0.0, 0.0, 1.0, -1.0, -1.0).finished(), Eigen::Vector3d(0.0, 0.1, 0.2)},
+      {(Eigen::MatrixXd(1, 3) << 1.0, 2.0, 1.0 / 3.0).finished(), Eigen::VectorXd::Constant(1, -0.5)}};
   return weights;
 }
 

@@ -19,7 +19,8 @@ TEST(Mixer, GivesTheWrenchThatIsAskedForWithinItsLimits) {
     Vector3 torque = 0.2 * mixer.torque_authority_B_Nm();
     if (vehicle.rotor_count == 3) torque.z() = 0.0;
     const RotorCommand command = mixer.speeds(vehicle.weight_N(), torque);
-    EXPECT_NEAR(mixer.force_B_N(command.speed_radps).z(), vehicle.weight_N(), 1e-9 * vehicle.weight_N()) << vehicle.name;
+    EXPECT_NEAR(mixer.force_B_N(command.speed_radps).z(), vehicle.weight_N(), 1e-9 * vehicle.weight_N())
+        << vehicle.name;
     EXPECT_LT((mixer.torque_B_Nm(command.speed_radps) - torque).norm(), 1e-9 * vehicle.weight_N() * vehicle.arm_m())
         << vehicle.name;
   }
@@ -53,8 +54,8 @@ TEST(Mixer, GivenTooMuchKeepsRollAndPitchAndItsLimits) {
 TEST(Mixer, LetsANanThrough) {
   const Mixer mixer(test::iris());
   const double nan = std::nan("");
-  for (const RotorCommand& command : {mixer.speeds(nan, Vector3::Zero()), mixer.speeds(10.0, {nan, 0.0, 0.0}),
-                                      mixer.speeds(10.0, {0.0, 0.0, nan})})
+  for (const RotorCommand& command :
+       {mixer.speeds(nan, Vector3::Zero()), mixer.speeds(10.0, {nan, 0.0, 0.0}), mixer.speeds(10.0, {0.0, 0.0, nan})})
     EXPECT_TRUE(std::isnan(command.speed_radps[0]));
 }
 

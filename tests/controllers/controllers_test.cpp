@@ -45,7 +45,8 @@ ControllerFlightEnd circle(Controller& controller, const VehicleModel& vehicle) 
   return fly(flight);
 }
 
-ControllerFlightEnd hover(Controller& controller, const VehicleModel& vehicle, const ForceEffect::Force& force, double duration_s = 30.0) {
+ControllerFlightEnd hover(Controller& controller, const VehicleModel& vehicle, const ForceEffect::Force& force,
+                          double duration_s = 30.0) {
   const auto trajectory = make_hover();
   ControllerFlight flight;
   flight.controller = &controller;
@@ -202,7 +203,8 @@ TEST(Asindy, FliesWithThePapersTermsAndThePrintedLaw) {
   for (const char* law : {"corrected", "printed"})
     for (const VehicleModel& vehicle : {crazyflie(), iris()}) {
       const auto asindy = make_asindy();
-      set(*asindy, "terms", std::vector<std::string>{"1", "theta", "phi", "T sin theta", "T cos theta", "T sin phi", "T cos phi"});
+      set(*asindy, "terms",
+          std::vector<std::string>{"1", "theta", "phi", "T sin theta", "T cos theta", "T sin phi", "T cos phi"});
       set_text(*asindy, "covariance_law", law);
       EXPECT_LT(hover(*asindy, vehicle, gust(0.05 * vehicle.weight_N())).rmse_xy_m, 0.25) << vehicle.name << " " << law;
     }
@@ -257,7 +259,8 @@ TEST(Asindy, SaysWhatIsWrong) {
   set(*empty, "model", InputFile{"m.toml", "[[effect]]\ntype = \"sindy_residual\"\n"});
   EXPECT_THAT(reset_message(*empty, iris()), testing::StartsWith("m.toml has 0 terms"));
   const auto short_list = make_asindy();
-  set(*short_list, "model", InputFile{"m.toml", "[[effect]]\ntype = \"sindy_residual\"\nterms = [\"1\"]\nfx = []\nfy = [0]\nfz = [0]\n"});
+  set(*short_list, "model",
+      InputFile{"m.toml", "[[effect]]\ntype = \"sindy_residual\"\nterms = [\"1\"]\nfx = []\nfy = [0]\nfz = [0]\n"});
   EXPECT_THAT(reset_message(*short_list, iris()), testing::StartsWith("m.toml:4:6: fx must have one number per term"));
   const auto wrong = make_asindy();
   set(*wrong, "terms", std::vector<std::string>{"T sin alpha"});
@@ -278,7 +281,8 @@ NetworkWeights untrained() {
   for (const Eigen::Index width : {50, 60, 50, 2}) {
     NetworkWeights::Layer layer{Eigen::MatrixXd(width, before), Eigen::VectorXd::Zero(width)};
     for (Eigen::Index i = 0; i < layer.weight.size(); ++i)
-      layer.weight(i) = RandomStream(3, 0, "untrained").normal4(counter++)[0] * std::sqrt(2.0 / static_cast<double>(before));
+      layer.weight(i) =
+          RandomStream(3, 0, "untrained").normal4(counter++)[0] * std::sqrt(2.0 / static_cast<double>(before));
     weights.layers.push_back(layer);
     before = width;
   }

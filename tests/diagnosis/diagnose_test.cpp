@@ -54,7 +54,8 @@ period_s = 6.0
     FlightLog log = recorder.take();
     // what a real log has, and no more
     std::erase_if(log.columns, [](const LogColumn& c) {
-      static const std::vector<std::string> kept = {"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"};
+      static const std::vector<std::string> kept = {"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy",
+                                                    "qz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"};
       return std::find(kept.begin(), kept.end(), c.name) == kept.end();
     });
     log.meta.environment = {};
@@ -100,7 +101,8 @@ TEST(Diagnose, FindsPlantedRotorDragWithItsTotalValue) {
 
 TEST(Diagnose, FindsTheRotorThatLostThrust) {
   const TemporaryFolder folder;
-  const Diagnosis d = diagnose_trials(fly_trials(folder, "[[effect]]\ntype = \"rotor_loss\"\nrotor = 3\nloss = 0.06\n"));
+  const Diagnosis d =
+      diagnose_trials(fly_trials(folder, "[[effect]]\ntype = \"rotor_loss\"\nrotor = 3\nloss = 0.06\n"));
   ASSERT_THAT(names(d), ElementsAre("rotor_loss"));
   EXPECT_EQ(d.effects[0].parameters[0].value, 3.0);
   EXPECT_NEAR(d.effects[0].parameters[1].value, 0.06, 0.006);

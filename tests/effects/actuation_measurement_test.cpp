@@ -38,10 +38,12 @@ TEST(NoEffect, RotorsObeyAtOnceWithinTheirRange) {
 }
 
 TEST(MotorLag, IsTheExactFirstOrderResponse) {
-  const Actuation out = actuate({{"motor_lag", {{"time_constant", 0.05}, {"time_constant_down", 0.08}}}}, asked(2000, 1000));
+  const Actuation out =
+      actuate({{"motor_lag", {{"time_constant", 0.05}, {"time_constant_down", 0.08}}}}, asked(2000, 1000));
   EXPECT_NEAR(out.end_speed_radps[0], 2000 - 1000 * std::exp(-0.002 / 0.05), 1e-9);
   EXPECT_NEAR(out.mean_speed_radps[0], 2000 - 1000 * (1 - std::exp(-0.002 / 0.05)) * 0.05 / 0.002, 1e-9);
-  const Actuation down = actuate({{"motor_lag", {{"time_constant", 0.05}, {"time_constant_down", 0.08}}}}, asked(1000, 2000));
+  const Actuation down =
+      actuate({{"motor_lag", {{"time_constant", 0.05}, {"time_constant_down", 0.08}}}}, asked(1000, 2000));
   EXPECT_NEAR(down.end_speed_radps[0], 1000 + 1000 * std::exp(-0.002 / 0.08), 1e-9);
 }
 
@@ -76,7 +78,8 @@ TEST(ActuationDelay, ComesBeforeTheLag) {
   past.now_s = 0.012;
   Actuation actuation = asked(500, 1000);
   actuation.past = &past;
-  const Actuation out = actuate({{"motor_lag", {{"time_constant", 0.05}}}, {"actuation_delay", {{"delay", 0.010}}}}, actuation);
+  const Actuation out =
+      actuate({{"motor_lag", {{"time_constant", 0.05}}}, {"actuation_delay", {{"delay", 0.010}}}}, actuation);
   EXPECT_NEAR(out.end_speed_radps[0], 2000 - 1000 * std::exp(-0.002 / 0.05), 1e-9);
 }
 
@@ -117,7 +120,8 @@ Measured measure(const std::vector<Wanted>& wanted, std::int64_t tick = 0, std::
   context.tick = tick;
   context.angular_acceleration_B_radps2 = {10.0, -20.0, 30.0};
   context.past = &truth;
-  Measured measured{state.position_W_m, state.velocity_W_mps, state.attitude_WB, state.body_rate_B_radps, {0.1, 0.2, 9.8}};
+  Measured measured{
+      state.position_W_m, state.velocity_W_mps, state.attitude_WB, state.body_rate_B_radps, {0.1, 0.2, 9.8}};
   forces.measure(context, measured);
   return measured;
 }
@@ -129,7 +133,8 @@ Vector3 turn_between(const Quaternion& from, const Quaternion& to) {
 
 TEST(AttitudeOffset, TurnsTheLoggedFrameOnTheRight) {
   const Quaternion truth = Instant{}.state.attitude_WB;
-  expect_near(turn_between(truth, measure({{"attitude_offset", {{"x", 0.02}, {"y", -0.03}}}}).attitude_WB), {0.02, -0.03, 0.0}, 1e-7);
+  expect_near(turn_between(truth, measure({{"attitude_offset", {{"x", 0.02}, {"y", -0.03}}}}).attitude_WB),
+              {0.02, -0.03, 0.0}, 1e-7);
   expect_near(turn_between(truth, measure({{"yaw_offset", {{"z", 0.05}}}}).attitude_WB), {0.0, 0.0, 0.05}, 1e-7);
 }
 
@@ -170,8 +175,13 @@ TEST(MeasurementNoise, HasTheDeviationsAndBiasesAsked) {
   Vector3 sum[5], squares[5];
   for (int c = 0; c < 5; ++c) sum[c] = squares[c] = Vector3::Zero();
   const std::vector<Wanted> noise = {{"measurement_noise",
-                                      {{"position_sd", 0.001}, {"velocity_sd", 0.02}, {"attitude_sd", 0.005}, {"rate_sd", 0.05},
-                                       {"accelerometer_sd", 0.3}, {"rate_bias.y", 0.5}, {"accelerometer_bias.z", -2.0}}}};
+                                      {{"position_sd", 0.001},
+                                       {"velocity_sd", 0.02},
+                                       {"attitude_sd", 0.005},
+                                       {"rate_sd", 0.05},
+                                       {"accelerometer_sd", 0.3},
+                                       {"rate_bias.y", 0.5},
+                                       {"accelerometer_bias.z", -2.0}}}};
   constexpr double deviation[5] = {0.001, 0.02, 0.005, 0.05, 0.3};
   for (int k = 0; k < n; ++k) {
     const Measured m = measure(noise, k);

@@ -57,14 +57,16 @@ TEST(Gust, HasTheSpectrumOfItsProcessAndALine) {
   constexpr double sigma = 0.04, tau = 0.5, tick = 0.02, amplitude = 0.05;
   constexpr int window = 5000, windows = 200;  // 100 s each
   const double line = 2 * pi * 0.5;
-  const auto force = record({{"sigma_xy", sigma}, {"correlation_time", tau}, {"line_amplitude", amplitude}, {"line_frequency", line}},
-                            window * windows * tick, tick);
+  const auto force =
+      record({{"sigma_xy", sigma}, {"correlation_time", tau}, {"line_amplitude", amplitude}, {"line_frequency", line}},
+             window * windows * tick, tick);
   const auto power = [&](double frequency_Hz) {
     double sum = 0.0;
     for (int w = 0; w < windows; ++w) {
       std::complex<double> transform = 0.0;
       for (int k = 0; k < window; ++k)
-        transform += force[static_cast<std::size_t>(w * window + k)].x() * std::polar(1.0, -2 * pi * frequency_Hz * k * tick);
+        transform +=
+            force[static_cast<std::size_t>(w * window + k)].x() * std::polar(1.0, -2 * pi * frequency_Hz * k * tick);
       sum += std::norm(transform) / window / windows;
     }
     return sum;
@@ -80,7 +82,8 @@ TEST(Gust, HasTheSpectrumOfItsProcessAndALine) {
 }
 
 TEST(Gust, SinusoidHasItsPhaseAndStopsInPauses) {
-  const auto force = record({{"line_amplitude", 0.05}, {"line_frequency", 2.0}, {"phase", 0.7}, {"on_s", 3.0}, {"off_s", 2.0}}, 20.0, 0.02);
+  const auto force = record(
+      {{"line_amplitude", 0.05}, {"line_frequency", 2.0}, {"phase", 0.7}, {"on_s", 3.0}, {"off_s", 2.0}}, 20.0, 0.02);
   for (std::size_t k = 0; k < force.size(); ++k) {
     const double t = 0.02 * static_cast<double>(k);
     const bool on = k % 250 < 150;
@@ -91,8 +94,8 @@ TEST(Gust, SinusoidHasItsPhaseAndStopsInPauses) {
 }
 
 TEST(Gust, DecaysToItsMeanInPauses) {
-  const Values values = {{"sigma_xy", 0.04}, {"correlation_time", 0.5}, {"on_s", 3.0}, {"off_s", 2.0},
-                         {"mean_x", 0.01}, {"drift_x", 0.02}, {"drift_y", -0.01}};
+  const Values values = {{"sigma_xy", 0.04}, {"correlation_time", 0.5}, {"on_s", 3.0},     {"off_s", 2.0},
+                         {"mean_x", 0.01},   {"drift_x", 0.02},         {"drift_y", -0.01}};
   const auto force = record(values, 5.0, 0.02);
   // the first value without noise is that of tick 150; from there the gap shrinks by 1 − dt/τ
   const Vector3 rest(0.03, -0.01, 0.0), gap = force[150] - rest;
@@ -123,7 +126,8 @@ TEST(Gust, IsLimitedInSizeThenInRate) {
 
 TEST(Gust, HasItsOwnClock) {
   const Values values = {{"sigma_xy", 0.04}, {"line_amplitude", 0.02}, {"on_s", 0.6}, {"off_s", 0.3}};
-  const auto coarse = record(values, 10.0, 0.02), fine = record(values, 10.0, 0.002), odd = record(values, 10.0, 0.0025);
+  const auto coarse = record(values, 10.0, 0.02), fine = record(values, 10.0, 0.002),
+             odd = record(values, 10.0, 0.0025);
   for (std::size_t k = 0; k < coarse.size(); ++k) {
     EXPECT_EQ(coarse[k], fine[10 * k]) << k;
     EXPECT_EQ(coarse[k], fine[10 * k + 9]) << k;
@@ -140,7 +144,8 @@ TEST(Gust, SlowPlantSkipsNoTick) {
 TEST(Gust, RandomPhaseShiftsScheduleAndLineByRun) {
   Values values = {{"line_amplitude", 0.05}, {"line_frequency", 1.0}, {"on_s", 1.0}, {"off_s", 3.0}};
   const auto on_share = [](const std::vector<Vector3>& force) {
-    return static_cast<double>(std::count_if(force.begin(), force.end(), [](const Vector3& f) { return f.norm() > 0.0; })) /
+    return static_cast<double>(
+               std::count_if(force.begin(), force.end(), [](const Vector3& f) { return f.norm() > 0.0; })) /
            static_cast<double>(force.size());
   };
   EXPECT_EQ(record(values, 8.0, 0.02, 3, 1), record(values, 8.0, 0.02, 3, 2));
@@ -152,8 +157,13 @@ TEST(Gust, RandomPhaseShiftsScheduleAndLineByRun) {
 }
 
 TEST(Gust, AxesHaveTheirOwnStrength) {
-  const auto force = record({{"sigma_xy", 0.04}, {"sigma_factor.y", 0.0}, {"line_amplitude", 0.05}, {"line_factor.x", 0.0},
-                             {"line_factor.z", 2.0}, {"line_factor.y", 0.0}}, 10.0, 0.02);
+  const auto force = record({{"sigma_xy", 0.04},
+                             {"sigma_factor.y", 0.0},
+                             {"line_amplitude", 0.05},
+                             {"line_factor.x", 0.0},
+                             {"line_factor.z", 2.0},
+                             {"line_factor.y", 0.0}},
+                            10.0, 0.02);
   const auto alike = record({{"sigma_xy", 0.04}}, 10.0, 0.02);
   for (std::size_t k = 0; k < force.size(); ++k) {
     EXPECT_EQ(force[k].x(), alike[k].x());
@@ -181,8 +191,17 @@ TEST(Gust, TorqueIsASecondProcessWithItsOwnLimits) {
   }
 }
 
-const Values bursts{{"sigma_xy", 0.04}, {"correlation_time", 0.5}, {"line_amplitude", 0.02}, {"line_frequency", 3.0}, {"mean_x", 0.01},
-                    {"drift_y", 0.005}, {"on_s", 2.0}, {"off_s", 1.0}, {"limit_N", 0.05}, {"rate_limit_Nps", 0.3}, {"torque_sigma_xy", 1e-5}};
+const Values bursts{{"sigma_xy", 0.04},
+                    {"correlation_time", 0.5},
+                    {"line_amplitude", 0.02},
+                    {"line_frequency", 3.0},
+                    {"mean_x", 0.01},
+                    {"drift_y", 0.005},
+                    {"on_s", 2.0},
+                    {"off_s", 1.0},
+                    {"limit_N", 0.05},
+                    {"rate_limit_Nps", 0.3},
+                    {"torque_sigma_xy", 1e-5}};
 
 // GIVEN a gust of twice the strength WHEN it blows THEN every force and torque is twice as large, its limits too
 TEST(Gust, StrengthMultipliesAllOfIt) {

@@ -12,8 +12,10 @@ TEST(OffCentre, PlantAcceleratesAsTheForceModelSays) {
   vehicle.inertia_B_kgm2(0, 2) = vehicle.inertia_B_kgm2(2, 0) = 3e-6;
   vehicle.inertia_B_kgm2(0, 1) = vehicle.inertia_B_kgm2(1, 0) = -2e-6;
   constexpr double step_s = 1e-5;
-  Plant plant(vehicle, make_effect_list({{"center_of_mass", {{"x", 0.003}, {"y", -0.004}, {"z", 0.002}}},
-                                         {"inertia", {{"delta_x", 0.1}}}}), {.step_s = step_s});
+  Plant plant(vehicle,
+              make_effect_list(
+                  {{"center_of_mass", {{"x", 0.003}, {"y", -0.004}, {"z", 0.002}}}, {"inertia", {{"delta_x", 0.1}}}}),
+              {.step_s = step_s});
   VehicleState state;
   state.velocity_W_mps = {1.0, -2.0, 0.5};
   state.body_rate_B_radps = {5.0, -3.0, 4.0};

@@ -1,8 +1,8 @@
 // A habit of a recorded loop replaces whatever turns the vehicle, and no controller of ours meets it.
 #include "effects/instant.hpp"
 #include "gustlab/errors.hpp"
-#include "simulation/make_effects.hpp"
 #include "simulation/experiment.hpp"
+#include "simulation/make_effects.hpp"
 #include "support/experiments.hpp"
 
 namespace gustlab::test {
@@ -26,7 +26,8 @@ Vector3 torque_B_Nm(const Instant& now, const std::vector<EffectSpec>& specs) {
 
 TEST(RecordedLoop, IsTheTorqueOfItsAngularAcceleration) {
   const Instant now;
-  const Vector3 torque = torque_B_Nm(now, {loop({{"roll", "[-5, 0, 0, 0, 2, 0, 0.5, 0.1]"}, {"yaw", "[0, 0, -3, 0, 0, 0, 0, 0]"}})});
+  const Vector3 torque =
+      torque_B_Nm(now, {loop({{"roll", "[-5, 0, 0, 0, 2, 0, 0.5, 0.1]"}, {"yaw", "[0, 0, -3, 0, 0, 0, 0, 0]"}})});
   const Vector3 &rate = now.state.body_rate_B_radps, velocity = now.air_velocity_B();
   const Vector3 acceleration(-5.0 * rate.x() + 2.0 * now.R()(2, 1) + 0.5 * velocity.y() + 0.1, 0.0, -3.0 * rate.z());
   const Matrix3& J = now.vehicle.inertia_B_kgm2;
@@ -39,7 +40,8 @@ TEST(RecordedLoop, RefusesListsOfAnotherLength) {
 
 TEST(RecordedLoop, IsLeftOutWhereAControllerFlies) {
   const Experiment plain = read_text_experiment(small_experiment),
-                   with = read_text_experiment(small_experiment + "[[effect]]\ntype = \"recorded_loop\"\nroll = [-5, 0, 0, 0, 0, 0, 0, 0]\n");
+                   with = read_text_experiment(
+                       small_experiment + "[[effect]]\ntype = \"recorded_loop\"\nroll = [-5, 0, 0, 0, 0, 0, 0, 0]\n");
   EXPECT_EQ(with.effects.size(), plain.effects.size() + 1);
   EXPECT_EQ(make_flown_effects(with.effects).size(), plain.effects.size());
   EXPECT_EQ(to_hex(plan(with).front().key), to_hex(plan(plain).front().key));

@@ -111,7 +111,8 @@ TEST(RotorLoss, TakesThrustAndReactionOfOneRotor) {
 }
 
 TEST(RotorLoss, TwoRotorsMayLose) {
-  const Ratio r = ratio(Instant{}, {{"rotor_loss", {{"rotor", 3}, {"loss", 0.2}}}, {"rotor_loss", {{"rotor", 1}, {"loss", 0.1}}}});
+  const Ratio r =
+      ratio(Instant{}, {{"rotor_loss", {{"rotor", 3}, {"loss", 0.2}}}, {"rotor_loss", {{"rotor", 1}, {"loss", 0.1}}}});
   EXPECT_DOUBLE_EQ(r.thrust[0], 0.9);
   EXPECT_DOUBLE_EQ(r.thrust[2], 0.8);
 }
@@ -170,14 +171,15 @@ TEST(RotorTilt, TurnsThrustAndReaction) {
 // scale and loss → inflow and lift → ground → tilt, whatever the order in which they are listed
 TEST(OrderOfApplication, IsThatOfTheCatalogue) {
   const Instant now;
-  std::vector<Wanted> wanted = {{"rotor_tilt", {{"x", 0.02}}},       {"ground_effect", {{"strength", 6.0}}},
+  std::vector<Wanted> wanted = {{"rotor_tilt", {{"x", 0.02}}},           {"ground_effect", {{"strength", 6.0}}},
                                 {"axial_inflow", {{"at_hover", 0.012}}}, {"thrust_scale", {{"delta", 0.1}}},
                                 {"yaw_torque_ratio", {{"delta", 0.3}}},  {"thrust_curve", {{"curvature", 0.2}}}};
   const Evaluated out = now.evaluate(wanted);
   for (std::size_t i = 0; i < 4; ++i) {
     const double nominal = now.nominal_thrust_N(i);
     const double scaled = nominal * (1 + 0.2 * (nominal / now.vehicle.hover_thrust_N() - 1)) * 1.1;
-    const double inflow = 0.012 / (4 * now.vehicle.hover_speed_radps()) * now.speed_radps[i] * now.hub_velocity_B(i).z();
+    const double inflow =
+        0.012 / (4 * now.vehicle.hover_speed_radps()) * now.speed_radps[i] * now.hub_velocity_B(i).z();
     const double height = (now.state.position_W_m + now.R() * now.vehicle.rotors[i].position_B_m).z();
     const double ground = 1.0 + 6.0 * std::pow(now.vehicle.rotor_radius_m / (4 * height), 2);
     EXPECT_NEAR(out.rotors.thrust_N[i], (scaled - inflow) * ground, 1e-12);
@@ -200,7 +202,8 @@ TEST(Mass, ChangesWeightAndNotInertia) {
 // drag, inflow and thrust curve are said at hover: of the vehicle file, whatever it carries
 TEST(Mass, ChangesNoRotor) {
   const Instant now;
-  const std::vector<Wanted> rotors = {{"rotor_drag", {{"at_hover", 0.02}}}, {"axial_inflow", {{"at_hover", 0.01}}},
+  const std::vector<Wanted> rotors = {{"rotor_drag", {{"at_hover", 0.02}}},
+                                      {"axial_inflow", {{"at_hover", 0.01}}},
                                       {"thrust_curve", {{"curvature", 0.2}}}};
   std::vector<Wanted> loaded = rotors;
   loaded.push_back({"mass", {{"delta", 0.3}}});
@@ -228,11 +231,13 @@ TEST(Inertia, ScalesEachAxisAndKeepsCorrelation) {
   Instant now;
   now.vehicle.inertia_B_kgm2(0, 1) = now.vehicle.inertia_B_kgm2(1, 0) = 2e-6;
   const Matrix3 before = now.vehicle.inertia_B_kgm2;
-  const Matrix3 after = now.evaluate({{"inertia", {{"delta_x", 0.2}, {"delta_y", -0.1}, {"delta_z", 0.3}}}}).vehicle.inertia_B_kgm2;
+  const Matrix3 after =
+      now.evaluate({{"inertia", {{"delta_x", 0.2}, {"delta_y", -0.1}, {"delta_z", 0.3}}}}).vehicle.inertia_B_kgm2;
   EXPECT_DOUBLE_EQ(after(0, 0), 1.2 * before(0, 0));
   EXPECT_DOUBLE_EQ(after(1, 1), 0.9 * before(1, 1));
   EXPECT_DOUBLE_EQ(after(2, 2), 1.3 * before(2, 2));
-  EXPECT_DOUBLE_EQ(after(0, 1) / std::sqrt(after(0, 0) * after(1, 1)), before(0, 1) / std::sqrt(before(0, 0) * before(1, 1)));
+  EXPECT_DOUBLE_EQ(after(0, 1) / std::sqrt(after(0, 0) * after(1, 1)),
+                   before(0, 1) / std::sqrt(before(0, 0) * before(1, 1)));
   EXPECT_EQ(after(0, 1), after(1, 0));
 }
 

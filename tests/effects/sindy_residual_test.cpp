@@ -24,16 +24,22 @@ Wrench added(const Instant& now, std::vector<std::pair<std::string, std::string>
 
 TEST(SindyResidual, PushesAlongTheAxesOfItsFrame) {
   const Instant now;
-  const Wrench world = added(now, {{"terms", "[\"1\", \"px\"]"}, {"fx", "[0.01, 0.1]"}, {"fy", "[0, 0]"}, {"fz", "[0.02, 0]"}});
+  const Wrench world =
+      added(now, {{"terms", "[\"1\", \"px\"]"}, {"fx", "[0.01, 0.1]"}, {"fy", "[0, 0]"}, {"fz", "[0.02, 0]"}});
   EXPECT_LT((now.R() * world.force_B_N - Vector3(0.01 + 0.1 * 0.4, 0.0, 0.02)).norm(), 1e-12);
-  const Wrench body = added(now, {{"frame", "\"body\""}, {"terms", "[\"1\", \"px\"]"}, {"fx", "[0.01, 0.1]"}, {"fy", "[0, 0]"}, {"fz", "[0.02, 0]"}});
+  const Wrench body = added(now, {{"frame", "\"body\""},
+                                  {"terms", "[\"1\", \"px\"]"},
+                                  {"fx", "[0.01, 0.1]"},
+                                  {"fy", "[0, 0]"},
+                                  {"fz", "[0.02, 0]"}});
   EXPECT_LT((body.force_B_N - Vector3(0.01 + 0.1 * 0.4, 0.0, 0.02)).norm(), 1e-12);
   EXPECT_EQ(body.torque_B_Nm, Vector3::Zero());
 }
 
 TEST(SindyResidual, TurnsAboutBodyAxes) {
   const Instant now;
-  const Wrench turn = added(now, {{"terms", "[\"pz\"]"}, {"fx", "[0]"}, {"fy", "[0]"}, {"fz", "[0]"}, {"ty", "[0.001]"}});
+  const Wrench turn =
+      added(now, {{"terms", "[\"pz\"]"}, {"fx", "[0]"}, {"fy", "[0]"}, {"fz", "[0]"}, {"ty", "[0.001]"}});
   EXPECT_LT((turn.torque_B_Nm - Vector3(0.0, 0.001 * 0.06, 0.0)).norm(), 1e-15);
   EXPECT_EQ(turn.force_B_N, Vector3::Zero());
 }
@@ -41,7 +47,8 @@ TEST(SindyResidual, TurnsAboutBodyAxes) {
 TEST(SindyResidual, RefusesAnUnknownFrameAndListsOfAnotherLength) {
   const Instant now;
   EXPECT_THROW(added(now, {{"frame", "\"moon\""}}), ConfigError);
-  EXPECT_THROW(added(now, {{"terms", "[\"pz\"]"}, {"fx", "[0]"}, {"fy", "[0]"}, {"fz", "[0]"}, {"tx", "[1, 2]"}}), ConfigError);
+  EXPECT_THROW(added(now, {{"terms", "[\"pz\"]"}, {"fx", "[0]"}, {"fy", "[0]"}, {"fz", "[0]"}, {"tx", "[1, 2]"}}),
+               ConfigError);
 }
 
 }  // namespace

@@ -85,8 +85,10 @@ TEST(SteadyWind, ActsOnlyThroughTheAirAndAsMotionTheOtherWay) {
   EXPECT_EQ(alone.force_B_N, Vector3::Zero());
   EXPECT_EQ(alone.torque_B_Nm, Vector3::Zero());
 
-  const std::vector<Wanted> air = {{"rotor_drag", {{"at_hover", 0.02}}}, {"quadratic_drag", {{"area_xy", 0.01}}},
-                                   {"axial_inflow", {{"at_hover", 0.01}}}, {"translational_lift", {{"coefficient", 3e-4}}},
+  const std::vector<Wanted> air = {{"rotor_drag", {{"at_hover", 0.02}}},
+                                   {"quadratic_drag", {{"area_xy", 0.01}}},
+                                   {"axial_inflow", {{"at_hover", 0.01}}},
+                                   {"translational_lift", {{"coefficient", 3e-4}}},
                                    {"flapping_torque", {{"coefficient", 1e-7}}}};
   std::vector<Wanted> windy = air;
   windy.push_back({"steady_wind", wind});

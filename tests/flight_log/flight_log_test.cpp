@@ -62,10 +62,11 @@ std::string turning(bool scalar_last, bool world_to_body, double rate_scale) {
 
 TEST(FlightLog, ReadsColumnsMissingSamplesAndMeta) {
   Files files;
-  EXPECT_EQ(files.read("time_s,px,py,pz,u1,u2,u3,u4\r\n0,1,+2,-3e-1,1,2,3,4\r\n\r\n 0.5 ,, ,4,5,6,7,8",
-                       std::string(meta_text) + "hold = \"zoh\"\n[environment]\nground_z_m = 0\nwalls = [[1, 2, 0, -2]]\n"
-                                                "[condition]\nwind_mps = 3.0\n[origin]\nfile = \"x.bin\"\n"),
-            "");
+  EXPECT_EQ(
+      files.read("time_s,px,py,pz,u1,u2,u3,u4\r\n0,1,+2,-3e-1,1,2,3,4\r\n\r\n 0.5 ,, ,4,5,6,7,8",
+                 std::string(meta_text) + "hold = \"zoh\"\n[environment]\nground_z_m = 0\nwalls = [[1, 2, 0, -2]]\n"
+                                          "[condition]\nwind_mps = 3.0\n[origin]\nfile = \"x.bin\"\n"),
+      "");
   EXPECT_THAT(files.log.time_s, ElementsAre(0.0, 0.5));
   EXPECT_THAT(*files.log.find("py"), ElementsAre(2.0, ::testing::IsNan()));
   EXPECT_EQ(files.log.count("u"), 4);
@@ -98,7 +99,8 @@ TEST(FlightLog, WrittenLogReadsBackTheSamePlainAndCompressed) {
   for (const char* name : {"px", "py", "pz", "u1", "rotor1"}) log.columns.push_back({name, {}});
   for (int i = 0; i < 6; ++i) {
     log.time_s.push_back(0.002 * i);
-    for (LogColumn& column : log.columns) column.values.push_back(i == 2 ? nan : values[i] / static_cast<double>(column.name.size()));
+    for (LogColumn& column : log.columns)
+      column.values.push_back(i == 2 ? nan : values[i] / static_cast<double>(column.name.size()));
   }
   TemporaryFolder folder;
   for (const char* name : {"b.csv", "b.csv.gz"}) {
@@ -129,19 +131,22 @@ TEST(FlightLog, UnwritablePlaceIsAnIoErrorAndLeavesNothing) {
 TEST(FlightLog, RepairsWhatNeedsNoGuessAndSaysIt) {
   Files files;
   EXPECT_EQ(files.read("time_s,qw,qx,qy,qz,px,py,pz,u1,mood\n0,1,0,0,0,1,1,1,9,good\n0,1,0,0,0,1,1,1,9,good\n"
-                       "1,1.01,0,0,0,1,1,1,9,bad\n"), "");
+                       "1,1.01,0,0,0,1,1,1,9,bad\n"),
+            "");
   EXPECT_EQ(files.log.rows(), 2u);
   EXPECT_EQ((*files.log.find("qw"))[1], 1.0);
   ASSERT_EQ(files.log.repairs.size(), 3u);
   EXPECT_THAT(files.log.repairs[0].says, EndsWith("a.csv:3: 1 rows repeat the one before and are dropped"));
-  EXPECT_THAT(files.log.repairs[1].says, EndsWith("a.csv:4:3: 1 quaternions are off norm by up to 0.01 and are normalised"));
+  EXPECT_THAT(files.log.repairs[1].says,
+              EndsWith("a.csv:4:3: 1 quaternions are off norm by up to 0.01 and are normalised"));
   EXPECT_THAT(files.log.repairs[2].says, EndsWith("a.csv:1: unknown columns are ignored: mood"));
   EXPECT_TRUE(std::isnan(files.log.find("mood")->at(0)));
 }
 
 TEST(FlightLog, BadCellsAreNamedWithLineAndColumn) {
   const std::string h = header;
-  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n1,1,x,3,4,5,6,7\n"), StartsWith("a.csv:3:5: \"x\" in column py is not a number"));
+  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n1,1,x,3,4,5,6,7\n"),
+              StartsWith("a.csv:3:5: \"x\" in column py is not a number"));
   EXPECT_THAT(said(h + "0,1,2,nan,4,5,6,7\n"), StartsWith("a.csv:2:7: \"nan\" in column pz is not a finite number"));
   EXPECT_THAT(said(h + "0,1,2,inf,4,5,6,7\n"), StartsWith("a.csv:2:7: \"inf\" in column pz is not a finite number"));
   EXPECT_THAT(said(h + "0,1,2,3,4,5,6\n"), StartsWith("a.csv:2:14: this row has 7 cells, the header 8"));
@@ -152,7 +157,8 @@ TEST(FlightLog, BadCellsAreNamedWithLineAndColumn) {
 
 TEST(FlightLog, TimeMustRise) {
   const std::string h = header;
-  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n2,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,7\n"), StartsWith("a.csv:4:1: time does not rise (1 s after 2 s)"));
+  EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n2,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,7\n"),
+              StartsWith("a.csv:4:1: time does not rise (1 s after 2 s)"));
   EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n0,1,2,3,4,5,6,8\n"), StartsWith("a.csv:3:1: time does not rise"));
   EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n,1,2,3,4,5,6,8\n"), StartsWith("a.csv:3:1: this sample has no time"));
 }
@@ -160,7 +166,8 @@ TEST(FlightLog, TimeMustRise) {
 TEST(FlightLog, RequiredColumnsAreAskedFor) {
   EXPECT_THAT(said("px,py,pz,u1\n1,1,1,1\n2,2,2,2\n"), HasSubstr("\"time_s\" is missing"));
   EXPECT_THAT(said("time_s,px,py,pz\n1,1,1,1\n2,2,2,2\n"), HasSubstr("there is no actuator input"));
-  EXPECT_THAT(said("time_s,px,py,pz,u1,u3\n1,1,1,1,1,1\n2,2,2,2,2,2\n"), StartsWith("a.csv:1:20: column \"u3\" is here and \"u2\" is not"));
+  EXPECT_THAT(said("time_s,px,py,pz,u1,u3\n1,1,1,1,1,1\n2,2,2,2,2,2\n"),
+              StartsWith("a.csv:1:20: column \"u3\" is here and \"u2\" is not"));
   EXPECT_THAT(said("time_s,px,py,u1\n1,1,1,1\n2,2,2,2\n"), HasSubstr("nothing tells the motion"));
   EXPECT_THAT(said("time_s,px,py,pz,u1\n1,,,,1\n2,,,,2\n"), HasSubstr("nothing tells the motion"));
   EXPECT_THAT(said(header), HasSubstr("the log is empty (0 samples)"));
@@ -186,10 +193,13 @@ TEST(FlightLog, SidecarErrorsAreDataErrorsWithTheirPlace) {
   const std::string csv = std::string(header) + "0,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,7\n";
   const std::string meta = meta_text;
   EXPECT_THAT(said(csv, "format = \"x\"\n"), StartsWith("a.meta.toml:1:10: format \"x\" is not a flight log's"));
-  EXPECT_THAT(said(csv, "format = \"gustlab-flight/1\"\nactuator = \"rotor_sped\"\n"), EndsWith("did you mean \"rotor_speed\"?"));
-  EXPECT_THAT(said(csv, meta + "hold = \"cubic\"\n"), StartsWith("a.meta.toml:4:8: \"cubic\" is not one of unknown, zoh, linear"));
+  EXPECT_THAT(said(csv, "format = \"gustlab-flight/1\"\nactuator = \"rotor_sped\"\n"),
+              EndsWith("did you mean \"rotor_speed\"?"));
+  EXPECT_THAT(said(csv, meta + "hold = \"cubic\"\n"),
+              StartsWith("a.meta.toml:4:8: \"cubic\" is not one of unknown, zoh, linear"));
   EXPECT_THAT(said(csv, meta + "hould = \"zoh\"\n"), EndsWith("unknown key \"hould\" did you mean \"hold\"?"));
-  EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [[1, 2, 0, 0]]\n"), StartsWith("a.meta.toml:5:9: a wall is a point"));
+  EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [[1, 2, 0, 0]]\n"),
+              StartsWith("a.meta.toml:5:9: a wall is a point"));
   EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [1]\n"), HasSubstr("must be an array of arrays of numbers"));
   EXPECT_THAT(said(csv, "format = "), StartsWith("a.meta.toml:1:10: not TOML"));
 }
@@ -207,7 +217,8 @@ TEST(FlightLog, MissingAndDamagedFilesAreDataErrors) {
   EXPECT_THAT(message("a.txt"), StartsWith("a.txt: not a flight log"));
   EXPECT_THAT(message("a.csv"), StartsWith("a.csv: cannot read (No such file or directory)"));
   folder.write("a.csv", "");
-  EXPECT_THAT(message("a.csv"), StartsWith("a.meta.toml: cannot read (No such file or directory) a log needs its sidecar"));
+  EXPECT_THAT(message("a.csv"),
+              StartsWith("a.meta.toml: cannot read (No such file or directory) a log needs its sidecar"));
   folder.write("a.meta.toml", meta_text);
   FlightLog log;
   log.columns = {{"px", {}}, {"py", {}}, {"pz", {}}, {"u1", {}}};

@@ -28,7 +28,8 @@ std::string write(const std::string& folder, const char* name, const std::string
   return path.string();
 }
 
-const char* const sidecar_text_of_a_log = "format = \"gustlab-flight/1\"\nvehicle = \"crazyflie\"\nactuator = \"rotor_speed\"\n";
+const char* const sidecar_text_of_a_log =
+    "format = \"gustlab-flight/1\"\nvehicle = \"crazyflie\"\nactuator = \"rotor_speed\"\n";
 
 const char* const body_of_a_vehicle = R"(<mujoco><worldbody><body><freejoint/>
 <inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.02"/>
@@ -64,17 +65,22 @@ void read_an_experiment(const std::string& bytes, const std::string& folder) {
 }
 
 void read_store(const std::string& bytes, const std::string& folder) {
-  for (const char* left : {"runs.sqlite-wal", "runs.sqlite-shm", "runs.sqlite-journal"}) fs::remove(fs::path(folder) / left);
+  for (const char* left : {"runs.sqlite-wal", "runs.sqlite-shm", "runs.sqlite-journal"})
+    fs::remove(fs::path(folder) / left);
   write(folder, "runs.sqlite", bytes);
   read_results(folder);
 }
 
 void read_weights(const std::string& bytes, const std::string&) { parse_network(bytes, "weights"); }
 
-void read_baseline(const std::string& bytes, const std::string& folder) { read_results_csv(write(folder, "runs.csv", bytes)); }
+void read_baseline(const std::string& bytes, const std::string& folder) {
+  read_results_csv(write(folder, "runs.csv", bytes));
+}
 
 void read_diagnosis(const std::string& bytes, const std::string& folder) {
-  const std::string answers = write(folder, "answers.jsonl", R"({"trial": "t", "kind": "single", "effects": [{"effect": "mass", "parameters": {"delta": 0.1}}]})");
+  const std::string answers =
+      write(folder, "answers.jsonl",
+            R"({"trial": "t", "kind": "single", "effects": [{"effect": "mass", "parameters": {"delta": 0.1}}]})");
   write(folder, "trials/t/diagnosis/diagnosis.json", bytes);
   score_trials({{answers, (fs::path(folder) / "trials").string()}}, "diagnosis");
 }
@@ -87,10 +93,11 @@ void read_answers(const std::string& bytes, const std::string& folder) {
 }  // namespace
 
 const std::vector<ReaderTarget>& reader_targets() {
-  static const std::vector<ReaderTarget> all{{"toml", read_toml},         {"flight_log", read_log},   {"sidecar", read_meta},
-                                             {"vehicle", read_a_vehicle}, {"mjcf", read_body},        {"experiment", read_an_experiment},
-                                             {"store", read_store},       {"weights", read_weights},  {"baseline", read_baseline},
-                                             {"diagnosis", read_diagnosis}, {"answers", read_answers}};
+  static const std::vector<ReaderTarget> all{
+      {"toml", read_toml},           {"flight_log", read_log},  {"sidecar", read_meta},
+      {"vehicle", read_a_vehicle},   {"mjcf", read_body},       {"experiment", read_an_experiment},
+      {"store", read_store},         {"weights", read_weights}, {"baseline", read_baseline},
+      {"diagnosis", read_diagnosis}, {"answers", read_answers}};
   return all;
 }
 

@@ -13,7 +13,8 @@ namespace {
 class Readers : public testing::TestWithParam<fuzz::ReaderTarget> {};
 
 TEST_P(Readers, AnswerEveryInputOfTheirCorpus) {
-  const std::filesystem::path corpus = std::filesystem::path(source_directory()) / "tests" / "fuzz" / "corpus" / GetParam().name;
+  const std::filesystem::path corpus =
+      std::filesystem::path(source_directory()) / "tests" / "fuzz" / "corpus" / GetParam().name;
   int inputs = 0, read = 0;
   for (const auto& entry : std::filesystem::directory_iterator(corpus)) {
     const TemporaryFolder folder;
@@ -31,7 +32,8 @@ TEST_P(Readers, AnswerEveryInputOfTheirCorpus) {
   EXPECT_GE(read, 1) << "a corpus begins with an input that is right";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Readers, testing::ValuesIn(fuzz::reader_targets()), [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, Readers, testing::ValuesIn(fuzz::reader_targets()),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
 }  // namespace gustlab

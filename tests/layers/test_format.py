@@ -1,19 +1,19 @@
-"""What was formatted stays formatted: .clang-format (Debian 12's clang-format 14). A folder joins the list when it is formatted whole."""
+"""Every C++ file is as .clang-format says (Debian 12's clang-format 14)."""
 
 import subprocess
 import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-FORMATTED = ("src/diagnosis/alignment/*.?pp", "src/diagnosis/result/decisions.hpp")
+FOLDERS = ("apps", "examples", "include", "src", "tests")
 
 
 class Format(unittest.TestCase):
-    def test_formatted_files_are_as_clang_format_writes_them(self):
-        files = sorted(path for pattern in FORMATTED for path in ROOT.glob(pattern))
-        self.assertTrue(files)
+    def test_every_file_is_as_clang_format_writes_it(self):
+        files = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.?pp"))
+        self.assertGreater(len(files), 500)
         result = subprocess.run(["clang-format", "--dry-run", "--Werror", *files], cwd=ROOT, stderr=subprocess.PIPE, text=True)
-        self.assertEqual(result.returncode, 0, "\n" + result.stderr)
+        self.assertEqual(result.returncode, 0, "\n" + result.stderr[:4000])
 
 
 if __name__ == "__main__":

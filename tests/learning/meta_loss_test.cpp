@@ -43,7 +43,8 @@ void expect_gradient(Layers& layers, const Layers& gradient, const std::function
     EXPECT_NEAR((above - below) / (2.0 * step), slope, 1e-7 + 1e-6 * std::abs(slope)) << what;
   };
   for (std::size_t k = 0; k < layers.size(); ++k) {
-    for (Eigen::Index i = 0; i < layers[k].weight.size(); ++i) check(layers[k].weight(i), gradient[k].weight(i), "weight");
+    for (Eigen::Index i = 0; i < layers[k].weight.size(); ++i)
+      check(layers[k].weight(i), gradient[k].weight(i), "weight");
     for (Eigen::Index i = 0; i < layers[k].bias.size(); ++i) check(layers[k].bias(i), gradient[k].bias(i), "bias");
   }
 }
@@ -60,7 +61,9 @@ void expect_feature_gradient(const MetaLossOptions& options) {
 TEST(MetaLoss, HasTheGradientOfFiniteDifferences) { expect_feature_gradient({.adversary = 0.5, .longest = 1e6}); }
 
 // the coefficients of this problem are longer than 0.2
-TEST(MetaLoss, HasItsGradientWhereTheCoefficientsAreShortened) { expect_feature_gradient({.adversary = 0.01, .longest = 0.2}); }
+TEST(MetaLoss, HasItsGradientWhereTheCoefficientsAreShortened) {
+  expect_feature_gradient({.adversary = 0.01, .longest = 0.2});
+}
 
 TEST(MetaLoss, HasTheDiscriminatorsGradient) {
   Problem p;
@@ -77,7 +80,8 @@ TEST(MetaLoss, IsACrossEntropyThatAGuessMakesLogOfTheConditions) {
     layer.bias.setZero();
   }
   Layers unused = zeros_like(p.discriminator);
-  EXPECT_NEAR(discriminator_loss(p.discriminator, features_at(p.features, p.batch.test.inputs), 1, unused), std::log(3.0), 1e-12);
+  EXPECT_NEAR(discriminator_loss(p.discriminator, features_at(p.features, p.batch.test.inputs), 1, unused),
+              std::log(3.0), 1e-12);
 }
 
 TEST(MetaLoss, AdaptsToWhatTheFeaturesCanSay) {

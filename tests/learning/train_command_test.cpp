@@ -19,7 +19,8 @@ std::string shipped(const std::string& name) { return (fs::path(source_directory
 TEST(TrainCommand, WritesTheSameBytesForAnyJobs) {
   const TemporaryFolder folder;
   for (const char* jobs : {"1", "3"}) {
-    const Said said = gustlab({"train", "collect_iris", "--out", folder.file(jobs), "--epochs", "2", "--jobs", jobs, "--set", "replicates=1", "--set", "duration_s=20"});
+    const Said said = gustlab({"train", "collect_iris", "--out", folder.file(jobs), "--epochs", "2", "--jobs", jobs,
+                               "--set", "replicates=1", "--set", "duration_s=20"});
     ASSERT_EQ(said.exit_code, 0) << said.err;
     EXPECT_THAT(said.out, testing::HasSubstr("held out new_direction: "));
   }
@@ -31,14 +32,16 @@ TEST(TrainCommand, SaysWhatIsMissing) {
   const TemporaryFolder folder;
   const Said one = gustlab({"train", "ci_small", "--out", folder.file("w")});
   EXPECT_EQ(one.exit_code, 2);
-  EXPECT_THAT(one.err, testing::HasSubstr("to train on (the discriminator tells them apart) give at least two [[variant]] tables"));
+  EXPECT_THAT(one.err, testing::HasSubstr(
+                           "to train on (the discriminator tells them apart) give at least two [[variant]] tables"));
   const Said crash = gustlab({"train", "collect_iris", "--out", folder.file("w"), "--set", "effect.gust.strength=40"});
   EXPECT_EQ(crash.exit_code, 2);
   EXPECT_THAT(crash.err, testing::HasSubstr("(training needs whole flights) use less wind"));
   for (const char* adversary : {"nan", "inf", "-1", "1001"}) {
     const Said said = gustlab({"train", "collect_iris", "--out", folder.file("w"), "--adversary", adversary});
     EXPECT_EQ(said.exit_code, 2);
-    EXPECT_EQ(said.err, "gustlab: --adversary: " + std::string(adversary) + " is not a number from 0 to 1000 (see gustlab train --help)\n");
+    EXPECT_EQ(said.err, "gustlab: --adversary: " + std::string(adversary) +
+                            " is not a number from 0 to 1000 (see gustlab train --help)\n");
   }
   EXPECT_FALSE(fs::exists(folder.file("w")));
 }
@@ -47,7 +50,8 @@ TEST(TrainCommand, SaysWhatIsMissing) {
 TEST(ShippedWeights, AreOfTheShippedExperiment) {
   const NetworkWeights weights = parse_network(read_text(shipped("configs/daiml.weights")), "configs/daiml.weights");
   std::string resolved, named;
-  for (const Experiment& variant : read_variants(shipped("experiments/collect_iris.toml"))) resolved += resolved_text(variant);
+  for (const Experiment& variant : read_variants(shipped("experiments/collect_iris.toml")))
+    resolved += resolved_text(variant);
   for (const auto& [key, value] : weights.provenance)
     if (key == "experiment sha256") named = value;
   EXPECT_EQ(named, sha256(resolved)) << "train again: gustlab train collect_iris --out configs/daiml.weights";
@@ -56,11 +60,12 @@ TEST(ShippedWeights, AreOfTheShippedExperiment) {
 // GIVEN gusts of seeds that no training saw WHEN daiml flies with its network THEN it beats itself without, of the same gains, and PID
 TEST(ShippedWeights, BeatTheConstantAndPidInGustsOnBothVehicles) {
   for (const char* name : {"table1_iris", "table2_crazyflie"}) {
-    const Experiment experiment = read_experiment(
-        shipped("experiments/" + std::string(name) + ".toml"),
-        {"trajectories=[\"lemniscate\"]", "controllers=[\"pid\",\"constant\",\"daiml\"]", "controller.constant={type=\"daiml\",weights=\"\"}",
-         "controller.daiml.bandwidth_radps=0", "controller.daiml.tilt_limit_deg=30", "controller.daiml.feedforward=true",
-         "replicates=4", "first_replicate=51", "duration_s=24"});
+    const Experiment experiment =
+        read_experiment(shipped("experiments/" + std::string(name) + ".toml"),
+                        {"trajectories=[\"lemniscate\"]", "controllers=[\"pid\",\"constant\",\"daiml\"]",
+                         "controller.constant={type=\"daiml\",weights=\"\"}", "controller.daiml.bandwidth_radps=0",
+                         "controller.daiml.tilt_limit_deg=30", "controller.daiml.feedforward=true", "replicates=4",
+                         "first_replicate=51", "duration_s=24"});
     std::array<double, 3> rmse_m{};
     for (const RunSpec& spec : plan(experiment)) {
       const RunRecord record = run(experiment, spec);

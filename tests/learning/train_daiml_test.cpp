@@ -24,7 +24,9 @@ Condition made_up(const std::string& name, bool held_out, std::uint32_t number, 
   return condition;
 }
 
-std::vector<Condition> conditions() { return {made_up("a", false, 1), made_up("b", false, 2), made_up("c", false, 3), made_up("new", true, 4)}; }
+std::vector<Condition> conditions() {
+  return {made_up("a", false, 1), made_up("b", false, 2), made_up("c", false, 3), made_up("new", true, 4)};
+}
 
 TrainingOptions quick() {
   TrainingOptions options;
@@ -92,8 +94,9 @@ TEST(TrainDaiml, HidesTheConditionFromTheDiscriminator) {
 TEST(TrainDaiml, RefusesAConditionThatIsTooShort) {
   std::vector<Condition> all = conditions();
   all.push_back(made_up("short", false, 5, 287));
-  EXPECT_THAT([&] { train_daiml(all, quick()); },
-              testing::ThrowsMessage<ConfigError>(testing::HasSubstr("condition \"short\": 287 samples (a batch takes 288)")));
+  EXPECT_THAT(
+      [&] { train_daiml(all, quick()); },
+      testing::ThrowsMessage<ConfigError>(testing::HasSubstr("condition \"short\": 287 samples (a batch takes 288)")));
 }
 
 }  // namespace

@@ -54,7 +54,9 @@ TEST(Statistics, EqualSamplesAreNoDifferenceAndAConstantOneIsCertain) {
 // statsmodels multipletests([0.01, 0.04, 0.03, 0.005], method="holm")
 TEST(Statistics, HolmAgreesWithStatsmodels) {
   const std::vector<double> adjusted = holm(std::vector{0.01, 0.04, 0.03, 0.005, std::nan("")});
-  for (const auto& [is, wanted] : {std::pair{adjusted[0], 0.03}, {adjusted[1], 0.06}, {adjusted[2], 0.06}, {adjusted[3], 0.02}}) EXPECT_NEAR(is, wanted, 1e-12);
+  for (const auto& [is, wanted] :
+       {std::pair{adjusted[0], 0.03}, {adjusted[1], 0.06}, {adjusted[2], 0.06}, {adjusted[3], 0.02}})
+    EXPECT_NEAR(is, wanted, 1e-12);
   EXPECT_TRUE(std::isnan(adjusted[4]));
 }
 

@@ -14,7 +14,8 @@ TEST(TrackingError, ConstantOffsetGivesTheSameFourFigures) {
   EXPECT_EQ(figures.samples, 10u);
   for (const double value : {figures.planar.rmse_m, figures.planar.mae_m, figures.planar.p95_m, figures.planar.max_m})
     EXPECT_DOUBLE_EQ(value, 5.0);
-  for (const double value : {figures.spatial.rmse_m, figures.spatial.mae_m, figures.spatial.p95_m, figures.spatial.max_m})
+  for (const double value :
+       {figures.spatial.rmse_m, figures.spatial.mae_m, figures.spatial.p95_m, figures.spatial.max_m})
     EXPECT_DOUBLE_EQ(value, 13.0);
   EXPECT_DOUBLE_EQ(figures.rmse_z_m, 12.0);
 }

@@ -129,7 +129,8 @@ TEST(Plant, TumblesAboutItsCentreOfMass) {
 
 TEST(Plant, RotorsFollowTheirLagExactlyAtAnyStep) {
   VehicleModel vehicle = read_vehicle("crazyflie");
-  const std::vector<EffectSpec> lag{{"motor_lag", {{"time_constant", "0.05"}, {"time_constant_down", "0.1"}}, "test", {}}};
+  const std::vector<EffectSpec> lag{
+      {"motor_lag", {{"time_constant", "0.05"}, {"time_constant_down", "0.1"}}, "test", {}}};
   for (const double step_s : {0.001, 0.01}) {
     Plant plant = make_plant(vehicle, lag, step_s);
     plant.reset({});

@@ -90,7 +90,8 @@ class Integrator : public ::testing::Test {
     start.attitude_WB = Quaternion(0.95, 0.1, -0.2, 0.15).normalized();
     start.body_rate_B_radps = Vector3(2.0, -1.0, 3.0);
     State x;
-    x << start.position_W_m, start.velocity_W_mps, start.attitude_WB.w(), start.attitude_WB.vec(), start.body_rate_B_radps;
+    x << start.position_W_m, start.velocity_W_mps, start.attitude_WB.w(), start.attitude_WB.vec(),
+        start.body_rate_B_radps;
     exact = runge_kutta(vehicle, x, duration_s, 2000);
   }
   double error(int steps) const { return (plant_state(vehicle, start, duration_s, steps) - exact).norm(); }

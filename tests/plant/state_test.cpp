@@ -31,9 +31,11 @@ std::vector<double> seen(Plant& plant) {
   const VehicleState& s = plant.state();
   const Observation o = plant.observe(true);
   std::vector<double> all{s.time_s, plant.steps() * 1.0};
-  for (const Vector3& v : {s.position_W_m, s.velocity_W_mps, s.body_rate_B_radps, o.position_W_m, o.velocity_W_mps, o.specific_force_B_mps2})
+  for (const Vector3& v : {s.position_W_m, s.velocity_W_mps, s.body_rate_B_radps, o.position_W_m, o.velocity_W_mps,
+                           o.specific_force_B_mps2})
     all.insert(all.end(), v.begin(), v.end());
-  for (const Quaternion& q : {s.attitude_WB, o.attitude_WB}) all.insert(all.end(), q.coeffs().begin(), q.coeffs().end());
+  for (const Quaternion& q : {s.attitude_WB, o.attitude_WB})
+    all.insert(all.end(), q.coeffs().begin(), q.coeffs().end());
   all.insert(all.end(), s.rotor_speed_radps.begin(), s.rotor_speed_radps.end());
   return all;
 }

@@ -10,9 +10,9 @@ constexpr int kStations = 4;  // blade positions; exact for the harmonics that o
 
 // what a rotor's blades see, averaged over one turn
 struct BladeMeans {
-  double square = 0;               // tangential speed squared
-  double cross = 0;                // tangential speed times axial speed
-  Vec3 pull_B = Vec3::Zero();      // tangential speed squared, along the blade's motion
+  double square = 0;           // tangential speed squared
+  double cross = 0;            // tangential speed times axial speed
+  Vec3 pull_B = Vec3::Zero();  // tangential speed squared, along the blade's motion
 };
 
 BladeMeans sweep(const Vec3& axis_B, double spin, double tip_mps, const Vec3& air_B) {
@@ -83,8 +83,8 @@ Wrench rotors_in_air(const Truth& truth, const Motion& m, const Drive& drive) {
   }
   if (truth.outside.trim_Nm != 0) {
     const double phase = 2 * std::numbers::pi * drive.time_s / truth.outside.trim_period_s;
-    sum.torque_B_Nm += truth.outside.trim_Nm * (std::sin(phase) + 0.6 * std::sin(1.7 * phase + 1)) *
-                       truth.outside.trim_axis_B;
+    sum.torque_B_Nm +=
+        truth.outside.trim_Nm * (std::sin(phase) + 0.6 * std::sin(1.7 * phase + 1)) * truth.outside.trim_axis_B;
   }
   return sum;
 }
@@ -94,8 +94,8 @@ Vec3 fuselage_force_W(const Truth& truth, const Motion& m, double thrust_N) {
   const Vec3 air_W = m.velocity_W_mps - truth.wind_W_mps;
   const Vec3 up_W = m.attitude * Vec3::UnitZ();
   const Vec3 axial_W = air_W.dot(up_W) * up_W;
-  Vec3 force_W = -0.5 * kAirDensity_kgpm3 * air_W.norm() *
-                 (truth.area_xy_m2 * (air_W - axial_W) + truth.area_z_m2 * axial_W);
+  Vec3 force_W =
+      -0.5 * kAirDensity_kgpm3 * air_W.norm() * (truth.area_xy_m2 * (air_W - axial_W) + truth.area_z_m2 * axial_W);
   if (truth.surroundings.wall && truth.wall != 0) {
     const Wall& wall = *truth.surroundings.wall;
     const double away_m = std::max((m.com_W_m.head<2>() - wall.point_W_m).dot(wall.normal_W), truth.nominal.radius_m);

@@ -18,8 +18,8 @@ Vec3 slope2(const F& f, double t, double h) {
 }  // namespace
 
 Autopilot::Autopilot(const Truth& truth, const Path& path) : nominal_(truth.nominal), path_(path) {
-  const double slowness_s = 0.5 * (truth.lag_up_s + truth.lag_down_s) + truth.delay_s + 1.5 * kPeriod_s +
-                            0.5 * truth.pose_delay_s;
+  const double slowness_s =
+      0.5 * (truth.lag_up_s + truth.lag_down_s) + truth.delay_s + 1.5 * kPeriod_s + 0.5 * truth.pose_delay_s;
   const double cap = nominal_.large ? 14 : 20;
   rate_gain_ = std::min(cap, 0.75 / slowness_s);
   yaw_gain_ = std::min(nominal_.large ? 3.0 : 6.0, 0.5 * rate_gain_);
@@ -76,8 +76,8 @@ PerRotor Autopilot::command(double t, const Reading& reading) {
   const double w = slow_gain_, wz = climb_gain_;
   const Vec3 kp(w * w, w * w, wz * wz), kv(1.8 * w, 1.8 * w, 1.8 * wz),
       ki = 0.3 * kp.cwiseProduct(Vec3(w, w, 0.5 * wz));
-  Vec3 push_W = goal_push_W + kp.cwiseProduct(error_W) + kv.cwiseProduct(error_velocity_W) +
-                ki.cwiseProduct(position_sum_);
+  Vec3 push_W =
+      goal_push_W + kp.cwiseProduct(error_W) + kv.cwiseProduct(error_velocity_W) + ki.cwiseProduct(position_sum_);
   const double most = nominal_.large ? 9 : 8;
   push_W.head<2>() *= std::min(1.0, most / std::max(1e-9, push_W.head<2>().norm()));
   push_W.z() = std::clamp(push_W.z(), -6.0, 8.0) + kGravity_mps2;

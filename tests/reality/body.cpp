@@ -36,12 +36,10 @@ Pull cable(const Truth& truth, const State& x, const Motion& m, const Wrench& ot
   const Vec3 inverse_inertia = truth.inertia_kgm2.cwiseInverse();
   const Vec3 spin_B = inverse_inertia.cwiseProduct(
       others.torque_B_Nm - m.rate_B_radps.cross(truth.inertia_kgm2.cwiseProduct(m.rate_B_radps)));
-  const Vec3 anchor_acceleration_W =
-      R * (others.force_B_N / truth.mass_kg + spin_B.cross(pull.at_B_m) +
-           m.rate_B_radps.cross(m.rate_B_radps.cross(pull.at_B_m)));
+  const Vec3 anchor_acceleration_W = R * (others.force_B_N / truth.mass_kg + spin_B.cross(pull.at_B_m) +
+                                          m.rate_B_radps.cross(m.rate_B_radps.cross(pull.at_B_m)));
   const double push = across2 / truth.load_length_m - along_W.dot(anchor_acceleration_W);
-  const double mobility =
-      1 / truth.load_kg + 1 / truth.mass_kg + arm_B.dot(inverse_inertia.cwiseProduct(arm_B));
+  const double mobility = 1 / truth.load_kg + 1 / truth.mass_kg + arm_B.dot(inverse_inertia.cwiseProduct(arm_B));
   const double rubs = 2 * truth.hook_damping * std::sqrt(kGravity_mps2 / truth.load_length_m) * truth.load_kg;
   pull.force_W_N = std::max(0.0, push / mobility) * along_W + rubs * (slide_W - slide_W.dot(along_W) * along_W);
   return pull;

@@ -12,7 +12,7 @@ using State = Eigen::Matrix<double, 23, 1>;
 /// What acts during one step besides the state.
 struct Drive {
   PerRotor speed_radps{};
-  Vec3 force_W_N = Vec3::Zero();    // turbulence, gust, anything exogenous
+  Vec3 force_W_N = Vec3::Zero();  // turbulence, gust, anything exogenous
   Vec3 torque_B_Nm = Vec3::Zero();
   double voltage_V = 0;
   double time_s = 0;

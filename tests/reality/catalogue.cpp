@@ -21,27 +21,36 @@ std::vector<Effect> build() {
   all.push_back({"wall_effect", {{"strength", {0.03, 0.03}, {0, 0}}}, 1000, false, Need::wall});
   all.push_back({"steady_wind",
                  {{"x", {0.6, 4}, {0, 0}}, {"y", {0.6, 4}, {0, 0}}, {"z", {0.06, 0.4}, {0, 0}}},
-                 2.5, true, Need::drag, false});
+                 2.5,
+                 true,
+                 Need::drag,
+                 false});
   all.push_back({"constant_force",
                  {{"x", {0.01, 0.5}, {0, 0}}, {"y", {0.01, 0.5}, {0, 0}}, {"z", {0.01, 0.5}, {0, 0}}},
-                 8, true, Need::nothing, false});
+                 8,
+                 true,
+                 Need::nothing,
+                 false});
   all.push_back({"mass", {{"delta", {0.05, 0.05}, {trim, trim}}}, 5, true});
   all.push_back({"center_of_mass",
                  {{"x", {1e-3, 8e-3}, {kComSmall_m, kComLarge_m}},
                   {"y", {1e-3, 8e-3}, {kComSmall_m, kComLarge_m}},
                   {"z", {1e-3, 8e-3}, {kComSmall_m, kComLarge_m}}},
-                 8, true});
+                 8,
+                 true});
   all.push_back({"inertia",
                  {{"delta_x", {0.1, 0.1}, {five, five}},
                   {"delta_y", {0.1, 0.1}, {five, five}},
                   {"delta_z", {0.1, 0.1}, {five, five}}},
-                 5, true});
+                 5,
+                 true});
   all.push_back({"thrust_scale", {{"delta", {0.05, 0.05}, {trim, trim}}}, 5, true});
   all.push_back({"rotor_loss", {{"loss", {0.05, 0.05}, {0.01, 0.01}}}, 5, false});
   all.push_back({"rotor_tilt", {{"x", {0.02, 0.02}, {0, 0}}, {"y", {0.02, 0.02}, {0, 0}}}, 6, true});
   all.push_back({"motor_lag",
                  {{"time_constant", {0.02, 0.01}, {lag, lag}}, {"time_constant_down", {0.02, 0.01}, {lag, lag}}},
-                 4, true});
+                 4,
+                 true});
   all.push_back({"actuation_delay", {{"delay", {0.01, 0.006}, {delay, delay}}}, 4, false});
   all.push_back({"thrust_curve", {{"curvature", {0.1, 0.1}, {0, 0}}}, 5, true});
   all.push_back({"saturation", {{"max_speed", {140, 40}, {0, 0}}}, 6, false});
@@ -53,7 +62,9 @@ std::vector<Effect> build() {
   all.push_back({"pose_delay", {{"delay", {0.01, 0.01}, {delay, delay}}}, 4, false});
   all.push_back({"imu_lever",
                  {{"x", {0.01, 0.01}, {0, 0}}, {"y", {0.01, 0.01}, {0, 0}}, {"z", {0.01, 0.01}, {0, 0}}},
-                 12, true, Need::accel});
+                 12,
+                 true,
+                 Need::accel});
   all.push_back({"gyro_scale", {{"delta", {0.02, 0.02}, {0, 0}}}, 10, true});
   all.push_back({"slung_load", {{"mass", {0.003, 0.2}, {0, 0}}}, 4, false});
   all.push_back(

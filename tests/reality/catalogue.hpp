@@ -23,7 +23,7 @@ enum class Need { nothing, drag, ground, ceiling, wall, voltage, accel };
 struct Effect {
   std::string name;
   std::vector<Parameter> parameter;
-  double most;          // largest strength in natural sizes that still flies
+  double most;  // largest strength in natural sizes that still flies
   bool both_signs;
   Need need = Need::nothing;
   bool whole_vehicle = true;  // false: one value per flight

@@ -73,8 +73,8 @@ void check_air(const Case& c, bool large) {
   c.compare("rotor_drag", {{"at_hover", k}}, total(drag), total([&](int i) { return c.hub(i).cross(drag(i)); }));
 
   const double q = 0.5 * kAirDensity_kgpm3 * c.air_B.norm();
-  c.compare("quadratic_drag", {{"area_xy", 0.02}, {"area_z", 0.03}},
-            -q * Vec3(0.02, 0.02, 0.03).cwiseProduct(c.air_B), Vec3::Zero());
+  c.compare("quadratic_drag", {{"area_xy", 0.02}, {"area_z", 0.03}}, -q * Vec3(0.02, 0.02, 0.03).cwiseProduct(c.air_B),
+            Vec3::Zero());
 
   const auto along = [&](auto newton) {
     return std::pair{total([&](int i) { return Vec3(newton(i) * kUp); }),
@@ -84,9 +84,8 @@ void check_air(const Case& c, bool large) {
     const auto [force, torque] = along(newton);
     c.compare(name, values, force, torque);
   };
-  compare_thrusts("axial_inflow", {{"at_hover", k}}, [&](int i) {
-    return -k / (4 * c.hover_radps) * c.drive.speed_radps[i] * c.hub_air(i).z();
-  });
+  compare_thrusts("axial_inflow", {{"at_hover", k}},
+                  [&](int i) { return -k / (4 * c.hover_radps) * c.drive.speed_radps[i] * c.hub_air(i).z(); });
   compare_thrusts("translational_lift", {{"coefficient", 2e-3}},
                   [&](int i) { return 2e-3 * c.hub_air(i).head<2>().squaredNorm(); });
   const double radius = c.plain.nominal.radius_m;
@@ -170,7 +169,8 @@ void check_body(const Case& c) {
     const State x = state_of(t, c.m, c.drive.speed_radps);
     const Drive end = drive_at(step);
     return Vec3((motion(t, advance(t, x, c.drive, drive_at(0.5 * step), end, step), end.speed_radps).rate_B_radps -
-                 c.m.rate_B_radps) / step);
+                 c.m.rate_B_radps) /
+                step);
   };
   double momentum = 0;
   for (int i = 0; i < kRotors; ++i) momentum += c.spin(i) * inertia * c.drive.speed_radps[i];

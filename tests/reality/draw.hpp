@@ -11,12 +11,12 @@ namespace reality {
 
 struct Request {
   std::uint64_t seed = 0;
-  std::string kind = "mixed";          // clean | scatter | single | pair | outside | mixed
-  std::optional<std::string> effect;   // forces kind single
-  std::optional<double> factor;        // strength over the detection limit
+  std::string kind = "mixed";         // clean | scatter | single | pair | outside | mixed
+  std::optional<std::string> effect;  // forces kind single
+  std::optional<double> factor;       // strength over the detection limit
   std::optional<bool> large;
   std::optional<int> noise;
-  std::optional<double> roughness;     // of the air, over the quiet room; without it the noise level's
+  std::optional<double> roughness;  // of the air, over the quiet room; without it the noise level's
   AirKind air = AirKind::steady;
 };
 

@@ -227,8 +227,7 @@ Flight fly(const Truth& truth, const Path& path, const Noise& noise, std::uint64
     flight.tape.time_s.push_back(t);
     flight.tape.speed_radps.push_back(command);
     const double volts = here.voltage_V + noise.voltage_V * sensor.normal();
-    if (k >= 0)
-      flight.sample.push_back({t, r, command, volts, m, x, here.voltage_V, Vec3::Zero(), Vec3::Zero()});
+    if (k >= 0) flight.sample.push_back({t, r, command, volts, m, x, here.voltage_V, Vec3::Zero(), Vec3::Zero()});
 
     for (int i = 0; i < steps; ++i) {
       const double a = t + i * step_s, b = i + 1 == steps ? (k + 1) * kSample_s : t + (i + 1) * step_s;

@@ -16,10 +16,10 @@ constexpr double kSample_s = 0.01;
 struct Noise {
   double position_m, attitude_rad, velocity_mps, gyro_radps, accel_mps2, voltage_V;
   double gyro_bias_radps, accel_bias_mps2;
-  double air_mps2, air_time_s;                // turbulence as acceleration of the nominal mass
-  Vec3 torque_radps2;                         // the same for torques
+  double air_mps2, air_time_s;  // turbulence as acceleration of the nominal mass
+  Vec3 torque_radps2;           // the same for torques
   double torque_time_s;
-  double bursts = 0;                          // standard deviation of the logarithm of the turbulence's envelope
+  double bursts = 0;  // standard deviation of the logarithm of the turbulence's envelope
 };
 Noise noise_level(bool large, int level);
 
@@ -37,21 +37,21 @@ struct Columns {
 
 struct Sample {
   double time_s;
-  Reading reading;      // as logged: noise, bias and sensor effects included
+  Reading reading;  // as logged: noise, bias and sensor effects included
   PerRotor command_radps;
-  double voltage_V;     // as logged
-  Motion clean;         // truth, for sensitivities and the oracle only
-  State state;          // the same with everything hidden
+  double voltage_V;  // as logged
+  Motion clean;      // truth, for sensitivities and the oracle only
+  State state;       // the same with everything hidden
   double clean_voltage_V;
-  Vec3 extra_force_W_N;   // mean over the following interval: cable, payload, drop-outs
+  Vec3 extra_force_W_N;  // mean over the following interval: cable, payload, drop-outs
   Vec3 extra_torque_B_Nm;
 };
 
 struct Flight {
   std::vector<Sample> sample;
-  CommandTape tape;        // includes the time before the recording
+  CommandTape tape;  // includes the time before the recording
   PerRotor start_radps{};
-  bool lost = false;       // crashed, flew away, or cut a cable
+  bool lost = false;  // crashed, flew away, or cut a cable
 };
 
 /// Flies one path; every draw comes from (seed, trial, stream).

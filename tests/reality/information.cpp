@@ -49,8 +49,7 @@ Readout read(const Truth& truth, const Motion& now, const Acceleration& a) {
   // a late pose is the pose now, moved back along its rates
   Motion late = now;
   late.com_W_m -= truth.pose_delay_s * now.velocity_W_mps;
-  late.velocity_W_mps -=
-      truth.pose_delay_s * (now.attitude * a.specific_B_mps2 - Vec3(0, 0, kGravity_mps2));
+  late.velocity_W_mps -= truth.pose_delay_s * (now.attitude * a.specific_B_mps2 - Vec3(0, 0, kGravity_mps2));
   late.attitude = now.attitude * rotation(-truth.pose_delay_s * now.rate_B_radps);
   const Reading pose = sense(truth, late, a), inertial = sense(truth, now, a);
   Readout y;

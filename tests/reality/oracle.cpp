@@ -48,8 +48,9 @@ Errors rollouts(const Truth& model, const Truth& truth, const Flight& flight, bo
   const auto reading_at = [&](int k) {
     const auto& s = flight.sample;
     const int a = std::max(0, k - 1), b = std::min(count - 1, k + 1);
-    const Vec3 acceleration = (s[static_cast<std::size_t>(b)].clean.velocity_W_mps -
-                               s[static_cast<std::size_t>(a)].clean.velocity_W_mps) / ((b - a) * kSample_s);
+    const Vec3 acceleration =
+        (s[static_cast<std::size_t>(b)].clean.velocity_W_mps - s[static_cast<std::size_t>(a)].clean.velocity_W_mps) /
+        ((b - a) * kSample_s);
     return late_reading(truth, s[static_cast<std::size_t>(k)].clean, acceleration);
   };
   Errors sum{};

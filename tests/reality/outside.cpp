@@ -5,9 +5,9 @@
 namespace reality {
 
 const std::vector<std::string>& strangers() {
-  static const std::vector<std::string> all{"sticking_esc", "fan_jet",     "climb_drag",   "swinging_payload",
-                                            "vortex_ring",  "dropouts",    "torque_trim",  "cross_force",
-                                            "tether"};
+  static const std::vector<std::string> all{"sticking_esc",     "fan_jet",     "climb_drag",
+                                            "swinging_payload", "vortex_ring", "dropouts",
+                                            "torque_trim",      "cross_force", "tether"};
   return all;
 }
 

@@ -34,7 +34,9 @@ class Stairs {
   }
 
  private:
-  struct Step { double start_s, duration_s, value; };
+  struct Step {
+    double start_s, duration_s, value;
+  };
   double first_;
   std::vector<Step> step_;
 };
@@ -70,7 +72,9 @@ struct Scale {
 
 // roll, pitch and yaw multisines of 1-8 Hz in a few windows
 std::function<Vec3(double)> draw_shake(bool large, double gentleness, Rng& rng, int windows) {
-  struct Tone { double radps, phase, size; };
+  struct Tone {
+    double radps, phase, size;
+  };
   std::array<std::vector<Tone>, 3> tones;
   for (int axis = 0; axis < 3; ++axis)
     for (const double hz : {1.1, 1.7, 2.6, 3.7, 5.2, 7.3}) {
@@ -234,8 +238,8 @@ Path waypoints(const Scale& s, const Surroundings& around, double gentleness, bo
       // along the wall at a few radii
       const Eigen::Vector2d& n = around.wall->normal_W;
       const double away_m = (large ? 1 : 1.5) * rng.uniform(3.5, 7.0) * s.clearance * s.radius_m;
-      const Eigen::Vector2d spot = around.wall->point_W_m + away_m * n +
-                                   rng.uniform(-0.6, 0.6) * s.span_m * Eigen::Vector2d(-n.y(), n.x());
+      const Eigen::Vector2d spot =
+          around.wall->point_W_m + away_m * n + rng.uniform(-0.6, 0.6) * s.span_m * Eigen::Vector2d(-n.y(), n.x());
       to_x = spot.x();
       to_y = spot.y();
       slow = 0.45;
@@ -312,13 +316,16 @@ Path draw_path(Figure figure, const Nominal& nominal, const Surroundings& around
   if (around.ground_z_m) s.height_m = *around.ground_z_m + (large ? 1.4 : 0.7);
   if (around.ceiling_z_m && !around.ground_z_m) s.height_m = *around.ceiling_z_m - (large ? 1.4 : 0.7);
   switch (figure) {
-    case Figure::circle: return circle(s, around, gentleness, large, rng);
+    case Figure::circle:
+      return circle(s, around, gentleness, large, rng);
     case Figure::staircase:
       if (around.wall && !around.ground_z_m && !around.ceiling_z_m)
         return along_wall(s, *around.wall, gentleness, large, rng);
       return staircase(s, around, gentleness, large, rng);
-    case Figure::waypoints: return waypoints(s, around, gentleness, large, rng);
-    case Figure::holdout: break;
+    case Figure::waypoints:
+      return waypoints(s, around, gentleness, large, rng);
+    case Figure::holdout:
+      break;
   }
   return other(s, around, gentleness, large, rng);
 }

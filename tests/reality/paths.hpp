@@ -8,15 +8,15 @@
 
 namespace reality {
 
-constexpr double kPreroll_s = 4.0;    // flown before the recording starts
+constexpr double kPreroll_s = 4.0;  // flown before the recording starts
 constexpr double kFlight_s = 25.0;
 
 /// Reference of one flight, defined for -kPreroll_s <= t <= kFlight_s.
 struct Path {
   std::function<Vec3(double)> position_W_m;
   std::function<double(double)> yaw_rad;
-  std::function<Vec3(double)> shake_radps2;   // angular acceleration added to the autopilot's torques
-  std::function<double(double)> surge_mps2;   // vertical acceleration added to the autopilot's thrust
+  std::function<Vec3(double)> shake_radps2;  // angular acceleration added to the autopilot's torques
+  std::function<double(double)> surge_mps2;  // vertical acceleration added to the autopilot's thrust
 };
 
 enum class Figure { circle, staircase, waypoints, holdout };

@@ -82,12 +82,9 @@ double most_strength(const Plan& plan, const Nominal& nominal) {
 }
 
 bool alike(const std::string& a, const std::string& b) {
-  static const std::vector<std::pair<std::string, std::string>> same{{"mass", "thrust_scale"},
-                                                                     {"mass", "constant_force"},
-                                                                     {"mass", "slung_load"},
-                                                                     {"thrust_scale", "battery_sag"},
-                                                                     {"attitude_offset", "rotor_tilt"},
-                                                                     {"inertia", "yaw_torque_ratio"}};
+  static const std::vector<std::pair<std::string, std::string>> same{
+      {"mass", "thrust_scale"},        {"mass", "constant_force"},        {"mass", "slung_load"},
+      {"thrust_scale", "battery_sag"}, {"attitude_offset", "rotor_tilt"}, {"inertia", "yaw_torque_ratio"}};
   return a == b || std::any_of(same.begin(), same.end(), [&](const auto& pair) {
            return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
          });

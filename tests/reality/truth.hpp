@@ -52,23 +52,23 @@ struct Nominal {
 
 /// Physics outside the catalogue; all zero unless a trial is drawn as `outside`.
 struct Outside {
-  double esc_stick_radps = 0;      // a speed controller ignores changes of its command below this
+  double esc_stick_radps = 0;  // a speed controller ignores changes of its command below this
   Vec3 jet_center_W_m = Vec3::Zero();
   Vec3 jet_force_W_N = Vec3::Zero();
   double jet_radius_m = 1;
-  double climb_drag = 0;           // N s^2/m^2, only while climbing
-  double vortex_loss = 0;          // share of thrust lost in the middle of the vortex ring state
-  double vortex_speed_mps = 1;     // descent speed where it is worst
+  double climb_drag = 0;        // N s^2/m^2, only while climbing
+  double vortex_loss = 0;       // share of thrust lost in the middle of the vortex ring state
+  double vortex_speed_mps = 1;  // descent speed where it is worst
   int dropout_rotor = -1;
   double dropout_loss = 0;
-  double trim_Nm = 0;              // slowly wandering torque, worst axis
+  double trim_Nm = 0;  // slowly wandering torque, worst axis
   double trim_period_s = 20;
   Vec3 trim_axis_B = Vec3::UnitX();
-  double cross_force = 0;          // N s/m, horizontal force across the velocity
-  double tether_npm = 0;           // N/m toward tether_W_m beyond its slack length
+  double cross_force = 0;  // N s/m, horizontal force across the velocity
+  double tether_npm = 0;   // N/m toward tether_W_m beyond its slack length
   Vec3 tether_W_m = Vec3::Zero();
   double tether_slack_m = 0;
-  double payload_kg = 0;           // on a bending stem below the body, with dry friction
+  double payload_kg = 0;  // on a bending stem below the body, with dry friction
   double payload_arm_m = 0;
   double payload_hz = 2;
   double payload_friction_N = 0;

@@ -33,8 +33,7 @@ Nominal large_vehicle() {
   n.large = true;
   n.mass_kg = 1.535;
   n.inertia_kgm2 = {0.029125, 0.029125, 0.055225};
-  n.hub_B_m = {Vec3(0.13, -0.22, 0.023), Vec3(-0.13, 0.20, 0.023), Vec3(0.13, 0.22, 0.023),
-               Vec3(-0.13, -0.20, 0.023)};
+  n.hub_B_m = {Vec3(0.13, -0.22, 0.023), Vec3(-0.13, 0.20, 0.023), Vec3(0.13, 0.22, 0.023), Vec3(-0.13, -0.20, 0.023)};
   n.spin = {1, 1, -1, -1};
   n.thrust_coefficient = 5.84e-6;
   n.torque_ratio_m = 0.06;

@@ -9,7 +9,8 @@
 namespace gustlab {
 namespace {
 
-ResultRow row(const std::string& controller, std::int64_t replicate, double rmse_m, Outcome outcome = Outcome::completed) {
+ResultRow row(const std::string& controller, std::int64_t replicate, double rmse_m,
+              Outcome outcome = Outcome::completed) {
   ResultRow result{"e.v", "iris", "circle", controller, replicate, outcome, 10.0};
   result.rmse_xy_m = rmse_m;
   result.rotor_sd_radps = 40.0;
@@ -41,7 +42,9 @@ TEST(Compare, TellsTheBestByPairs) {
 }
 
 TEST(Compare, CallsBrokenWhatCrashesOrFliesFarAway) {
-  const auto compared = compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3), variant("far", 0.39, 9.44, 0.3)}, 0.5);
+  const auto compared = compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3),
+                                            variant("far", 0.39, 9.44, 0.3)},
+                                0.5);
   for (const ComparedController& controller : compared[0].controllers) EXPECT_FALSE(controller.broken);
   // 37 of 40 are fewer than 95 %, and one that crashes is not the best, however near it flies
   EXPECT_TRUE(compared[1].controllers[1].broken);
@@ -62,7 +65,8 @@ TEST(Compare, ResamplesGustsNotRuns) {
     for (const char* controller : {"a", "b"})
       for (int copy = 0; copy < copies; ++copy)
         for (int gust = 0; gust < 12; ++gust) {
-          named.results.rows.push_back(row(controller, gust, *controller == 'a' ? 0.1 : 0.11 + 0.01 * std::sin(2.0 * gust)));
+          named.results.rows.push_back(
+              row(controller, gust, *controller == 'a' ? 0.1 : 0.11 + 0.01 * std::sin(2.0 * gust)));
           named.results.rows.back().trajectory = "t" + std::to_string(copy);
         }
     return compare(std::vector{named}, 0.5)[0].controllers[1].behind;
@@ -72,17 +76,21 @@ TEST(Compare, ResamplesGustsNotRuns) {
 }
 
 TEST(Compare, SaysItInMarkdown) {
-  const std::string text = to_markdown(compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3)}, 0.5), 0.5);
+  const std::string text = to_markdown(
+      compare(std::vector{variant("nominal", 0.2, 0.1, 0.3), variant("crash", 0.2, 0.1, 0.3, 3)}, 0.5), 0.5);
   EXPECT_THAT(text, testing::HasSubstr("a planar RMSE of at most 0.5 m"));
   EXPECT_THAT(text, testing::HasSubstr("| nominal | 0.20"));
   EXPECT_THAT(text, testing::HasSubstr("(37/40) † |"));
-  EXPECT_THAT(text, testing::HasSubstr("| a | 40 | 900 | crash | – |\n| b | 40 | 900 | nominal | crash |\n| c | 40 | 900 | – | – |\n"));
+  EXPECT_THAT(text,
+              testing::HasSubstr(
+                  "| a | 40 | 900 | crash | – |\n| b | 40 | 900 | nominal | crash |\n| c | 40 | 900 | – | – |\n"));
 }
 
 TEST(Compare, NeedsTheSameRuns) {
   std::vector<NamedResults> variants{variant("nominal", 0.2, 0.1, 0.3), variant("less", 0.2, 0.1, 0.3)};
   variants[1].results.rows.erase(variants[1].results.rows.begin() + 117, variants[1].results.rows.end());
-  EXPECT_THAT([&] { compare(variants, 0.5); }, testing::ThrowsMessage<DataError>(testing::HasSubstr("nominal and less do not have the same")));
+  EXPECT_THAT([&] { compare(variants, 0.5); },
+              testing::ThrowsMessage<DataError>(testing::HasSubstr("nominal and less do not have the same")));
   variants[1].results.rows.pop_back();
   EXPECT_THROW(compare(variants, 0.5), DataError);
 }

@@ -33,7 +33,8 @@ inline DiagnosisFigures example_figures() {
     }
     figures.window.traces.push_back(trace);
   }
-  DiagnosisFigures::Residual residual{"force_x", "N", "airspeed_mps", {}, {}, {}, {}, {}, {}, {}, {}, {}, "12 blocks with saturated commands"};
+  DiagnosisFigures::Residual residual{
+      "force_x", "N", "airspeed_mps", {}, {}, {}, {}, {}, {}, {}, {}, {}, "12 blocks with saturated commands"};
   for (int i = 0; i < 150; ++i) {
     residual.x.push_back(1.5 * std::fmod(0.618 * i, 1.0));
     residual.y.push_back(-0.0147 * residual.x.back() + 0.003 * std::sin(7.1 * i));

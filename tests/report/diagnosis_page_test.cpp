@@ -55,12 +55,31 @@ TEST(DiagnosisPage, IsSelfContainedAndWellFormed) {
 TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
   const std::string html = diagnosis_page(example_diagnosis(), example_figures());
   std::size_t at = 0;
-  for (const char* wanted :
-       {"<h1>The simulation of crazyflie", "First, about the recordings", "Where it differs", "airspeed above 0.6 m/s (82 % of it)",
-        "What was left out", "0.01470 ± 0.00078", "N s/m", "Mass or thrust scale", "Loss of rotor 3", "Still not explained", "repeat after 0.05 s", "How much better it predicts",
-        "over 412 windows of lemniscate.csv", "Left out: 3 windows across gaps", "N = 150 blocks, left out: 12 blocks with saturated commands",
-        "One held-out window", "400 samples", "What cannot be told", "no sample below 0.3 m", "What to fly next", "Thrust sweep",
-        "Unexplained disturbance", "Calibration", "0.041 ± 0.012", "Flights"}) {
+  for (const char* wanted : {"<h1>The simulation of crazyflie",
+                             "First, about the recordings",
+                             "Where it differs",
+                             "airspeed above 0.6 m/s (82 % of it)",
+                             "What was left out",
+                             "0.01470 ± 0.00078",
+                             "N s/m",
+                             "Mass or thrust scale",
+                             "Loss of rotor 3",
+                             "Still not explained",
+                             "repeat after 0.05 s",
+                             "How much better it predicts",
+                             "over 412 windows of lemniscate.csv",
+                             "Left out: 3 windows across gaps",
+                             "N = 150 blocks, left out: 12 blocks with saturated commands",
+                             "One held-out window",
+                             "400 samples",
+                             "What cannot be told",
+                             "no sample below 0.3 m",
+                             "What to fly next",
+                             "Thrust sweep",
+                             "Unexplained disturbance",
+                             "Calibration",
+                             "0.041 ± 0.012",
+                             "Flights"}) {
     const std::size_t found = html.find(wanted, at);
     ASSERT_NE(found, std::string::npos) << wanted;
     at = found;
@@ -71,7 +90,8 @@ TEST(DiagnosisPage, EscapesEveryText) {
   Json diagnosis = example_diagnosis();
   const std::string attack = "<b>\"'&</b>";
   diagnosis["vehicle"] = attack;
-  for (const char* list : {"effects", "log_findings_in_short", "rejected", "not_identifiable", "flights", "alarms", "mismatch", "disturbance"})
+  for (const char* list : {"effects", "log_findings_in_short", "rejected", "not_identifiable", "flights", "alarms",
+                           "mismatch", "disturbance"})
     for (Json& entry : diagnosis[list])
       for (auto& [key, value] : entry.items())
         if (value.is_string() && key != "role") value = attack;
@@ -89,7 +109,8 @@ TEST(DiagnosisPage, WhatIsMissingIsLeftOut) {
   for (const char* verdict : {"consistent", "insufficient_data", "unexplained", "explained", "partly_explained"}) {
     const std::string html = diagnosis_page({{"verdict", verdict}, {"augmented_model", "augmented.toml"}}, {});
     expect_sound(html);
-    for (const char* absent : {"<figure>", "<table>", "First, about", "What to fly next", "Fly the improved model"}) EXPECT_THAT(html, Not(HasSubstr(absent)));
+    for (const char* absent : {"<figure>", "<table>", "First, about", "What to fly next", "Fly the improved model"})
+      EXPECT_THAT(html, Not(HasSubstr(absent)));
   }
 }
 
@@ -110,7 +131,8 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
   Json diagnosis = example_diagnosis();
   diagnosis["verdict"] = "unexplained";
   diagnosis["effects"] = Json::array();
-  diagnosis["residual_model"] = {{"terms", {{{"channel", "force_x"}, {"term", "vx |v|"}, {"coefficient", -0.012}, {"unit", "N s²/m²"}}}}};
+  diagnosis["residual_model"] = {
+      {"terms", {{{"channel", "force_x"}, {"term", "vx |v|"}, {"coefficient", -0.012}, {"unit", "N s²/m²"}}}}};
   const std::string html = diagnosis_page(diagnosis, {});
   expect_sound(html);
   EXPECT_THAT(html, HasSubstr("An unnamed effect"));
@@ -120,36 +142,45 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
 TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
   Json diagnosis = example_diagnosis();
   diagnosis["log_findings_in_short"] = {{{"kind", "filtered"}, {"says", "2 of 3 flights: px…wz it was smoothed"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<ul><li><strong>Filtered</strong>: 2 of 3 flights: px…wz it was smoothed.</li></ul>"));
+  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+              HasSubstr("<ul><li><strong>Filtered</strong>: 2 of 3 flights: px…wz it was smoothed.</li></ul>"));
 }
 
 TEST(DiagnosisPage, ShowsSuspectsWithTheReasonWhyTheyHaveNoName) {
   Json diagnosis = example_diagnosis();
   EXPECT_THAT(diagnosis_page(diagnosis, {}), Not(HasSubstr("Suspected")));
   diagnosis["effects"] = Json::array();
-  diagnosis["rejected"] = {{{"effect", "motor_lag"}, {"why", "only suspected: half of it remains"}}, {{"effect", "mass"}, {"why", "only suspected: half of it remains"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<p>Suspected, and not named because half of it remains: motor lag and mass.</p>"));
+  diagnosis["rejected"] = {{{"effect", "motor_lag"}, {"why", "only suspected: half of it remains"}},
+                           {{"effect", "mass"}, {"why", "only suspected: half of it remains"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+              HasSubstr("<p>Suspected, and not named because half of it remains: motor lag and mass.</p>"));
 }
 
 TEST(OneSentence, FitsTheVerdict) {
   Json diagnosis = example_diagnosis();
-  EXPECT_EQ(report::one_sentence(diagnosis),
-            "The simulation of crazyflie leaves out rotor drag, loss of rotor 3 and steady wind and has the wrong mass (or "
-            "thrust scale), and the recording itself has pose delay; the position predicted 0.5 s ahead is then wrong by 7.4 mm instead of "
-            "3.1 cm, on flights that were not used to find it.");
+  EXPECT_EQ(
+      report::one_sentence(diagnosis),
+      "The simulation of crazyflie leaves out rotor drag, loss of rotor 3 and steady wind and has the wrong mass (or "
+      "thrust scale), and the recording itself has pose delay; the position predicted 0.5 s ahead is then wrong by 7.4 "
+      "mm instead of "
+      "3.1 cm, on flights that were not used to find it.");
   while (diagnosis["effects"].size() > 1) diagnosis["effects"].erase(1);
   diagnosis["verdict"] = "partly_explained";
   EXPECT_EQ(report::one_sentence(diagnosis),
-            "The simulation of crazyflie leaves out rotor drag (lateral force against the motion, proportional to rotor speed); the "
-            "position predicted 0.5 s ahead is then wrong by 7.4 mm instead of 3.1 cm, on flights that were not used to find it; "
+            "The simulation of crazyflie leaves out rotor drag (lateral force against the motion, proportional to "
+            "rotor speed); the "
+            "position predicted 0.5 s ahead is then wrong by 7.4 mm instead of 3.1 cm, on flights that were not used "
+            "to find it; "
             "something else remains.");
   diagnosis["effects"].clear();
   diagnosis["verdict"] = "unexplained";
   EXPECT_EQ(report::one_sentence(diagnosis),
-            "Something acts on crazyflie that the simulation leaves out (mostly in the push forward or back, when airspeed is above "
+            "Something acts on crazyflie that the simulation leaves out (mostly in the push forward or back, when "
+            "airspeed is above "
             "0.6 m/s), and no effect known here explains enough of it to be named.");
   diagnosis["residual_model"] = {{"terms", Json::array()}};
-  EXPECT_THAT(report::one_sentence(diagnosis), HasSubstr("to be named; with a model that has no name, the position predicted 0.5 s ahead is"));
+  EXPECT_THAT(report::one_sentence(diagnosis),
+              HasSubstr("to be named; with a model that has no name, the position predicted 0.5 s ahead is"));
   diagnosis["verdict"] = "consistent";
   EXPECT_EQ(report::one_sentence(diagnosis),
             "The simulation of crazyflie agrees with these flights: nothing is left beyond noise and calm air.");
@@ -178,9 +209,12 @@ TEST(Words, NumbersHaveTheDigitsTheyDeserve) {
 
 TEST(Svg, TicksAreRoundAndInside) {
   EXPECT_THAT(svg::ticks(0.0, 1.03, 5, false), testing::Pointwise(testing::DoubleNear(1e-12), {0.0, 0.5, 1.0}));
-  EXPECT_THAT(svg::ticks(-1.2, 1.2, 5, false), testing::Pointwise(testing::DoubleNear(1e-12), {-1.0, -0.5, 0.0, 0.5, 1.0}));
-  EXPECT_THAT(svg::ticks(0.008, 0.3, 4, true), testing::Pointwise(testing::DoubleNear(1e-12), {0.01, 0.02, 0.05, 0.1, 0.2}));
-  EXPECT_THAT(svg::ticks(0.0008, 3.0, 4, true), testing::Pointwise(testing::DoubleNear(1e-12), {0.001, 0.01, 0.1, 1.0}));
+  EXPECT_THAT(svg::ticks(-1.2, 1.2, 5, false),
+              testing::Pointwise(testing::DoubleNear(1e-12), {-1.0, -0.5, 0.0, 0.5, 1.0}));
+  EXPECT_THAT(svg::ticks(0.008, 0.3, 4, true),
+              testing::Pointwise(testing::DoubleNear(1e-12), {0.01, 0.02, 0.05, 0.1, 0.2}));
+  EXPECT_THAT(svg::ticks(0.0008, 3.0, 4, true),
+              testing::Pointwise(testing::DoubleNear(1e-12), {0.001, 0.01, 0.1, 1.0}));
 }
 
 TEST(Svg, BreaksLinesWhereNothingIsKnownAndKeepsWithinItsFrame) {

@@ -30,7 +30,8 @@ std::vector<ResultRow> baseline() {
 // the planar RMSE times `factor`, plus a scatter of this size
 std::vector<ResultRow> changed(double factor, double scatter_m = 0.0) {
   std::vector<ResultRow> rows = baseline();
-  for (ResultRow& row : rows) row.rmse_xy_m = factor * row.rmse_xy_m + scatter_m * std::sin(2.5 * static_cast<double>(row.replicate));
+  for (ResultRow& row : rows)
+    row.rmse_xy_m = factor * row.rmse_xy_m + scatter_m * std::sin(2.5 * static_cast<double>(row.replicate));
   return rows;
 }
 
@@ -45,7 +46,9 @@ TEST(Gate, EqualResultsPassAndAreEquivalent) {
 TEST(Gate, SmallRiseInEveryRunFailsBySignificanceAlone) {
   const GateReport report = gate(changed(1.01, 2e-5), baseline(), {});
   EXPECT_EQ(report.failures(), 1u);
-  EXPECT_THAT(to_markdown(report), AllOf(HasSubstr("crazyflie circle pid: RMSE 0.1578 m, was 0.1562 m: +1.0 %, significant (p = "), Not(HasSubstr("beyond the margin,"))));
+  EXPECT_THAT(to_markdown(report),
+              AllOf(HasSubstr("crazyflie circle pid: RMSE 0.1578 m, was 0.1562 m: +1.0 %, significant (p = "),
+                    Not(HasSubstr("beyond the margin,"))));
   EXPECT_EQ(gate(changed(1.01, 2e-5), baseline(), {.by_test = false}).failures(), 0u);
 }
 
@@ -99,7 +102,8 @@ TEST(Gate, MissingRowsFailAndExtraOnesUnlessTheyAreAllowed) {
 TEST(Gate, BaselineOfAnotherExperimentIsTheWrongOne) {
   auto other = baseline();
   for (ResultRow& row : other) row.experiment = "table2";
-  EXPECT_THAT([&] { gate(baseline(), other, {}); }, ThrowsMessage<DataError>(HasSubstr("wrong baseline: it is of table2, the sweep of ci")));
+  EXPECT_THAT([&] { gate(baseline(), other, {}); },
+              ThrowsMessage<DataError>(HasSubstr("wrong baseline: it is of table2, the sweep of ci")));
 }
 
 TEST(Gate, ErrorThatIsNoLongerANumberFails) {
@@ -117,7 +121,8 @@ TEST(Gate, LongListsAreCut) {
       row.rmse_xy_m *= 1.1;
       rows.push_back(row);
     }
-  EXPECT_THAT(to_markdown(gate(rows, before, {})), AllOf(HasSubstr("**failed**: 30 of 30 cells"), HasSubstr("- and 10 more")));
+  EXPECT_THAT(to_markdown(gate(rows, before, {})),
+              AllOf(HasSubstr("**failed**: 30 of 30 cells"), HasSubstr("- and 10 more")));
 }
 
 TEST(Gate, JunitCountsAndEscapes) {
@@ -133,7 +138,8 @@ TEST(Gate, JunitCountsAndEscapes) {
 TEST(Gate, MarkdownShowsThePairedChangeOfEachCell) {
   auto rows = changed(1.01);
   for (ResultRow& row : rows) row.key = "bb";
-  EXPECT_THAT(to_markdown(gate(rows, baseline(), {})), HasSubstr("| crazyflie circle pid | 8 | 0.1562 | 0.1578 | +1.00 |"));
+  EXPECT_THAT(to_markdown(gate(rows, baseline(), {})),
+              HasSubstr("| crazyflie circle pid | 8 | 0.1562 | 0.1578 | +1.00 |"));
   EXPECT_THAT(to_markdown(gate(rows, baseline(), {})), HasSubstr("| **worse** | changed |"));
 }
 

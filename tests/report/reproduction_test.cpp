@@ -42,7 +42,8 @@ Published published(std::vector<Claim> claims = {}) {
 }
 
 Reproduction reproduced(std::vector<Claim> claims = {}) {
-  return reproduce(published(std::move(claims)), {ours()}, [](const PublishedRow&, std::size_t metric) { return metric == 0 ? Use::fitted : Use::blind; });
+  return reproduce(published(std::move(claims)), {ours()},
+                   [](const PublishedRow&, std::size_t metric) { return metric == 0 ? Use::fitted : Use::blind; });
 }
 
 Claim compare(ClaimKind kind, const std::string& first, const std::string& second, double by = 0.0) {
@@ -66,8 +67,9 @@ TEST(Reproduction, CellsCountAsManyRunsAsWerePublished) {
 }
 
 TEST(Reproduction, ClaimsAreJudgedByPairs) {
-  const Reproduction all = reproduced({compare(ClaimKind::less, "a", "b"), compare(ClaimKind::less, "b", "a"), compare(ClaimKind::less, "a", "c"),
-                                       compare(ClaimKind::steadier, "a", "c"), compare(ClaimKind::steadier, "c", "a")});
+  const Reproduction all = reproduced({compare(ClaimKind::less, "a", "b"), compare(ClaimKind::less, "b", "a"),
+                                       compare(ClaimKind::less, "a", "c"), compare(ClaimKind::steadier, "a", "c"),
+                                       compare(ClaimKind::steadier, "c", "a")});
   ASSERT_EQ(all.claims.size(), 5u);
   EXPECT_EQ(all.claims[0].verdict, Verdict::pass);
   EXPECT_LT(all.claims[0].p_value, 1e-6);
@@ -90,7 +92,8 @@ TEST(Reproduction, ClaimsSayWhetherTheyNeedTheGust) {
   for (ResultRow& row : table.rows)
     if (row.controller == "c") row.rmse_xy_m = 0.5 + 0.001 * std::cos(static_cast<double>(row.replicate));
   const auto use = [](const PublishedRow&, std::size_t) { return Use::blind; };
-  const Reproduction all = reproduce(published({compare(ClaimKind::less, "a", "b"), compare(ClaimKind::less, "a", "c")}), {table}, use);
+  const Reproduction all =
+      reproduce(published({compare(ClaimKind::less, "a", "b"), compare(ClaimKind::less, "a", "c")}), {table}, use);
   EXPECT_EQ(all.claims[0].still, Verdict::pass);
   EXPECT_FALSE(all.claims[0].needs_gust());
   EXPECT_EQ(all.claims[1].still, Verdict::fail);
@@ -107,13 +110,15 @@ TEST(Reproduction, NothingIsTestedWhereNothingScatters) {
     table.rows.push_back(run("circle", "a", k, 0.3));
     table.rows.push_back(run("circle", "b", k, 0.4));
   }
-  const Reproduction all = reproduce(published({compare(ClaimKind::less, "a", "b")}), {table}, [](const PublishedRow&, std::size_t) { return Use::blind; });
+  const Reproduction all = reproduce(published({compare(ClaimKind::less, "a", "b")}), {table},
+                                     [](const PublishedRow&, std::size_t) { return Use::blind; });
   EXPECT_EQ(all.claims[0].verdict, Verdict::pass);
   EXPECT_TRUE(std::isnan(all.claims[0].p_value));
 }
 
 TEST(Reproduction, ReductionsMustReachTheirShare) {
-  const Reproduction all = reproduced({compare(ClaimKind::reduced, "a", "b", 0.2), compare(ClaimKind::reduced, "a", "b", 0.6)});
+  const Reproduction all =
+      reproduced({compare(ClaimKind::reduced, "a", "b", 0.2), compare(ClaimKind::reduced, "a", "b", 0.6)});
   EXPECT_EQ(all.claims[0].verdict, Verdict::pass);
   EXPECT_EQ(all.claims[1].verdict, Verdict::fail);
   EXPECT_THAT(all.claims[1].claim, HasSubstr("a 60 % below b, ours 25 %"));
@@ -141,9 +146,12 @@ TEST(Reproduction, OtherExperimentsCountEveryRunAndNeedNotFlyEveryController) {
   OurTable table = ours();
   table.all_replicates = true;
   std::erase_if(table.rows, [](const ResultRow& row) { return row.controller == "c"; });
-  const std::vector<Claim> claims{compare(ClaimKind::less, "a", "b"), compare(ClaimKind::less, "a", "c"), compare(ClaimKind::steadier, "c", "a"),
+  const std::vector<Claim> claims{compare(ClaimKind::less, "a", "b"),
+                                  compare(ClaimKind::less, "a", "c"),
+                                  compare(ClaimKind::steadier, "c", "a"),
                                   {ClaimKind::completion, {"table1", "", "c"}, {}, 0, 0.0, true, "", {}}};
-  const Reproduction all = reproduce(published(claims), {table}, [](const PublishedRow&, std::size_t) { return Use::blind; });
+  const Reproduction all =
+      reproduce(published(claims), {table}, [](const PublishedRow&, std::size_t) { return Use::blind; });
   EXPECT_EQ(all.cells.size(), 8u);
   EXPECT_EQ(all.cells[0].ours.n, 10u);
   ASSERT_EQ(all.claims.size(), 1u);

@@ -33,7 +33,8 @@ class ScoreTest : public testing::Test {
   static Json value(double v, double std) { return {{"value", v}, {"std", std}, {"unit", "m"}}; }
 
   // diagnosis null: the program failed on this trial
-  void add(const std::string& kind, Json effects, Json named, Json more_answer = Json::object(), Json more = Json::object()) {
+  void add(const std::string& kind, Json effects, Json named, Json more_answer = Json::object(),
+           Json more = Json::object()) {
     const std::string trial = "trial" + std::to_string(++count_);
     Json answer{{"trial", trial}, {"kind", kind}, {"effects", effects}};
     answer.update(more_answer);
@@ -92,7 +93,8 @@ TEST_F(ScoreTest, TheRotorIsPartOfTheName) {
 TEST_F(ScoreTest, PairsAreMatchedSoThatMostTruthsHaveAName) {
   // the first name fits both truths, the second only one of them
   add("pair", {hidden("mass", 2), hidden("inertia", 4)},
-      {found("mass", 0.9, Json::object(), {"mass", "inertia"}), found("constant_force", 0.9, Json::object(), {"constant_force", "mass"})});
+      {found("mass", 0.9, Json::object(), {"mass", "inertia"}),
+       found("constant_force", 0.9, Json::object(), {"constant_force", "mass"})});
   add("pair", {hidden("mass", 2), hidden("inertia", 4)}, {found("mass"), found("inertia"), found("gust")});
   add("pair", {hidden("mass", 2), hidden("inertia", 4)}, {found("inertia")});
   add("pair", {hidden("mass", 0.5), hidden("inertia", 4)}, {found("inertia")});
@@ -167,7 +169,8 @@ TEST_F(ScoreTest, ClosureIsTheShareOfWhatCouldBeRecovered) {
   const Json fit{{"horizon_s", {0.1, 0.5}},
                  {"position_m", {{"before", {0.010, 0.100}}, {"after", {0.010, 0.030}}, {"noise", {0.0099, 0.020}}}}};
   add("single", {hidden("mass", 2)}, {found("mass")}, Json::object(), {{"fit", fit}});
-  add("single", {hidden("mass", 2)}, {found("mass")}, {{"oracle", {{"position_m", {{"after", {0.001, 0.015}}}}}}}, {{"fit", fit}});
+  add("single", {hidden("mass", 2)}, {found("mass")}, {{"oracle", {{"position_m", {{"after", {0.001, 0.015}}}}}}},
+      {{"fit", fit}});
   const Json each = score().at("closure").at("each");
   // at 0.1 s nothing could be recovered
   ASSERT_EQ(each.size(), 1u);
@@ -177,7 +180,9 @@ TEST_F(ScoreTest, ClosureIsTheShareOfWhatCouldBeRecovered) {
 }
 
 TEST_F(ScoreTest, OutsideTheCatalogueSilenceIsRightAndTheChannelCounts) {
-  const Json mismatch{{"mismatch", {{{"channel", "force_x"}, {"significant", true}}, {{"channel", "torque_z"}, {"significant", false}}}}};
+  const Json mismatch{
+      {"mismatch",
+       {{{"channel", "force_x"}, {"significant", true}}, {{"channel", "torque_z"}, {"significant", false}}}}};
   const auto stranger = [](double strength, Json channels) -> Json {
     return {{"outside", {{"name", "fan_jet"}, {"strength_over_limit", strength}, {"channels", channels}}}};
   };
@@ -191,7 +196,8 @@ TEST_F(ScoreTest, OutsideTheCatalogueSilenceIsRightAndTheChannelCounts) {
 }
 
 TEST_F(ScoreTest, MarkdownNamesWhatIsNotRight) {
-  add("single", {hidden("rotor_loss", 2, {{"rotor", 3}})}, {found("mass", 0.71, Json::object(), {"mass", "thrust_scale"})});
+  add("single", {hidden("rotor_loss", 2, {{"rotor", 3}})},
+      {found("mass", 0.71, Json::object(), {"mass", "thrust_scale"})});
   const std::string text = score_markdown(score());
   EXPECT_THAT(text, HasSubstr("rotor_loss#3 x2"));
   EXPECT_THAT(text, HasSubstr("mass 0.71~thrust_scale"));

@@ -9,7 +9,8 @@
 namespace gustlab {
 namespace {
 
-ResultRow row(const std::string& trajectory, std::int64_t replicate, double rmse_m, Outcome outcome = Outcome::completed) {
+ResultRow row(const std::string& trajectory, std::int64_t replicate, double rmse_m,
+              Outcome outcome = Outcome::completed) {
   ResultRow result{"small_one", "iris", trajectory, "pid", replicate, outcome, 24.0};
   result.rmse_xy_m = rmse_m;
   result.mae_xy_m = 0.5 * rmse_m;
@@ -20,7 +21,9 @@ ResultRow row(const std::string& trajectory, std::int64_t replicate, double rmse
   return result;
 }
 
-const Results results{{row("circle", 1, 0.1), row("circle", 2, 0.2), row("circle", 3, 0.6, Outcome::crashed), row("spiral", 1, 1.0)}, 2.5};
+const Results results{
+    {row("circle", 1, 0.1), row("circle", 2, 0.2), row("circle", 3, 0.6, Outcome::crashed), row("spiral", 1, 1.0)},
+    2.5};
 
 TEST(Tables, CellsKeepTheirOrderAndCountWhatWasCompleted) {
   const auto cells = aggregate(results.rows);
@@ -52,21 +55,35 @@ TEST(Tables, LatexHasTheLayoutOfThePaper) {
   Results named = results;
   named.rows.push_back(row("circle", 1, 0.05));
   named.rows.back().controller = "pid_2";
-  std::stable_sort(named.rows.begin(), named.rows.end(), [](const ResultRow& a, const ResultRow& b) { return a.trajectory < b.trajectory; });
+  std::stable_sort(named.rows.begin(), named.rows.end(),
+                   [](const ResultRow& a, const ResultRow& b) { return a.trajectory < b.trajectory; });
   named.arcs = {{"circle", "24 s, 6.9 m, 1.00 laps"}};
-  const std::string text = to_table(named, {.format = TableFormat::latex, .columns = {0, 2}, .bold_best = true, .names = {{"circle", "Circle"}, {"pid", "PID"}}, .label = "mine"});
-  for (const char* part : {"\\label{tab:mine}", "\\begin{tabular}{|c|c|c|c|}", "\\textbf{RMSE$_{xy}$} & \\textbf{P95$_{\\|xy\\|}$} \\\\", " & & \\textbf{[m]} & \\textbf{[m]} \\\\",
-                           "\\multirow{2}{*}{Circle} & PID (2/3) & 0.300 $\\pm$ 0.265 & 0.600 $\\pm$ 0.529 \\\\\n\\cline{2-4}\n & pid\\_2 & \\textbf{0.050} & \\textbf{0.100} \\\\\n\\hline",
-                           "mean $\\pm$ sample standard deviation over N = 1 to 3 runs, samples from 2.5 s on. Flown: Circle 24 s, 6.9 m, 1.00 laps."})
+  const std::string text = to_table(named, {.format = TableFormat::latex,
+                                            .columns = {0, 2},
+                                            .bold_best = true,
+                                            .names = {{"circle", "Circle"}, {"pid", "PID"}},
+                                            .label = "mine"});
+  for (const char* part :
+       {"\\label{tab:mine}", "\\begin{tabular}{|c|c|c|c|}", "\\textbf{RMSE$_{xy}$} & \\textbf{P95$_{\\|xy\\|}$} \\\\",
+        " & & \\textbf{[m]} & \\textbf{[m]} \\\\",
+        "\\multirow{2}{*}{Circle} & PID (2/3) & 0.300 $\\pm$ 0.265 & 0.600 $\\pm$ 0.529 \\\\\n\\cline{2-4}\n & pid\\_2 "
+        "& \\textbf{0.050} & \\textbf{0.100} \\\\\n\\hline",
+        "mean $\\pm$ sample standard deviation over N = 1 to 3 runs, samples from 2.5 s on. Flown: Circle 24 s, 6.9 m, "
+        "1.00 laps."})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
 TEST(Tables, AxesAreTheirFirstColumns) {
   Results swept = results;
   for (ResultRow& row : swept.rows) row.axes = {{"strength", row.trajectory == "circle" ? "1" : "2"}};
-  EXPECT_NE(to_table(swept, {.columns = {0}}).find("| strength | vehicle | trajectory | controller | completed | RMSE |\n"), std::string::npos);
-  EXPECT_NE(to_table(swept, {.columns = {0}}).find("| 2 | iris | spiral | pid | 1/1 | 1.000 ± – (1.000) |"), std::string::npos);
-  EXPECT_NE(to_table(swept, {.format = TableFormat::csv, .columns = {0}}).find("small_one,iris,spiral,pid,2.5,1,1,1,,1,2\n"), std::string::npos);
+  EXPECT_NE(
+      to_table(swept, {.columns = {0}}).find("| strength | vehicle | trajectory | controller | completed | RMSE |\n"),
+      std::string::npos);
+  EXPECT_NE(to_table(swept, {.columns = {0}}).find("| 2 | iris | spiral | pid | 1/1 | 1.000 ± – (1.000) |"),
+            std::string::npos);
+  EXPECT_NE(
+      to_table(swept, {.format = TableFormat::csv, .columns = {0}}).find("small_one,iris,spiral,pid,2.5,1,1,1,,1,2\n"),
+      std::string::npos);
 }
 
 TEST(Tables, JsonReadsBack) {

@@ -34,7 +34,9 @@ position_sd = 0.0004
 
 class ConcealedTrialsTest : public testing::Test {
  protected:
-  ConcealedTrialsTest() : folder_(std::filesystem::path(testing::TempDir()) / "gustlab_concealed") { std::filesystem::remove_all(folder_); }
+  ConcealedTrialsTest() : folder_(std::filesystem::path(testing::TempDir()) / "gustlab_concealed") {
+    std::filesystem::remove_all(folder_);
+  }
   ~ConcealedTrialsTest() override { std::filesystem::remove_all(folder_); }
 
   TrialsFile read(const std::string& trials) const {
@@ -60,7 +62,8 @@ class ConcealedTrialsTest : public testing::Test {
 };
 
 TEST_F(ConcealedTrialsTest, TheRecordingsSayNothingOfWhatIsConcealed) {
-  const TrialsFile file = read("[[trial]]\nname = \"a\"\neffects = [{type = \"rotor_drag\", at_hover = 0.03}]\n[[trial]]\nname = \"b\"\n");
+  const TrialsFile file =
+      read("[[trial]]\nname = \"a\"\neffects = [{type = \"rotor_drag\", at_hover = 0.03}]\n[[trial]]\nname = \"b\"\n");
   const std::string answers = fly_concealed_trials(file, folder_.string(), 1);
   EXPECT_THAT(answers, HasSubstr(R"("effects":[{"effect":"rotor_drag","parameters":{"at_hover":0.03}}])"));
   EXPECT_THAT(answers, HasSubstr(R"({"trial":"b","vehicle":"crazyflie","kind":"clean","effects":[]})"));
@@ -74,7 +77,8 @@ TEST_F(ConcealedTrialsTest, TheRecordingsSayNothingOfWhatIsConcealed) {
 }
 
 TEST_F(ConcealedTrialsTest, TheSameBytesForAnyNumberOfThreads) {
-  const TrialsFile file = read("[[trial]]\nname = \"a\"\n[[trial]]\nname = \"b\"\neffects = [{type = \"mass\", delta = 0.1}]\n");
+  const TrialsFile file =
+      read("[[trial]]\nname = \"a\"\n[[trial]]\nname = \"b\"\neffects = [{type = \"mass\", delta = 0.1}]\n");
   const std::string answers = fly_concealed_trials(file, (folder_ / "one").string(), 1);
   EXPECT_EQ(fly_concealed_trials(file, (folder_ / "three").string(), 3), answers);
   for (const char* name : {"a/fit_1.csv", "b/fit_1.csv", "b/holdout_1.csv"}) {
@@ -87,7 +91,8 @@ TEST_F(ConcealedTrialsTest, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_THAT(error(""), HasSubstr("there is no [[trial]]"));
   EXPECT_THAT(error("[[trial]]\nname = \"a\"\nfit = [\"spiral\"]\n"), HasSubstr("trials.toml:18:"));
   EXPECT_THAT(error("[[trial]]\nname = \"a\"\neffects = [{type = \"rotor_dragg\"}]\n"), HasSubstr("rotor_drag"));
-  EXPECT_THAT(error("[[trial]]\nname = \"a\"\n[[trial]]\nname = \"a\"\n"), HasSubstr("is no name of a folder of its own"));
+  EXPECT_THAT(error("[[trial]]\nname = \"a\"\n[[trial]]\nname = \"a\"\n"),
+              HasSubstr("is no name of a folder of its own"));
   EXPECT_THAT(error("[[trial]]\nname = \"a\"\nhide = 1\n"), HasSubstr("trials.toml:18:1: unknown key \"hide\""));
 }
 

@@ -31,7 +31,8 @@ std::set<std::string> keys_of(const std::string& text, const std::vector<std::st
 }
 
 TEST(Experiment, PlanGoesByTrajectoryThenControllerThenReplicate) {
-  const Experiment experiment = read_text_experiment(small_experiment, {"controllers=[\"pid\", \"geometric\"]", "first_replicate=5"});
+  const Experiment experiment =
+      read_text_experiment(small_experiment, {"controllers=[\"pid\", \"geometric\"]", "first_replicate=5"});
   const auto runs = plan(experiment);
   ASSERT_EQ(runs.size(), 12u);
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -65,8 +66,9 @@ TEST(Experiment, ParametersGoToTheirOwnTrajectoryAndController) {
 }
 
 TEST(Experiment, OneTypeFliesUnderSeveralNames) {
-  const Experiment experiment = read_text_experiment(small_experiment + "[controller.soft]\ntype = \"pid\"\nposition_gain = 0.5\n",
-                                                     {"controllers=[\"pid\", \"soft\"]"});
+  const Experiment experiment =
+      read_text_experiment(small_experiment + "[controller.soft]\ntype = \"pid\"\nposition_gain = 0.5\n",
+                           {"controllers=[\"pid\", \"soft\"]"});
   EXPECT_EQ(experiment.controllers[1].name, "soft");
   EXPECT_EQ(experiment.controllers[1].spec.type, "pid");
   EXPECT_EQ(plan(experiment).size(), 12u);
@@ -74,8 +76,10 @@ TEST(Experiment, OneTypeFliesUnderSeveralNames) {
 
 TEST(Experiment, EffectsOfTheVehicleAreReplacedByIncludedOnesAndThoseByItsOwn) {
   const TemporaryFolder folder;
-  folder.write("more.toml", "[[effect]]\ntype = \"motor_lag\"\ntime_constant = 0.05\n[[effect]]\ntype = \"mass\"\ndelta = 0.1\n");
-  const std::string path = folder.write("experiment.toml", "include = [\"more.toml\"]\n" + small_experiment + "[[effect]]\ntype = \"mass\"\ndelta = 0.2\n");
+  folder.write("more.toml",
+               "[[effect]]\ntype = \"motor_lag\"\ntime_constant = 0.05\n[[effect]]\ntype = \"mass\"\ndelta = 0.1\n");
+  const std::string path = folder.write("experiment.toml", "include = [\"more.toml\"]\n" + small_experiment +
+                                                               "[[effect]]\ntype = \"mass\"\ndelta = 0.2\n");
   const Experiment experiment = read_experiment(path);
   std::vector<std::string> types;
   for (const EffectSpec& spec : experiment.effects) {
@@ -112,28 +116,37 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"format", "experiment/1", "experiment/7", "experiment.toml:2:10: not an experiment of this program"},
         Mistake{"name", "\"small\"", "\"a,b\"", "experiment.toml:3:8: \"a,b\" is no name"},
         Mistake{"vehicle", "\"crazyflie\"", "\"crazyfly\"", "did you mean \"crazyflie\"?"},
-        Mistake{"trajectory", "\"circle\", ", "\"circel\", ", "experiment.toml:5:16: unknown trajectory \"circel\" did you mean \"circle\"?"},
-        Mistake{"twice", "\"circle\", \"hover\"", "\"hover\", \"hover\"", "experiment.toml:5:16: \"hover\" is here twice"},
+        Mistake{"trajectory", "\"circle\", ", "\"circel\", ",
+                "experiment.toml:5:16: unknown trajectory \"circel\" did you mean \"circle\"?"},
+        Mistake{"twice", "\"circle\", \"hover\"", "\"hover\", \"hover\"",
+                "experiment.toml:5:16: \"hover\" is here twice"},
         Mistake{"none", "[\"circle\", \"hover\"]", "[]", "experiment.toml:5:16: \"trajectories\" is empty"},
         Mistake{"controller", "\"pid\"", "\"pdi\"", "unknown controller \"pdi\" did you mean \"pid\"?"},
-        Mistake{"replicates", "replicates = 3", "replicates = 0", "experiment.toml:7:14: \"replicates\" is out of range"},
+        Mistake{"replicates", "replicates = 3", "replicates = 0",
+                "experiment.toml:7:14: \"replicates\" is out of range"},
         Mistake{"type", "replicates = 3", "replicates = \"3\"", "experiment.toml:7:14: \"replicates\" must be"},
-        Mistake{"key", "duration_s", "durations", "experiment.toml:8:1: unknown key \"durations\" did you mean \"duration_s\"?"},
+        Mistake{"key", "duration_s", "durations",
+                "experiment.toml:8:1: unknown key \"durations\" did you mean \"duration_s\"?"},
         Mistake{"endless", "duration_s = 1.0", "", "experiment.toml:1:1: trajectory \"circle\" has no natural end"},
-        Mistake{"choice of a trajectory", "start = \"reference\"", "start = \"middle\"", "experiment.toml:13:9: start = \"middle\" is unknown"},
+        Mistake{"choice of a trajectory", "start = \"reference\"", "start = \"middle\"",
+                "experiment.toml:13:9: start = \"middle\" is unknown"},
         Mistake{"rate of a controller", "[trajectory", "[controller.pid]\nrate_hz = 333\n[trajectory",
                 "experiment.toml:12:11: rate_hz = 333 does not divide the base rate of 500 Hz"},
         Mistake{"loops of a controller", "[trajectory", "[controller.pid]\nlow_level = \"px4\"\n[trajectory",
                 "experiment.toml:12:13: low_level = \"px4\" is unknown"},
         Mistake{"rotor of an effect", "[trajectory", "[[effect]]\ntype = \"rotor_loss\"\nrotor = 5\n[trajectory",
                 "experiment.toml:13:9: rotor_loss: no rotor 5"},
-        Mistake{"step", "duration_s = 1.0", "duration_s = 1.0\nstep_s = 0.003", "experiment.toml:9:10: \"step_s\" 0.003 s does not divide the period"},
+        Mistake{"step", "duration_s = 1.0", "duration_s = 1.0\nstep_s = 0.003",
+                "experiment.toml:9:10: \"step_s\" 0.003 s does not divide the period"},
         Mistake{"offboard", "duration_s = 1.0", "duration_s = 1.0\noffboard_rate_hz = 300",
                 "experiment.toml:9:20: the period of controller \"pid\", 0.002 s does not divide"},
-        Mistake{"settle", "duration_s = 1.0", "duration_s = 1.0\nsettle_s = 1.0", "experiment.toml:9:12: \"settle_s\" leaves nothing to measure"},
+        Mistake{"settle", "duration_s = 1.0", "duration_s = 1.0\nsettle_s = 1.0",
+                "experiment.toml:9:12: \"settle_s\" leaves nothing to measure"},
         Mistake{"source", "duration_s = 1.0", "duration_s = 1.0\nlog_source = \"mind\"", "\"mind\" is no source"},
-        Mistake{"include", "duration_s = 1.0", "duration_s = 1.0\ninclude = [\"nowhere.toml\"]", "nowhere.toml: cannot read"},
-        Mistake{"parameter", "period_s = 5.0", "perod_s = 5.0", "experiment.toml:12:11: unknown key \"perod_s\" did you mean \"period_s\"?"},
+        Mistake{"include", "duration_s = 1.0", "duration_s = 1.0\ninclude = [\"nowhere.toml\"]",
+                "nowhere.toml: cannot read"},
+        Mistake{"parameter", "period_s = 5.0", "perod_s = 5.0",
+                "experiment.toml:12:11: unknown key \"perod_s\" did you mean \"period_s\"?"},
         Mistake{"range", "period_s = 5.0", "period_s = -5.0", "experiment.toml:12:12: \"period_s\" is out of range"},
         Mistake{"unused", "[trajectory.circle]", "[trajectory.circel]", "unknown trajectory \"circel\""},
         Mistake{"effect", "\"gust\"", "\"gusts\"", "unknown effect \"gusts\" did you mean \"gust\"?"},
@@ -148,10 +161,12 @@ INSTANTIATE_TEST_SUITE_P(
 
 class Variants : public testing::Test {
  protected:
-  std::vector<Experiment> read(const std::string& tables, const std::vector<std::string>& overrides = {}, const std::vector<std::string>& only = {}) {
+  std::vector<Experiment> read(const std::string& tables, const std::vector<std::string>& overrides = {},
+                               const std::vector<std::string>& only = {}) {
     return read_variants(folder_.write("e.toml", small_experiment + tables), overrides, only);
   }
-  std::string message(const std::string& tables, const std::vector<std::string>& overrides = {}, const std::vector<std::string>& only = {}) {
+  std::string message(const std::string& tables, const std::vector<std::string>& overrides = {},
+                      const std::vector<std::string>& only = {}) {
     try {
       read(tables, overrides, only);
     } catch (const ConfigError& error) {
@@ -164,21 +179,28 @@ class Variants : public testing::Test {
 
 // GIVEN a variant that sets what there is not WHEN it is read THEN the place is the variant's
 TEST_F(Variants, SayWhereTheySetWhatThereIsNot) {
-  EXPECT_THAT(message("[[variant]]\nname = \"v\"\nset = [\"seed=2\", \"controller.pid.rate_hz=333\"]\n"), HasSubstr("e.toml:20:7: rate_hz = 333 does not divide"));
+  EXPECT_THAT(message("[[variant]]\nname = \"v\"\nset = [\"seed=2\", \"controller.pid.rate_hz=333\"]\n"),
+              HasSubstr("e.toml:20:7: rate_hz = 333 does not divide"));
 }
 
 // GIVEN an override of what a variant sets WHEN they are read THEN it is refused: the variants would be alike
 TEST_F(Variants, AreNotLostToAnOverride) {
-  const std::string tables = "[[variant]]\nname = \"strong\"\nset = [\"effect.gust={sigma_xy=0.06}\"]\n[[variant]]\nname = \"calm\"\nset = [\"effect.gust.strength=0\"]\n";
-  EXPECT_THAT(message(tables, {"effect.gust.sigma_xy=0.01"}), HasSubstr("--set effect.gust.sigma_xy=0.01: variant \"strong\" sets effect.gust.sigma_xy itself"));
-  EXPECT_THAT(message(tables, {"effect.gust={strength=2}"}), HasSubstr("variant \"calm\" sets effect.gust.strength itself"));
+  const std::string tables =
+      "[[variant]]\nname = \"strong\"\nset = [\"effect.gust={sigma_xy=0.06}\"]\n[[variant]]\nname = \"calm\"\nset = "
+      "[\"effect.gust.strength=0\"]\n";
+  EXPECT_THAT(message(tables, {"effect.gust.sigma_xy=0.01"}),
+              HasSubstr("--set effect.gust.sigma_xy=0.01: variant \"strong\" sets effect.gust.sigma_xy itself"));
+  EXPECT_THAT(message(tables, {"effect.gust={strength=2}"}),
+              HasSubstr("variant \"calm\" sets effect.gust.strength itself"));
   EXPECT_EQ(message(tables, {"effect.gust.sigma_xy=0.01"}, {"calm"}), "");
   EXPECT_EQ(message(tables, {"effect.gust.sigma_z=0.01", "seed=3"}), "");
 }
 
 // GIVEN two axes WHEN they are read THEN they span a grid, the last one fastest, and each point says where it stands
 TEST_F(Variants, AxesSpanAGrid) {
-  const auto grid = read("[[axis]]\nkey = \"effect.gust.strength\"\nvalues = [0.5, 1.0]\n[[axis]]\nname = \"rate\"\nkeys = [\"offboard_rate_hz\", \"controller.pid.rate_hz\"]\nvalues = [50, 100, 250]\n");
+  const auto grid = read(
+      "[[axis]]\nkey = \"effect.gust.strength\"\nvalues = [0.5, 1.0]\n[[axis]]\nname = \"rate\"\nkeys = "
+      "[\"offboard_rate_hz\", \"controller.pid.rate_hz\"]\nvalues = [50, 100, 250]\n");
   ASSERT_EQ(grid.size(), 6u);
   EXPECT_EQ(grid[0].name, "small.strength_0.5_rate_50");
   EXPECT_EQ(grid[4].variant, "strength_1_rate_100");
@@ -207,15 +229,19 @@ TEST_F(Variants, SayWhatIsWrongWithAnAxis) {
            {"[[axis]]\nkey = \"seed\"\nvalues = [1, 1]\n", "e.toml:20:10: \"1\" is here twice"},
            {"[[axis]]\nkey = \"sead\"\nvalues = [1]\n", "e.toml:20:10: unknown key \"sead\" did you mean \"seed\"?"},
            {"[[axis]]\nkeys = [\"seed\", \"settle_s\"]\nvalues = [[1, 2, 3]]\n", "has 3 values for 2 keys"},
-           {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nkey = \"seed\"\nvalues = [2]\n", "axis \"seed\" is here twice"}})
+           {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nkey = \"seed\"\nvalues = [2]\n",
+            "axis \"seed\" is here twice"}})
     EXPECT_THAT(message(table), HasSubstr(says));
-  EXPECT_THAT(message("[[variant]]\nname = \"calm\"\n", {}, {"clam"}), HasSubstr("there is no variant \"clam\" (it has calm) did you mean \"calm\"?"));
+  EXPECT_THAT(message("[[variant]]\nname = \"calm\"\n", {}, {"clam"}),
+              HasSubstr("there is no variant \"clam\" (it has calm) did you mean \"calm\"?"));
 }
 
 TEST(Experiment, ListsMayBeSetAsWords) {
   EXPECT_EQ(read_text_experiment(small_experiment, {"controllers=pid, geometric"}).controllers.size(), 2u);
-  EXPECT_THAT(message_for(small_experiment, {"controllers=pid,ASINDy"}), HasSubstr("unknown controller \"ASINDy\" did you mean \"asindy\"?"));
-  EXPECT_THAT(message_for(small_experiment, {"trajectories=infinity"}), HasSubstr("unknown trajectory \"infinity\" did you mean \"lemniscate\"?"));
+  EXPECT_THAT(message_for(small_experiment, {"controllers=pid,ASINDy"}),
+              HasSubstr("unknown controller \"ASINDy\" did you mean \"asindy\"?"));
+  EXPECT_THAT(message_for(small_experiment, {"trajectories=infinity"}),
+              HasSubstr("unknown trajectory \"infinity\" did you mean \"lemniscate\"?"));
 }
 
 TEST(Experiment, NameUnderExperimentsIsFoundFromAnywhere) {

@@ -117,7 +117,8 @@ TEST(Flight, OffboardLinkHoldsPositionAndReferenceButNotTheGyro) {
 }
 
 TEST(Flight, OffboardLinkBringsPosesLate) {
-  const Experiment experiment = read_text_experiment(small_experiment, {"offboard_rate_hz=50", "offboard_delay_s=0.05"});
+  const Experiment experiment =
+      read_text_experiment(small_experiment, {"offboard_rate_hz=50", "offboard_delay_s=0.05"});
   Flight flight(experiment, plan(experiment).front());
   auto controller = std::make_unique<Recording>(1500.0);
   Recording& seen = *controller;
@@ -138,7 +139,9 @@ TEST(Flight, OffboardLinkBringsPosesLate) {
 // points hold where a message was lost, and the same replicate meets the same link
 TEST(Flight, OffboardLinkLosesAndDelaysMessages) {
   const auto seen = [](std::uint32_t replicate) {
-    const Experiment experiment = read_text_experiment(small_experiment, {"offboard_rate_hz=50", "offboard_delay_s=0.02", "offboard_jitter_s=0.06", "offboard_dropout=0.5"});
+    const Experiment experiment = read_text_experiment(
+        small_experiment,
+        {"offboard_rate_hz=50", "offboard_delay_s=0.02", "offboard_jitter_s=0.06", "offboard_dropout=0.5"});
     RunSpec spec = plan(experiment).front();
     spec.replicate = replicate;
     Flight flight(experiment, spec);
@@ -156,7 +159,8 @@ TEST(Flight, OffboardLinkLosesAndDelaysMessages) {
       if (pose_times_s.back() > 0.0) {
         EXPECT_GT(age_s, 0.0199);
       }
-      if (tick % 10 == 0) ++(recording.references[tick].position_W_m == recording.references[tick - 1].position_W_m ? held : fresh);
+      if (tick % 10 == 0)
+        ++(recording.references[tick].position_W_m == recording.references[tick - 1].position_W_m ? held : fresh);
     }
     EXPECT_TRUE(std::is_sorted(pose_times_s.begin(), pose_times_s.end()));
     EXPECT_GT(held, fresh / 3);
@@ -183,7 +187,8 @@ TEST(Flight, FixedGustIsTheSameInEveryRun) {
 }
 
 TEST(Flight, ArcsSayHowMuchOfATrajectoryIsFlown) {
-  const auto arcs = arcs_of(read_text_experiment(small_experiment, {"duration_s=2.5", "trajectory.circle.radius_m=1.0"}));
+  const auto arcs =
+      arcs_of(read_text_experiment(small_experiment, {"duration_s=2.5", "trajectory.circle.radius_m=1.0"}));
   // half of a lap of 5 s; hover has neither length nor laps
   EXPECT_EQ(arcs[0].name, "circle");
   EXPECT_EQ(arcs[0].value, "2.5 s, 3.1 m, 0.50 laps");

@@ -23,7 +23,8 @@ std::string message(const char* text) {
 }
 
 TEST(MakeEffects, MakesEachWithItsParameters) {
-  const auto effects = make("[[effect]]\ntype = 'mass'\ndelta = 0.1\n[[effect]]\ntype = 'rotor_drag'\nat_hover = 0.0072\n");
+  const auto effects =
+      make("[[effect]]\ntype = 'mass'\ndelta = 0.1\n[[effect]]\ntype = 'rotor_drag'\nat_hover = 0.0072\n");
   ASSERT_EQ(effects.size(), 2u);
   EXPECT_EQ(effects[0].row->name, "mass");
   EXPECT_EQ(config::canonical_text(*effects[0].effect), "delta = 0.1\n");
@@ -31,9 +32,12 @@ TEST(MakeEffects, MakesEachWithItsParameters) {
 }
 
 TEST(MakeEffects, ErrorsNameThePlace) {
-  EXPECT_EQ(message("[[effect]]\ntype = 'rotor_darg'\n"), "f.toml:1:1: unknown effect \"rotor_darg\" did you mean \"rotor_drag\"?");
-  EXPECT_EQ(message("[[effect]]\ntype = 'zebra'\n"), "f.toml:1:1: unknown effect \"zebra\" (see `gustlab list effects`)");
-  EXPECT_EQ(message("[[effect]]\ntype = 'mass'\ndelta = -2\n"), "f.toml:3:9: \"delta\" is out of range (-2 is not from -0.9 to 10)");
+  EXPECT_EQ(message("[[effect]]\ntype = 'rotor_darg'\n"),
+            "f.toml:1:1: unknown effect \"rotor_darg\" did you mean \"rotor_drag\"?");
+  EXPECT_EQ(message("[[effect]]\ntype = 'zebra'\n"),
+            "f.toml:1:1: unknown effect \"zebra\" (see `gustlab list effects`)");
+  EXPECT_EQ(message("[[effect]]\ntype = 'mass'\ndelta = -2\n"),
+            "f.toml:3:9: \"delta\" is out of range (-2 is not from -0.9 to 10)");
   EXPECT_EQ(message("[[effect]]\ntype = 'mass'\nx = 1\n"), "f.toml:3:5: unknown key \"x\" (known: delta)");
 }
 

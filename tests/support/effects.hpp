@@ -35,7 +35,9 @@ class ScalarVisitor final : public ParameterVisitor {
   using Use = std::function<void(Declared&)>;
   explicit ScalarVisitor(Use use) : use_(std::move(use)) {}
 
-  void number(std::string_view name, double& value, const ParameterInfo& info) override { value = pass(name, value, info); }
+  void number(std::string_view name, double& value, const ParameterInfo& info) override {
+    value = pass(name, value, info);
+  }
   void integer(std::string_view name, std::int64_t& value, const ParameterInfo& info) override {
     value = static_cast<std::int64_t>(pass(name, static_cast<double>(value), info));
   }

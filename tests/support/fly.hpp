@@ -28,9 +28,17 @@ class ForceEffect final : public Effect {
   Force force_;
 };
 
-inline constexpr EffectRow test_force_row{.name = "test_force", .place = Place::wrench, .order = 10, .per_flight = true,
-                                     .diagnosable = false, .external = true, .says = "", .shows_in = "", .confused_with = "",
-                                     .source = "", .make = nullptr};
+inline constexpr EffectRow test_force_row{.name = "test_force",
+                                          .place = Place::wrench,
+                                          .order = 10,
+                                          .per_flight = true,
+                                          .diagnosable = false,
+                                          .external = true,
+                                          .says = "",
+                                          .shows_in = "",
+                                          .confused_with = "",
+                                          .source = "",
+                                          .make = nullptr};
 
 struct ControllerFlight {
   Controller* controller = nullptr;
@@ -39,9 +47,9 @@ struct ControllerFlight {
   double duration_s = 10.0;
   double settle_s = 0.0;
   int steps_per_tick = 1;
-  ForceEffect::Force force;                       // empty: none
+  ForceEffect::Force force;  // empty: none
   Quaternion start_attitude_WB = Quaternion::Identity();
-  std::function<void(Observation&)> sensor;       // what happens to an observation on its way
+  std::function<void(Observation&)> sensor;  // what happens to an observation on its way
   std::function<void(const RotorCommand&)> heard;
 };
 

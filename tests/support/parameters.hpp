@@ -31,7 +31,9 @@ class Setter final : public QuietVisitor {
   void flag(std::string_view name, bool& value, const ParameterInfo&) override { set(name, value); }
   void text(std::string_view name, std::string& value, const ParameterInfo&) override { set(name, value); }
   void numbers(std::string_view name, std::vector<double>& value, const ParameterInfo&) override { set(name, value); }
-  void texts(std::string_view name, std::vector<std::string>& value, const ParameterInfo&) override { set(name, value); }
+  void texts(std::string_view name, std::vector<std::string>& value, const ParameterInfo&) override {
+    set(name, value);
+  }
   void vector(std::string_view name, Vector3& value, const ParameterInfo&) override { set(name, value); }
   void file(std::string_view name, InputFile& value, const ParameterInfo&) override { set(name, value); }
 
@@ -55,6 +57,8 @@ void set(Parameterized& target, std::string_view name, Value value) {
   if (!setter.found) throw std::logic_error("no such parameter: " + std::string(name));
 }
 inline void set_number(Parameterized& target, std::string_view name, double value) { set(target, name, value); }
-inline void set_text(Parameterized& target, std::string_view name, const std::string& value) { set(target, name, value); }
+inline void set_text(Parameterized& target, std::string_view name, const std::string& value) {
+  set(target, name, value);
+}
 
 }  // namespace gustlab::test

@@ -17,13 +17,13 @@ namespace gustlab::test {
 
 struct TrialSettings {
   std::string vehicle = "crazyflie", controller = "geometric";
-  std::vector<std::string> fit = {}, holdout = {};             // trajectories
+  std::vector<std::string> fit = {}, holdout = {};  // trajectories
   std::vector<std::string> sensors{"pose", "gyroscope"};
   double duration_s = 14.0, step_s = 0.002, log_rate_hz = 0.0;  // 0: every command
-  double noise = 1.0;                                          // of the sensors, times that of a motion-capture room
+  double noise = 1.0;                                           // of the sensors, times that of a motion-capture room
   double air_sd_N = 0.002;
-  std::string tables = {};                                     // [trajectory.*], [environment]
-  std::string concealed = {};                                  // as {type = "mass", delta = 0.06}
+  std::string tables = {};     // [trajectory.*], [environment]
+  std::string concealed = {};  // as {type = "mass", delta = 0.06}
 };
 
 // Flies the trial and says how to diagnose its recordings, with two threads.
@@ -31,8 +31,11 @@ inline diagnosis::DiagnoseOptions fly_trial(const TemporaryFolder& folder, const
   std::vector<std::string> trajectories = trial.fit;
   for (const std::string& name : trial.holdout)
     if (std::find(trajectories.begin(), trajectories.end(), name) == trajectories.end()) trajectories.push_back(name);
-  const auto list = [](const std::vector<std::string>& names) { return fmt::format("[\"{}\"]", fmt::join(names, "\", \"")); };
-  const std::string text = fmt::format(R"(
+  const auto list = [](const std::vector<std::string>& names) {
+    return fmt::format("[\"{}\"]", fmt::join(names, "\", \""));
+  };
+  const std::string text = fmt::format(
+      R"(
 format = "gustlab-trials/1"
 name = "test"
 vehicle = "{}"
@@ -61,12 +64,15 @@ correlation_time = 0.15
 [[trial]]
 name = "trial"
 effects = [{}]
-)", trial.vehicle, list(trajectories), trial.controller, list(trial.fit), list(trial.holdout), list(trial.sensors), trial.duration_s, trial.step_s, trial.log_rate_hz,
-      trial.tables, 0.0005 * trial.noise, 0.01 * trial.noise, 0.002 * trial.noise, 0.01 * trial.noise, 0.1 * trial.noise, trial.air_sd_N, trial.air_sd_N, trial.concealed);
+)",
+      trial.vehicle, list(trajectories), trial.controller, list(trial.fit), list(trial.holdout), list(trial.sensors),
+      trial.duration_s, trial.step_s, trial.log_rate_hz, trial.tables, 0.0005 * trial.noise, 0.01 * trial.noise,
+      0.002 * trial.noise, 0.01 * trial.noise, 0.1 * trial.noise, trial.air_sd_N, trial.air_sd_N, trial.concealed);
   fly_concealed_trials(read_trials_file(folder.write("trials.toml", text)), folder.file("flights"), 2);
   const auto files = [&](const char* role, std::size_t count) {
     std::vector<std::string> paths;
-    for (std::size_t n = 1; n <= count; ++n) paths.push_back(fmt::format("{}/trial/{}_{}.csv", folder.file("flights"), role, n));
+    for (std::size_t n = 1; n <= count; ++n)
+      paths.push_back(fmt::format("{}/trial/{}_{}.csv", folder.file("flights"), role, n));
     return paths;
   };
   diagnosis::DiagnoseOptions options;

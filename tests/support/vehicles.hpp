@@ -80,7 +80,8 @@ inline VehicleModel ring(int count, double mass_kg, double arm_m, double lag_s) 
     vehicle.rotors[static_cast<std::size_t>(i)] =
         rotor(arm_m * std::cos(angle), arm_m * std::sin(angle), 0.0, i % 2 && count > 3 ? -1.0 : 1.0, k, 0.3 * arm_m);
     if (count == 3)
-      vehicle.rotors[static_cast<std::size_t>(i)].axis_B = Vector3(-0.3 * std::sin(angle), 0.3 * std::cos(angle), 1.0).normalized();
+      vehicle.rotors[static_cast<std::size_t>(i)].axis_B =
+          Vector3(-0.3 * std::sin(angle), 0.3 * std::cos(angle), 1.0).normalized();
   }
   vehicle.rotor_radius_m = 0.4 * arm_m;
   vehicle.effects = {effect("motor_lag", {{"time_constant", std::to_string(lag_s)}})};

@@ -31,7 +31,8 @@ class ResultsCsv : public testing::Test {
 };
 
 const std::string header =
-    "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,key\n";
+    "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_"
+    "m,key\n";
 
 TEST_F(ResultsCsv, ReadsBackWhatWasWritten) {
   ResultRow row{"e", "iris", "circle", "pid", 7, Outcome::crashed, 1.0 / 3.0, 0.1, 0.2, 0.3, 0.4, 0.5, "0123"};
@@ -64,8 +65,10 @@ TEST_F(ResultsCsv, ReadsAxesAndTablesWithoutEffort) {
 TEST_F(ResultsCsv, SaysWhereATableIsBroken) {
   EXPECT_THAT(message_for("a,b\n"), testing::HasSubstr(":1:1: not a table of runs"));
   EXPECT_THAT(message_for(header + "e,v,t,c,1,completed,1,1,1,1,1\n"), testing::HasSubstr(":2:30: a cell is missing"));
-  EXPECT_THAT(message_for(header + "e,v,t,c,1,completed,1,x,1,1,1,1,k\n"), testing::HasSubstr(":2:23: \"x\" is not a number"));
-  EXPECT_THAT(message_for(header + "e,v,t,c,1,flew,1,1,1,1,1,1,k\n"), testing::HasSubstr(":2:11: \"flew\" is no outcome"));
+  EXPECT_THAT(message_for(header + "e,v,t,c,1,completed,1,x,1,1,1,1,k\n"),
+              testing::HasSubstr(":2:23: \"x\" is not a number"));
+  EXPECT_THAT(message_for(header + "e,v,t,c,1,flew,1,1,1,1,1,1,k\n"),
+              testing::HasSubstr(":2:11: \"flew\" is no outcome"));
   EXPECT_THAT(message_for(header + "e,v,t,c,1,completed,1,1,1,1,1,1,k,z\n"), testing::HasSubstr("too many cells"));
   EXPECT_THROW(read_results_csv("/nonexistent/runs.csv"), DataError);
 }

@@ -114,7 +114,8 @@ TEST_F(Sweep, MergeRefusesMissingDoubleAndForeignRuns) {
 TEST_F(Sweep, StoppedSweepResumesToTheSameBytes) {
   const std::string whole = expected();
   SweepOptions options{folder_.file("stopped"), {}, 1, false};
-  const SweepReport half = sweep(experiment_, options, stop_, [&](std::size_t done, std::size_t) { stop_ = done >= 2; });
+  const SweepReport half =
+      sweep(experiment_, options, stop_, [&](std::size_t done, std::size_t) { stop_ = done >= 2; });
   EXPECT_EQ(half.done, 2u);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "stopped/runs.csv"));
   EXPECT_THAT(message<DataError>([&] { read_results(options.out); }), HasSubstr("2 of 6 runs are done"));
@@ -122,7 +123,8 @@ TEST_F(Sweep, StoppedSweepResumesToTheSameBytes) {
   stop_ = false;
   options.resume = true;
   std::size_t first_seen = 99;
-  const SweepReport rest = sweep(experiment_, options, stop_, [&](std::size_t done, std::size_t) { first_seen = std::min(first_seen, done); });
+  const SweepReport rest = sweep(experiment_, options, stop_,
+                                 [&](std::size_t done, std::size_t) { first_seen = std::min(first_seen, done); });
   EXPECT_EQ(first_seen, 2u);
   EXPECT_EQ(rest.done, 6u);
   EXPECT_EQ(csv("stopped"), whole);
@@ -130,7 +132,8 @@ TEST_F(Sweep, StoppedSweepResumesToTheSameBytes) {
 
 TEST_F(Sweep, FurtherTrajectoryChangesNoOtherRow) {
   const std::string before = expected();
-  fly(read_text_experiment(small_experiment, {"trajectories=[\"circle\", \"spiral\", \"hover\"]"}), {"more", {}, 1, false});
+  fly(read_text_experiment(small_experiment, {"trajectories=[\"circle\", \"spiral\", \"hover\"]"}),
+      {"more", {}, 1, false});
   std::string rest;
   std::istringstream lines(csv("more"));
   for (std::string line; std::getline(lines, line);)
@@ -140,7 +143,8 @@ TEST_F(Sweep, FurtherTrajectoryChangesNoOtherRow) {
 }
 
 TEST_F(Sweep, CrashIsARowWithItsErrors) {
-  const Experiment falling = read_text_experiment(small_experiment + "[[effect]]\ntype = \"thrust_scale\"\ndelta = -0.9\n");
+  const Experiment falling =
+      read_text_experiment(small_experiment + "[[effect]]\ntype = \"thrust_scale\"\ndelta = -0.9\n");
   fly(falling, {"falling", {}, 1, false});
   for (const ResultRow& row : read_results(folder_.file("falling")).rows) {
     EXPECT_EQ(row.outcome, Outcome::crashed);
@@ -155,9 +159,11 @@ TEST_F(Sweep, NeverOverwritesAndNeverMixes) {
     return message<ConfigError>([&] { fly(experiment, options); });
   };
   EXPECT_THAT(said(experiment_, {"a", {1, 2}, 1, false}), HasSubstr("there are results already"));
-  EXPECT_THAT(said(read_text_experiment(small_experiment, {"seed=2"}), {"a", {1, 2}, 1, true}), HasSubstr("another experiment"));
+  EXPECT_THAT(said(read_text_experiment(small_experiment, {"seed=2"}), {"a", {1, 2}, 1, true}),
+              HasSubstr("another experiment"));
   EXPECT_THAT(said(experiment_, {"a", {2, 2}, 1, true}), HasSubstr("of shard 1/2, not 2/2"));
-  EXPECT_THAT(message<ConfigError>([&] { merge({folder_.file("a")}, folder_.file("a")); }), HasSubstr("there are results already"));
+  EXPECT_THAT(message<ConfigError>([&] { merge({folder_.file("a")}, folder_.file("a")); }),
+              HasSubstr("there are results already"));
 }
 
 TEST_F(Sweep, RunsOfAnotherProgramAreFlownAgain) {

@@ -26,7 +26,8 @@ class Tune : public testing::Test {
  protected:
   std::vector<TuneResult> tuned(int jobs) const {
     const std::atomic<bool> stop{false};
-    return tune(experiment_, {}, read_tuning(tuning_), jobs, stop, [](std::size_t done, std::size_t all) { EXPECT_LE(done, all); });
+    return tune(experiment_, {}, read_tuning(tuning_), jobs, stop,
+                [](std::size_t done, std::size_t all) { EXPECT_LE(done, all); });
   }
 
   TemporaryFolder folder_;
@@ -46,7 +47,9 @@ TEST_F(Tune, ImprovesEveryControllerWithinItsBudget) {
 
 // GIVEN three searches and two scenarios WHEN tuning THEN the best search counts, every one is told, and every scenario is paid for
 TEST_F(Tune, SearchesFromSeveralSeedsOverScenarios) {
-  Tuning tuning = read_tuning(folder_.write("s.toml", "search_seeds = [1, 2, 3]\n" + tuning_text + "[[scenario]]\n[[scenario]]\nset = [\"offboard_delay_s=0.05\"]\n"));
+  Tuning tuning =
+      read_tuning(folder_.write("s.toml", "search_seeds = [1, 2, 3]\n" + tuning_text +
+                                              "[[scenario]]\n[[scenario]]\nset = [\"offboard_delay_s=0.05\"]\n"));
   ASSERT_EQ(tuning.scenarios.size(), 2u);
   tuning.controllers.resize(1);
   const std::atomic<bool> stop{false};
@@ -54,7 +57,9 @@ TEST_F(Tune, SearchesFromSeveralSeedsOverScenarios) {
   ASSERT_EQ(result.seed_losses.size(), 3u);
   EXPECT_EQ(result.loss, *std::min_element(result.seed_losses.begin(), result.seed_losses.end()));
   EXPECT_EQ(result.flights % 4, 0);
-  EXPECT_THAT(to_toml({result}, tuning, "e"), testing::HasSubstr("3 searches of at most 24 flights per controller, replicates 1001 to 1001, 2 scenarios"));
+  EXPECT_THAT(
+      to_toml({result}, tuning, "e"),
+      testing::HasSubstr("3 searches of at most 24 flights per controller, replicates 1001 to 1001, 2 scenarios"));
 }
 
 TEST_F(Tune, FindsTheSameForAnyNumberOfThreads) {
@@ -69,9 +74,11 @@ TEST_F(Tune, WritesWhatAnExperimentCanInclude) {
   const auto keys = [&](const std::string& more) {
     std::string text = small_experiment;
     text.replace(text.find("[environment]"), 0, "include = [\"gains.toml\"]\n");
-    return resolved_text(read_experiment(folder_.write("included.toml", text), {"controllers=[\"pid\",\"other\"]", more}));
+    return resolved_text(
+        read_experiment(folder_.write("included.toml", text), {"controllers=[\"pid\",\"other\"]", more}));
   };
-  const std::string gain = gains.substr(gains.find("position_gain"), gains.find('\n', gains.find("position_gain")) - gains.find("position_gain"));
+  const std::string gain = gains.substr(gains.find("position_gain"),
+                                        gains.find('\n', gains.find("position_gain")) - gains.find("position_gain"));
   EXPECT_THAT(keys("seed=1"), testing::HasSubstr(gain + "\n"));
   EXPECT_THAT(keys("seed=1"), testing::HasSubstr("[controller.other]\ntype = \"geometric\""));
   EXPECT_THAT(keys("seed=1"), testing::HasSubstr("bandwidth_radps = 2\n"));
@@ -84,9 +91,11 @@ TEST_F(Tune, RefusesSeedsThatAreReported) {
   const auto message = [&](const std::vector<std::string>& overrides) {
     return [&, overrides] { tune(experiment_, overrides, tuning, 1, stop, [](std::size_t, std::size_t) {}); };
   };
-  EXPECT_THAT(message({"first_replicate=1000"}), testing::ThrowsMessage<ConfigError>(testing::HasSubstr("tunes on replicates 1001 to 1001, which are those of small")));
+  EXPECT_THAT(message({"first_replicate=1000"}), testing::ThrowsMessage<ConfigError>(testing::HasSubstr(
+                                                     "tunes on replicates 1001 to 1001, which are those of small")));
   tuning.first_replicate = 10;
-  EXPECT_THAT(message({"first_replicate=50"}), testing::ThrowsMessage<ConfigError>(testing::HasSubstr("which are the tables'")));
+  EXPECT_THAT(message({"first_replicate=50"}),
+              testing::ThrowsMessage<ConfigError>(testing::HasSubstr("which are the tables'")));
 }
 
 // GIVEN a file that asks for what the experiment has not WHEN tuning THEN it says where, before anything flies
@@ -96,15 +105,20 @@ TEST_F(Tune, SaysWhereItsFileDoesNotFitTheExperiment) {
     text.replace(text.rfind(from), from.size(), to);
     const std::atomic<bool> stop{true};
     try {
-      tune(experiment_, {}, read_tuning(folder_.write("w.toml", text)), 1, stop, [](std::size_t, std::size_t) { ADD_FAILURE() << "flew"; });
+      tune(experiment_, {}, read_tuning(folder_.write("w.toml", text)), 1, stop,
+           [](std::size_t, std::size_t) { ADD_FAILURE() << "flew"; });
     } catch (const ConfigError& error) {
       return error.what();
     }
     return "flew";
   };
-  EXPECT_THAT(message("geometric", "geometrik"), testing::HasSubstr("w.toml:10:8: unknown controller \"geometrik\" did you mean \"geometric\"?"));
-  EXPECT_THAT(message("bandwidth_radps", "bandwidth"), testing::HasSubstr("w.toml:11:24: unknown key \"bandwidth\" did you mean"));
-  EXPECT_THAT(message("flights = 24", "flights = 1"), testing::HasSubstr("w.toml:3:11: a budget of 1 flights does not pay for one evaluation of pid (2 flights"));
+  EXPECT_THAT(message("geometric", "geometrik"),
+              testing::HasSubstr("w.toml:10:8: unknown controller \"geometrik\" did you mean \"geometric\"?"));
+  EXPECT_THAT(message("bandwidth_radps", "bandwidth"),
+              testing::HasSubstr("w.toml:11:24: unknown key \"bandwidth\" did you mean"));
+  EXPECT_THAT(
+      message("flights = 24", "flights = 1"),
+      testing::HasSubstr("w.toml:3:11: a budget of 1 flights does not pay for one evaluation of pid (2 flights"));
 }
 
 TEST_F(Tune, SaysWhereItsFileIsWrong) {
@@ -118,10 +132,12 @@ TEST_F(Tune, SaysWhereItsFileIsWrong) {
     }
     return "accepted";
   };
-  EXPECT_THAT(message("start = 0.3", "start = 5.0"), testing::HasSubstr("w.toml:7:71: \"min\", \"start\" and \"max\" are out of order"));
+  EXPECT_THAT(message("start = 0.3", "start = 5.0"),
+              testing::HasSubstr("w.toml:7:71: \"min\", \"start\" and \"max\" are out of order"));
   EXPECT_THAT(message("min = 0.1", "min = 0.0"), testing::HasSubstr("\"min\" has no logarithm"));
   EXPECT_THAT(message("flights = 24", "flights = 0"), testing::HasSubstr("w.toml:3:11: \"flights\" is not positive"));
-  EXPECT_THAT(message("flights", "flight"), testing::HasSubstr("w.toml:3:1: unknown key \"flight\" did you mean \"flights\"?"));
+  EXPECT_THAT(message("flights", "flight"),
+              testing::HasSubstr("w.toml:3:1: unknown key \"flight\" did you mean \"flights\"?"));
   EXPECT_THAT(message("flights = 24\n", ""), testing::HasSubstr("w.toml:1:1: \"flights\" is missing"));
   EXPECT_THAT(message("log = true", "logarithm = true"), testing::HasSubstr("unknown key \"logarithm\""));
 }

@@ -29,7 +29,8 @@ void expect_derivatives(const Trajectory& trajectory, const std::vector<double>&
     for (int k = 0; k < 4; ++k) {
       const Vector3 given = trajectory.at(t).*fields[k + 1];
       const Vector3 measured = difference(trajectory, fields[k], t, h);
-      EXPECT_LT((given - measured).norm(), 1e-7 * (1.0 + given.norm())) << name << " derivative " << k + 1 << " at " << t;
+      EXPECT_LT((given - measured).norm(), 1e-7 * (1.0 + given.norm()))
+          << name << " derivative " << k + 1 << " at " << t;
     }
   for (const double t : times_s) {
     const double yaw_rate = (trajectory.at(t + h).yaw_rad - trajectory.at(t - h).yaw_rad) / (2 * h);
@@ -70,10 +71,24 @@ TEST(Trajectories, DerivativesHoldWithEveryOption) {
     trajectory->prepare();
     expect_derivatives(*trajectory, some_times_s, name);
   };
-  with(make_circle(), [](Trajectory& t) { set_number(t, "ramp_s", 5.0); }, "ramped circle");
-  with(make_lemniscate(), [](Trajectory& t) { set_text(t, "shape", "bernoulli"); set_number(t, "ramp_s", 3.0); }, "bernoulli");
-  with(make_spiral(), [](Trajectory& t) { set_number(t, "ramp_s", 4.5); set_number(t, "climb_m", 1.0); }, "spiral");
-  with(make_multisine(), [](Trajectory& t) { set_number(t, "yaw_amplitude_rad", 0.5); }, "multisine with yaw");
+  with(
+      make_circle(), [](Trajectory& t) { set_number(t, "ramp_s", 5.0); }, "ramped circle");
+  with(
+      make_lemniscate(),
+      [](Trajectory& t) {
+        set_text(t, "shape", "bernoulli");
+        set_number(t, "ramp_s", 3.0);
+      },
+      "bernoulli");
+  with(
+      make_spiral(),
+      [](Trajectory& t) {
+        set_number(t, "ramp_s", 4.5);
+        set_number(t, "climb_m", 1.0);
+      },
+      "spiral");
+  with(
+      make_multisine(), [](Trajectory& t) { set_number(t, "yaw_amplitude_rad", 0.5); }, "multisine with yaw");
 }
 
 TEST(Trajectories, ARampStartsAtRestAndEndsAtFullSpeed) {
@@ -168,9 +183,11 @@ TEST(Recorded, GivesBackWhatWasRecorded) {
     text += derivatives ? ",rvx,rvy,rvz,rax,ray,raz\n" : "\n";
     for (int i = 0; i <= 200; ++i) {
       const Reference r = circle->at(0.05 * i);
-      text += fmt::format("{},{},{},{},{}", 7.0 + 0.05 * i, r.position_W_m.x(), r.position_W_m.y(), r.position_W_m.z(), 0.0);
+      text += fmt::format("{},{},{},{},{}", 7.0 + 0.05 * i, r.position_W_m.x(), r.position_W_m.y(), r.position_W_m.z(),
+                          0.0);
       if (derivatives)
-        for (const Vector3& v : {r.velocity_W_mps, r.acceleration_W_mps2}) text += fmt::format(",{},{},{}", v.x(), v.y(), v.z());
+        for (const Vector3& v : {r.velocity_W_mps, r.acceleration_W_mps2})
+          text += fmt::format(",{},{},{}", v.x(), v.y(), v.z());
       text += '\n';
     }
     const std::string path = folder.write("log.csv", text);
@@ -181,7 +198,8 @@ TEST(Recorded, GivesBackWhatWasRecorded) {
     for (const double t : {0.5, 1.234, 4.321, 8.765}) {
       EXPECT_LT((recorded->at(t).position_W_m - circle->at(t).position_W_m).norm(), derivatives ? 1e-9 : 1e-6);
       EXPECT_LT((recorded->at(t).velocity_W_mps - circle->at(t).velocity_W_mps).norm(), derivatives ? 1e-7 : 1e-4);
-      EXPECT_LT((recorded->at(t).acceleration_W_mps2 - circle->at(t).acceleration_W_mps2).norm(), derivatives ? 1e-5 : 5e-3);
+      EXPECT_LT((recorded->at(t).acceleration_W_mps2 - circle->at(t).acceleration_W_mps2).norm(),
+                derivatives ? 1e-5 : 5e-3);
     }
     EXPECT_LT((recorded->at(99.0).position_W_m - circle->at(10.0).position_W_m).norm(), 1e-9);
     EXPECT_EQ(recorded->at(99.0).velocity_W_mps.norm(), 0.0);
@@ -203,7 +221,8 @@ TEST(Recorded, SaysWhatIsMissing) {
   };
   EXPECT_THAT(message("time_s,px\n0,1\n"), testing::HasSubstr("column rpx is missing"));
   EXPECT_THAT(message("time_s,rpx,rpy,rpz\n0,1,1,1\n"), testing::HasSubstr("fewer than two"));
-  EXPECT_THAT(message("time_s,rpx,rpy,rpz\n0,1,1,1\n1,1,1,1\n1,1,1,1\n"), testing::HasSubstr("log.csv:4:1: time does not rise"));
+  EXPECT_THAT(message("time_s,rpx,rpy,rpz\n0,1,1,1\n1,1,1,1\n1,1,1,1\n"),
+              testing::HasSubstr("log.csv:4:1: time does not rise"));
 }
 
 TEST(Trajectories, ContradictionsAreSaid) {
@@ -216,11 +235,19 @@ TEST(Trajectories, ContradictionsAreSaid) {
     }
     return "";
   };
-  EXPECT_THAT(message(make_circle(), [](Trajectory& t) { set_text(t, "start", "middle"); }), testing::HasSubstr("middle"));
-  EXPECT_THAT(message(make_lemniscate(), [](Trajectory& t) { set_text(t, "shape", "8"); }), testing::HasSubstr("gerono"));
-  EXPECT_THAT(message(make_waypoints(), [](Trajectory& t) { set(t, "points_m", std::vector<double>{1, 2}); }),
+  EXPECT_THAT(message(make_circle(), [](Trajectory& t) { set_text(t, "start", "middle"); }),
+              testing::HasSubstr("middle"));
+  EXPECT_THAT(message(make_lemniscate(), [](Trajectory& t) { set_text(t, "shape", "8"); }),
+              testing::HasSubstr("gerono"));
+  EXPECT_THAT(message(make_waypoints(),
+                      [](Trajectory& t) {
+                        set(t, "points_m", std::vector<double>{1, 2});
+                      }),
               testing::HasSubstr("three numbers"));
-  EXPECT_THAT(message(make_waypoints(), [](Trajectory& t) { set(t, "times_s", std::vector<double>{0, 2, 1, 3, 4}); }),
+  EXPECT_THAT(message(make_waypoints(),
+                      [](Trajectory& t) {
+                        set(t, "times_s", std::vector<double>{0, 2, 1, 3, 4});
+                      }),
               testing::HasSubstr("rise"));
   EXPECT_THAT(message(make_multisine(), [](Trajectory& t) { set(t, "frequencies_x_hz", std::vector<double>{-1.0}); }),
               testing::HasSubstr("0 and 50 Hz"));

@@ -149,36 +149,50 @@ TEST(Models, RotorsTurnSoThatYawTorqueBalances) {
 TEST(ReadVehicle, ErrorsNameThePlaceAndWhatToDo) {
   EXPECT_EQ(broken_toml("site = \"b\"", "site = \"d\""),
             "vehicle.toml:8:8: there is no site \"d\" in body.xml (sites on the vehicle: a, b, c)");
-  EXPECT_EQ(broken_toml("site = \"b\"", "site = \"a\""), "vehicle.toml:8:8: site \"a\" carries two rotors give each rotor its own");
+  EXPECT_EQ(broken_toml("site = \"b\"", "site = \"a\""),
+            "vehicle.toml:8:8: site \"a\" carries two rotors give each rotor its own");
   EXPECT_THAT(broken_toml("\"cw\"", "\"left\""), StartsWith("vehicle.toml:9:13: \"left\" is not a direction"));
-  EXPECT_THAT(broken_toml("radius_m = 0.1", "radius = 0.1"), StartsWith("vehicle.toml:18:1: unknown key \"radius\" did you mean \"radius_m\"?"));
-  EXPECT_THAT(broken_toml("coefficient = 1e-3", "coefficient = 1e-3\nhover = 0.5"), HasSubstr("both \"coefficient\" and \"hover\" are here"));
+  EXPECT_THAT(broken_toml("radius_m = 0.1", "radius = 0.1"),
+              StartsWith("vehicle.toml:18:1: unknown key \"radius\" did you mean \"radius_m\"?"));
+  EXPECT_THAT(broken_toml("coefficient = 1e-3", "coefficient = 1e-3\nhover = 0.5"),
+              HasSubstr("both \"coefficient\" and \"hover\" are here"));
   EXPECT_THAT(broken_toml("coefficient = 1e-3", "hover = 70000"), HasSubstr("\"hover\" of 70000 is no actuator input"));
-  EXPECT_THAT(broken_toml("[thrust]", "[actuator]\nthrottle_curve = 0.3\n[thrust]"), HasSubstr("there is no [thrust] hover"));
-  EXPECT_THAT(broken_toml("[thrust]\ncoefficient = 1e-3", "[actuator]\nthrottle_curve = 2\n[thrust]\nhover = 0.5"), HasSubstr("must be from 0 to 1"));
-  EXPECT_THAT(broken_toml("[thrust]\ncoefficient = 1e-3", "[actuator]\nthrottle_thrust = [0, 1, 2]\n[thrust]\nhover = 0.5"), HasSubstr("two answers to one question"));
-  EXPECT_THAT(broken_toml("torque_ratio", "torque_ration = 1\ntorque_ratio"), EndsWith("did you mean \"torque_ratio\"?"));
+  EXPECT_THAT(broken_toml("[thrust]", "[actuator]\nthrottle_curve = 0.3\n[thrust]"),
+              HasSubstr("there is no [thrust] hover"));
+  EXPECT_THAT(broken_toml("[thrust]\ncoefficient = 1e-3", "[actuator]\nthrottle_curve = 2\n[thrust]\nhover = 0.5"),
+              HasSubstr("must be from 0 to 1"));
+  EXPECT_THAT(
+      broken_toml("[thrust]\ncoefficient = 1e-3", "[actuator]\nthrottle_thrust = [0, 1, 2]\n[thrust]\nhover = 0.5"),
+      HasSubstr("two answers to one question"));
+  EXPECT_THAT(broken_toml("torque_ratio", "torque_ration = 1\ntorque_ratio"),
+              EndsWith("did you mean \"torque_ratio\"?"));
   EXPECT_THAT(broken_toml("coefficient = 1e-3", "coefficient = -1"), HasSubstr("\"coefficient\" must be positive"));
   EXPECT_THAT(broken_toml("gustlab-vehicle/1", "gustlab-vehicle/9"), StartsWith("vehicle.toml:1:10: format"));
   EXPECT_THAT(broken_toml("body.xml", "other.xml"), StartsWith("vehicle.toml:3:8: there is no file"));
-  EXPECT_THAT(broken_toml("body.xml", "../body.xml"), StartsWith("vehicle.toml:3:8: \"../body.xml\" is outside the vehicle's folder"));
+  EXPECT_THAT(broken_toml("body.xml", "../body.xml"),
+              StartsWith("vehicle.toml:3:8: \"../body.xml\" is outside the vehicle's folder"));
   EXPECT_THAT(broken_toml("body.xml", "/etc/hostname"), StartsWith("vehicle.toml:3:8: \"/etc/hostname\" is outside"));
   EXPECT_THAT(broken_toml("max_speed_radps = 200", "max_speed_radps = 20"), HasSubstr("the vehicle cannot hover"));
-  EXPECT_THAT(broken_toml("[[rotor]]\nsite = \"c\"\ndirection = \"ccw\"\n", ""), StartsWith("vehicle.toml:4:1: 2 rotors"));
-  EXPECT_THAT(broken_toml("[thrust]", "[actuator]\npwm_thrust = [1, 2]\n[thrust]"), StartsWith("vehicle.toml:15:14: \"pwm_thrust\" must have three"));
+  EXPECT_THAT(broken_toml("[[rotor]]\nsite = \"c\"\ndirection = \"ccw\"\n", ""),
+              StartsWith("vehicle.toml:4:1: 2 rotors"));
+  EXPECT_THAT(broken_toml("[thrust]", "[actuator]\npwm_thrust = [1, 2]\n[thrust]"),
+              StartsWith("vehicle.toml:15:14: \"pwm_thrust\" must have three"));
 }
 
 TEST(ReadVehicle, EverythingThatIsRequiredAndMissingIsSaidAtOnce) {
   TemporaryFolder folder;
-  const std::string said = message([&] { read_vehicle(folder.write("vehicle.toml", "[[rotor]]\nsite = \"a\"\n[[rotor]]\ndirection = \"cw\"\n")); });
+  const std::string said = message(
+      [&] { read_vehicle(folder.write("vehicle.toml", "[[rotor]]\nsite = \"a\"\n[[rotor]]\ndirection = \"cw\"\n")); });
   EXPECT_THAT(said, HasSubstr("vehicle.toml: 5 required keys are missing:\n"));
-  for (const char* key : {"format = \"gustlab-vehicle/1\"", "mjcf = ", "direction of [[rotor]] 1", "site of [[rotor]] 2", "coefficient [N/(rad/s)^2], or hover"})
+  for (const char* key : {"format = \"gustlab-vehicle/1\"", "mjcf = ", "direction of [[rotor]] 1",
+                          "site of [[rotor]] 2", "coefficient [N/(rad/s)^2], or hover"})
     EXPECT_THAT(said, HasSubstr(key));
 }
 
 TEST(ReadVehicle, OnlyMassRotorsAndACoefficientAreRequired) {
   Broken least;
-  for (const char* key : {"name = \"tri\"\n", "torque_ratio = 0.01\n", "max_speed_radps = 200\n", "radius_m = 0.1\n"}) Broken::swap(least.toml, key, "");
+  for (const char* key : {"name = \"tri\"\n", "torque_ratio = 0.01\n", "max_speed_radps = 200\n", "radius_m = 0.1\n"})
+    Broken::swap(least.toml, key, "");
   EXPECT_EQ(least.say(), "");
   const VehicleModel v = read_vehicle(least.folder.file("vehicle.toml"));
   EXPECT_EQ(v.name, least.folder.path().filename().string());
@@ -190,7 +204,8 @@ TEST(ReadVehicle, OnlyMassRotorsAndACoefficientAreRequired) {
   EXPECT_NEAR(v.rotors[0].torque_ratio_m, 0.07 * 0.8 * 2.0 * v.arm_m() * std::sin(pi / 3.0), 1e-12);
   std::vector<std::string> said;
   for (const VehicleGap& gap : gaps_of(v)) said.push_back(gap.says());
-  EXPECT_THAT(said, ElementsAre("the vehicle file has no rotor radius ([thrust] radius_m)", "the vehicle file has no torque ratio of the rotors ([thrust] torque_ratio)"));
+  EXPECT_THAT(said, ElementsAre("the vehicle file has no rotor radius ([thrust] radius_m)",
+                                "the vehicle file has no torque ratio of the rotors ([thrust] torque_ratio)"));
 }
 
 // f of thrust ~ f u² + (1 − f) u, which carries the weight at u = hover
@@ -232,9 +247,11 @@ TEST(ReadVehicle, BrokenMjcfIsAConfigurationErrorWithItsLine) {
   EXPECT_THAT(broken_mjcf("</mujoco>", ""), StartsWith("body.xml:"));
   EXPECT_THAT(broken_mjcf("<freejoint/>", ""), HasSubstr("exactly one free joint and no other joint (here: 0)"));
   EXPECT_THAT(broken_mjcf("<body pos=\"0 1 0\">", "<body pos=\"0 1 0\"><joint/>"), HasSubstr("(here: 2)"));
-  EXPECT_THAT(broken_mjcf("<worldbody>", "<option gravity='0 0 0'/><worldbody>"), HasSubstr("gravity must point along -z"));
+  EXPECT_THAT(broken_mjcf("<worldbody>", "<option gravity='0 0 0'/><worldbody>"),
+              HasSubstr("gravity must point along -z"));
   EXPECT_THAT(broken_mjcf("<worldbody>", "<include file='../x.xml'/><worldbody>"), HasSubstr("<include> is not read"));
-  EXPECT_THAT(broken_mjcf("<worldbody>", "<asset><mesh file='../x.stl'/></asset><worldbody>"), HasSubstr("outside the vehicle's folder"));
+  EXPECT_THAT(broken_mjcf("<worldbody>", "<asset><mesh file='../x.stl'/></asset><worldbody>"),
+              HasSubstr("outside the vehicle's folder"));
 }
 
 TEST(ReadVehicle, UnknownNameIsSuggested) {

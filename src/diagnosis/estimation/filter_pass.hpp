@@ -28,7 +28,10 @@ class FilterPass {
 
   // `columns`: beside y
   FilterPass(const LinearFlight& flight, const NoiseModel& noise, Eigen::Index columns)
-      : flight_(flight), noise_(noise), state_(Rows::Zero(size, padded(first_column + columns))), next_(state_),
+      : flight_(flight),
+        noise_(noise),
+        state_(Rows::Zero(size, padded(first_column + columns))),
+        next_(state_),
         innovation_(Rows::Zero(row_count, state_.cols())) {
     std::array<std::array<bool, 12>, 12> acts{};
     for (const Matrix12& F : flight.F)
@@ -69,8 +72,10 @@ class FilterPass {
       e[y_at] += flight_.y[k][row_[i]];
       add(row_[i], e);
       std::array<double, row_count> known;  // of this row, by those before
-      for (std::size_t j = 0; j < i; ++j) known[j] = H_[i].times(innovation_.data() + static_cast<Eigen::Index>(j) * state_.cols());
-      subtract_product(innovation_, static_cast<Eigen::Index>(i), 1, known.data(), 0, 1, innovation_, static_cast<Eigen::Index>(i), state_.cols());
+      for (std::size_t j = 0; j < i; ++j)
+        known[j] = H_[i].times(innovation_.data() + static_cast<Eigen::Index>(j) * state_.cols());
+      subtract_product(innovation_, static_cast<Eigen::Index>(i), 1, known.data(), 0, 1, innovation_,
+                       static_cast<Eigen::Index>(i), state_.cols());
       variance_[i] = noise_.measurement[static_cast<std::size_t>(row_[i] / 3)] + H_[i].times(e);
       innovation_.row(static_cast<Eigen::Index>(i)) *= 1.0 / std::sqrt(variance_[i]);
     }
@@ -116,7 +121,8 @@ class FilterPass {
       process_[at] += variance;
     }
     for (int i = 0; i < 6; ++i)
-      process_[static_cast<std::size_t>(white_row(i))] += noise_.white[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(i)])] * dt;
+      process_[static_cast<std::size_t>(white_row(i))] +=
+          noise_.white[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(i)])] * dt;
     // torques unknown: the rotation is free, so that only forces tell
     if (!flight_.torque_known) std::fill_n(process_.begin() + 9, 3, 1e4 * dt);
   }
@@ -152,14 +158,16 @@ class FilterPass {
  private:
   // of a slow part: variance and correlation time
   std::pair<double, double> memory(int part) const {
-    if (part >= 6) return {noise_.lasting_variance[static_cast<std::size_t>(part / 3 - 2)], noise_.lasting_time_s[static_cast<std::size_t>(part / 3 - 2)]};
+    if (part >= 6)
+      return {noise_.lasting_variance[static_cast<std::size_t>(part / 3 - 2)],
+              noise_.lasting_time_s[static_cast<std::size_t>(part / 3 - 2)]};
     const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(part)]);
     return {noise_.variance[g], noise_.time_s[g]};
   }
 
   const LinearFlight& flight_;
   const NoiseModel& noise_;
-  std::array<std::vector<int>, 12> acting_;   // columns of F that are not zero all along the flight
+  std::array<std::vector<int>, 12> acting_;  // columns of F that are not zero all along the flight
   Rows state_, next_, innovation_;
   std::array<SparseRow, size> A_;
   std::array<double, size> process_;

@@ -50,7 +50,8 @@ void Grams::shift(const Eigen::VectorXd& d) {
   }
 }
 
-void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size, Grams& grams) {
+void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size,
+                Grams& grams) {
   grams.columns = catalogue_size;
   std::vector<int> at = columns;
   at.push_back(catalogue_size);
@@ -87,7 +88,8 @@ void accumulate(const Whitened& whitened, const std::vector<int>& columns, int f
 
 void append(Grams&& more, Grams& grams) {
   grams.columns = more.columns;
-  grams.block.insert(grams.block.end(), std::make_move_iterator(more.block.begin()), std::make_move_iterator(more.block.end()));
+  grams.block.insert(grams.block.end(), std::make_move_iterator(more.block.begin()),
+                     std::make_move_iterator(more.block.end()));
   grams.flight.insert(grams.flight.end(), more.flight.begin(), more.flight.end());
   grams.time_s.insert(grams.time_s.end(), more.time_s.begin(), more.time_s.end());
   for (const int cluster : more.cluster) grams.cluster.push_back(grams.clusters + cluster);
@@ -126,7 +128,8 @@ Eigen::MatrixXd project_out(const Eigen::MatrixXd& gram, const std::vector<int>&
   return left;
 }
 
-Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
+Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>& columns,
+                                     const Eigen::VectorXd& coefficient) {
   const Eigen::MatrixXd total = grams.total();
   const auto size = static_cast<Eigen::Index>(columns.size());
   const Eigen::MatrixXd H = pick(total, columns, columns);
@@ -140,8 +143,7 @@ Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>&
   const Eigen::VectorXd scale = scales(H);
   const Eigen::MatrixXd unit = scale.cwiseInverse().asDiagonal() * H * scale.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit);
-  const Eigen::VectorXd inverse =
-      eigen.eigenvalues().unaryExpr([](double v) { return v > 1e-10 ? 1.0 / v : 0.0; });
+  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr([](double v) { return v > 1e-10 ? 1.0 / v : 0.0; });
   const Eigen::MatrixXd bread = scale.cwiseInverse().asDiagonal() *
                                 (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
                                 scale.cwiseInverse().asDiagonal();

@@ -11,11 +11,11 @@ namespace gustlab::diagnosis {
 // [Φ z]ᵀ[Φ z] per block of half a second, in catalogue columns plus z as the last.
 struct Grams {
   std::vector<Eigen::MatrixXd> block;
-  std::vector<int> flight;          // of each block
-  std::vector<double> time_s;       // at which each block begins
-  std::vector<int> cluster;         // blocks of one second belong together
+  std::vector<int> flight;     // of each block
+  std::vector<double> time_s;  // at which each block begins
+  std::vector<int> cluster;    // blocks of one second belong together
   int clusters = 0;
-  double rows = 0.0;                // whitened innovations that count, at 125 Hz at most
+  double rows = 0.0;  // whitened innovations that count, at 125 Hz at most
   int columns = 0;
 
   Eigen::MatrixXd total() const;
@@ -23,7 +23,8 @@ struct Grams {
   void shift(const Eigen::VectorXd& d);
 };
 // Adds one flight's innovations; rows that are not warm do not count.
-void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size, Grams& grams);
+void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size,
+                Grams& grams);
 
 // Those of further flights.
 void append(Grams&& more, Grams& grams);
@@ -45,7 +46,8 @@ Fit solve(const Eigen::MatrixXd& gram, const std::vector<int>& columns, double r
 Eigen::MatrixXd project_out(const Eigen::MatrixXd& gram, const std::vector<int>& columns);
 
 // Covariance of coefficients, robust against correlation within clusters (sandwich).
-Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient);
+Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>& columns,
+                                     const Eigen::VectorXd& coefficient);
 
 // Variance of one coefficient, robust likewise: `pattern` is its column less what others say of it, `left` what the whole fit leaves
 // (both as weights of the columns and z).

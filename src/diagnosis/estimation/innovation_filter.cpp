@@ -9,7 +9,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr std::size_t cold = 20;   // samples after a gap in which the filter forgets its prior
+constexpr std::size_t cold = 20;  // samples after a gap in which the filter forgets its prior
 
 using RowMap = Eigen::Map<Eigen::RowVectorXd>;
 
@@ -26,7 +26,9 @@ void pass_along(const LinearFlight& flight, const NoiseModel& noise, const std::
     filter.measure(k, [&](int r, double* e) {
       double* columns = e + filter.first_column;
       if (own > 0) RowMap(columns, own) += flight.D[k].row(r);
-      if (more > 0 && r >= first_force_row) RowMap(columns + own, more) += flight.R_WB[k].col(r - first_force_row).transpose() * (*extra)[k].template topRows<3>();
+      if (more > 0 && r >= first_force_row)
+        RowMap(columns + own, more) +=
+            flight.R_WB[k].col(r - first_force_row).transpose() * (*extra)[k].template topRows<3>();
     });
     for (Eigen::Index i = 0; i < filter.rows(); ++i)
       row(k, filter.row(i), filter.variance(i), &filter.innovations()(i, filter.y_at), since_start >= cold);
@@ -34,12 +36,14 @@ void pass_along(const LinearFlight& flight, const NoiseModel& noise, const std::
     if (k + 1 == n || flight.starts[k + 1]) continue;
     filter.advance(k);
     if (own > 0) filter.state().block(0, filter.first_column, 12, own) += flight.B[k];
-    if (more > 0) filter.state().block(0, filter.first_column + own, 12, more) += moved_by((*extra)[k], flight.interval_s[k]);
+    if (more > 0)
+      filter.state().block(0, filter.first_column + own, 12, more) += moved_by((*extra)[k], flight.interval_s[k]);
   }
 }
 
 template <int size>
-Whitened whiten_with(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise, const std::vector<Pushes>* extra) {
+Whitened whiten_with(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
+                     const std::vector<Pushes>* extra) {
   Eigen::Index rows = 0, columns = static_cast<Eigen::Index>(flight.columns.size()) + (extra ? (*extra)[0].cols() : 0);
   for (const auto& measured : flight.measured) rows += measured.count();
   Whitened out;
@@ -59,19 +63,24 @@ Whitened whiten_with(const FlightData& data, const LinearFlight& flight, const N
 template <int size>
 double misfit_with(const LinearFlight& flight, const NoiseModel& noise) {
   double sum = 0.0;
-  pass_along<size>(flight, noise, nullptr, [&](std::size_t, int, double variance, const double* z, bool) { sum += std::log(variance) + *z * *z; });
+  pass_along<size>(flight, noise, nullptr, [&](std::size_t, int, double variance, const double* z, bool) {
+    sum += std::log(variance) + *z * *z;
+  });
   return sum;
 }
 
 }  // namespace
 
-Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise, const std::vector<Pushes>* extra) {
+Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
+                const std::vector<Pushes>* extra) {
   if (flight.forces_alone) return whiten_forces(data, flight, noise, extra);
-  return noise.errors_last() ? whiten_with<state_size + row_count>(data, flight, noise, extra) : whiten_with<state_size>(data, flight, noise, extra);
+  return noise.errors_last() ? whiten_with<state_size + row_count>(data, flight, noise, extra)
+                             : whiten_with<state_size>(data, flight, noise, extra);
 }
 
 double misfit(const LinearFlight& flight, const NoiseModel& noise) {
-  return noise.errors_last() ? misfit_with<state_size + row_count>(flight, noise) : misfit_with<state_size>(flight, noise);
+  return noise.errors_last() ? misfit_with<state_size + row_count>(flight, noise)
+                             : misfit_with<state_size>(flight, noise);
 }
 
 }  // namespace gustlab::diagnosis

@@ -14,7 +14,8 @@ std::vector<std::array<double, row_count>> lag_correlation(const std::vector<Whi
   for (const Whitened& w : flights) {
     std::array<std::vector<double>, row_count> z;
     for (std::size_t i = 0; i < w.time_s.size(); ++i)
-      if (w.warm[i]) z[static_cast<std::size_t>(w.channel[i])].push_back(w.rows(static_cast<Eigen::Index>(i), w.rows.cols() - 1));
+      if (w.warm[i])
+        z[static_cast<std::size_t>(w.channel[i])].push_back(w.rows(static_cast<Eigen::Index>(i), w.rows.cols() - 1));
     for (std::size_t c = 0; c < row_count; ++c) {
       if (z[c].size() < fewest) continue;
       enough[c] = true;
@@ -24,7 +25,8 @@ std::vector<std::array<double, row_count>> lag_correlation(const std::vector<Whi
     }
   }
   for (std::size_t lag = 1; lag <= lags; ++lag)
-    for (std::size_t c = 0; c < row_count; ++c) sums[lag][c] = enough[c] ? sums[lag][c] / sums[0][c] : std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t c = 0; c < row_count; ++c)
+      sums[lag][c] = enough[c] ? sums[lag][c] / sums[0][c] : std::numeric_limits<double>::quiet_NaN();
   sums.erase(sums.begin());
   return sums;
 }

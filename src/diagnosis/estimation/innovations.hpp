@@ -18,9 +18,9 @@ inline constexpr int noise_groups = 4;
 // Innovations of y (last column) and of every column of the flight, whitened: rows in the order of arrival.
 struct Whitened {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows;
-  std::vector<double> time_s;        // of each row
-  std::vector<int> channel;          // 0–11
-  std::vector<bool> warm;            // false while the filter forgets its prior
+  std::vector<double> time_s;  // of each row
+  std::vector<int> channel;    // 0–11
+  std::vector<bool> warm;      // false while the filter forgets its prior
   double minus_two_log_likelihood = 0.0;
 };
 
@@ -31,9 +31,9 @@ std::vector<std::array<double, row_count>> lag_correlation(const std::vector<Whi
 struct Smoothed {
   // of the disturbance and of errors that last: Σ E[d²], Σ E[d_k d_{k−1}]
   std::array<double, 6 + row_count> second{}, lagged{}, pairs{}, count{};
-  std::array<double, 6> white{};                 // Σ E[w²] / Δt of the white part, over pairs
+  std::array<double, 6> white{};  // Σ E[w²] / Δt of the white part, over pairs
   std::array<double, noise_groups> residual{}, residual_count{};
-  std::vector<Eigen::Matrix<double, 6, 1>> disturbance, disturbance_variance;   // both parts; variance of the slow one
+  std::vector<Eigen::Matrix<double, 6, 1>> disturbance, disturbance_variance;  // both parts; variance of the slow one
 };
 
 }  // namespace gustlab::diagnosis

@@ -11,12 +11,14 @@ namespace gustlab::diagnosis {
 
 bool NoiseModel::possible() const {
   const auto quick = [](double t) { return t <= slowest_disturbance_s; };
-  return std::all_of(time_s.begin(), time_s.end(), quick) && std::all_of(lasting_time_s.begin(), lasting_time_s.end(), quick) &&
+  return std::all_of(time_s.begin(), time_s.end(), quick) &&
+         std::all_of(lasting_time_s.begin(), lasting_time_s.end(), quick) &&
          std::equal(white.begin(), white.end(), least_white.begin(), std::greater_equal<>());
 }
 
 double NoiseModel::rms(std::size_t group) const {
-  if (errors_last() && group < 2) return std::sqrt((variance[group] * time_s[group] + 0.5 * white[group]) / calm_memory_s);
+  if (errors_last() && group < 2)
+    return std::sqrt((variance[group] * time_s[group] + 0.5 * white[group]) / calm_memory_s);
   return std::sqrt(variance[group] + white[group] / (2.0 * white_mean_s(group)));
 }
 
@@ -52,13 +54,15 @@ NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights,
     next.variance[g] = slow->square;
     next.white[g] = std::max(white / pairs, noise.least_white[g]);
     // what is faster is the white part's, where there is one
-    next.time_s[g] = std::clamp(-sample_s / std::log(slow->correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
+    next.time_s[g] =
+        std::clamp(-sample_s / std::log(slow->correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
   }
   for (std::size_t g = 0; g < noise_groups && noise.errors_last(); ++g) {
     const auto error = memory(flights, [g](std::size_t j) { return j / 3 == g + 2; });
     if (!error) continue;
     next.lasting_variance[g] = error->square;
-    next.lasting_time_s[g] = std::clamp(-sample_s / std::log(error->correlation), 0.2 * sample_s, slowest_disturbance_s);
+    next.lasting_time_s[g] =
+        std::clamp(-sample_s / std::log(error->correlation), 0.2 * sample_s, slowest_disturbance_s);
   }
   for (std::size_t g = 0; g < noise_groups; ++g) {
     double sum = 0.0, count = 0.0;
@@ -83,8 +87,10 @@ NoiseModel extrapolated(const NoiseModel& first, const NoiseModel& second, const
     result.white[g] = std::max(limit(first.white[g], second.white[g], third.white[g]), third.least_white[g]);
   }
   for (std::size_t g = 0; g < noise_groups && third.errors_last(); ++g) {
-    result.lasting_variance[g] = limit(first.lasting_variance[g], second.lasting_variance[g], third.lasting_variance[g]);
-    result.lasting_time_s[g] = std::min(limit(first.lasting_time_s[g], second.lasting_time_s[g], third.lasting_time_s[g]), slowest_disturbance_s);
+    result.lasting_variance[g] =
+        limit(first.lasting_variance[g], second.lasting_variance[g], third.lasting_variance[g]);
+    result.lasting_time_s[g] = std::min(
+        limit(first.lasting_time_s[g], second.lasting_time_s[g], third.lasting_time_s[g]), slowest_disturbance_s);
   }
   for (std::size_t g = 0; g < noise_groups; ++g)
     result.measurement[g] = limit(first.measurement[g], second.measurement[g], third.measurement[g]);

@@ -26,10 +26,10 @@ struct SpeedNoise {
 // What nothing explains, in each group a slow Ornstein–Uhlenbeck process (air) beside white acceleration (rotors, commands between
 // samples), and the noise of the sensors; itself a result ("unexplained disturbance 0.06 m/s², 0.15 s").
 struct NoiseModel {
-  std::array<double, disturbance_groups> variance{};    // of the slow part, (m/s²)² or (rad/s²)²
-  std::array<double, disturbance_groups> time_s{};      // its correlation time
-  std::array<double, disturbance_groups> white{};       // power of the white part, (m/s²)² s or (rad/s²)² s
-  std::array<double, noise_groups> measurement{};       // variances, SI²
+  std::array<double, disturbance_groups> variance{};  // of the slow part, (m/s²)² or (rad/s²)²
+  std::array<double, disturbance_groups> time_s{};    // its correlation time
+  std::array<double, disturbance_groups> white{};     // power of the white part, (m/s²)² s or (rad/s²)² s
+  std::array<double, noise_groups> measurement{};     // variances, SI²
   // Of errors that last (an estimator's, an interpolated pose's, a filtered gyro's): an Ornstein–Uhlenbeck process beside them.
   std::array<double, noise_groups> lasting_variance{}, lasting_time_s{};
   bool errors_last() const { return lasting_time_s[0] > 0.0; }

@@ -7,11 +7,13 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double prior = 1.0;   // information on a number that the reference flights do not show: the file is right to its natural size
+constexpr double prior =
+    1.0;  // information on a number that the reference flights do not show: the file is right to its natural size
 
 // numbers that a vehicle has: not those of one flight, and no history that a scan of these flights found
 bool is_shared(const Catalogue& catalogue, const Column& column) {
-  return column.group >= 0 && column.flight < 0 && !is_history(catalogue.groups()[static_cast<std::size_t>(column.group)].row->name);
+  return column.group >= 0 && column.flight < 0 &&
+         !is_history(catalogue.groups()[static_cast<std::size_t>(column.group)].row->name);
 }
 
 std::pair<std::string, int> name_of(const Catalogue& catalogue, const Column& column) {

@@ -12,11 +12,12 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double settling_s = 0.3;                // after a gap, until the speed before it is forgotten
-constexpr double least_hover = 0.2, most_limit = 0.98;  // shares of the hover speed and of the limit between which a map holds
+constexpr double settling_s = 0.3;  // after a gap, until the speed before it is forgotten
+constexpr double least_hover = 0.2,
+                 most_limit = 0.98;  // shares of the hover speed and of the limit between which a map holds
 constexpr double latest_s = 0.1;
-constexpr double most_left = 0.25;                // of the speeds' changes, that commands do not foretell
-constexpr double least_white_share = 2e-4;        // of the hover speed, sd: integrators differ
+constexpr double most_left = 0.25;          // of the speeds' changes, that commands do not foretell
+constexpr double least_white_share = 2e-4;  // of the hover speed, sd: integrators differ
 
 }  // namespace
 
@@ -55,7 +56,8 @@ Whitened whiten_speeds(const FlightData& data, const LinearFlight& flight, const
       map.row(at) = e.tail<3>().transpose() / sd;
       state.col(static_cast<Eigen::Index>(i)) += P / S * e;
       out.time_s.push_back(data.samples[k].time_s);
-      out.warm.push_back(data.samples[k].time_s - begin_s > settling_s && speed > least_hover && flight.foretold[k][i] < limit);
+      out.warm.push_back(data.samples[k].time_s - begin_s > settling_s && speed > least_hover &&
+                         flight.foretold[k][i] < limit);
       out.minus_two_log_likelihood += out.warm.back() ? std::log(S) : 0.0;
     }
     P *= noise.white / S;
@@ -86,7 +88,8 @@ std::vector<double> smoothed(const std::vector<double>& y, const std::vector<dou
   std::vector<double> x(n), P(n), ahead(n), P_ahead(n);
   for (std::size_t k = 0; k < n; ++k) {
     ahead[k] = k > 0 ? kept[k - 1] * x[k - 1] : 0.0;
-    P_ahead[k] = k > 0 ? kept[k - 1] * kept[k - 1] * P[k - 1] + (1.0 - kept[k - 1] * kept[k - 1]) * noise.variance : noise.variance;
+    P_ahead[k] = k > 0 ? kept[k - 1] * kept[k - 1] * P[k - 1] + (1.0 - kept[k - 1] * kept[k - 1]) * noise.variance
+                       : noise.variance;
     const double gain = P_ahead[k] / (P_ahead[k] + noise.white);
     x[k] = ahead[k] + gain * (y[k] - ahead[k]);
     P[k] = (1.0 - gain) * P_ahead[k];
@@ -97,7 +100,8 @@ std::vector<double> smoothed(const std::vector<double>& y, const std::vector<dou
 
 }  // namespace
 
-void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value, const SpeedNoise& noise) {
+void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                     const SpeedNoise& noise) {
   flight.estimated = {};
   if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only || noise.white <= 0.0) return;
   const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
@@ -107,7 +111,8 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
   const auto rotors = static_cast<std::size_t>(flight.vehicle.rotor_count);
   std::vector<double> kept(n, 0.0);
   for (std::size_t k = 0; k + 1 < n; ++k)
-    if (!flight.samples[k + 1].starts_segment) kept[k] = std::exp(-(flight.samples[k + 1].time_s - flight.samples[k].time_s) / noise.time_s);
+    if (!flight.samples[k + 1].starts_segment)
+      kept[k] = std::exp(-(flight.samples[k + 1].time_s - flight.samples[k].time_s) / noise.time_s);
   std::vector<RotorArray> correction(n, RotorArray{});
   double left = 0.0, changes = 0.0;
   for (std::size_t i = 0; i < rotors; ++i) {
@@ -126,7 +131,8 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
     std::vector<double> rest(n);
     for (std::size_t k = 0; k < n; ++k) rest[k] = measured[k][i] - estimate.at_sample[k][i] - coefficient.dot(map(k));
     const std::vector<double> slow = smoothed(rest, kept, noise);
-    for (std::size_t k = 1; k < n; ++k) left += std::pow(slow[k] - slow[k - 1], 2), changes += std::pow(measured[k][i] - measured[k - 1][i], 2);
+    for (std::size_t k = 1; k < n; ++k)
+      left += std::pow(slow[k] - slow[k - 1], 2), changes += std::pow(measured[k][i] - measured[k - 1][i], 2);
     for (std::size_t k = 0; k < n; ++k) correction[k][i] = coefficient.dot(map(k)) + slow[k];
   }
   if (left > most_left * changes) return;
@@ -137,7 +143,8 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
       const double rise = correction[next][i] - correction[k][i];
       estimate.at_sample[k][i] += correction[k][i];
       for (std::size_t s = 0; s < count; ++s) {
-        estimate.mean[k * count + s][i] += correction[k][i] + rise * (static_cast<double>(s) + 0.5) / static_cast<double>(count);
+        estimate.mean[k * count + s][i] +=
+            correction[k][i] + rise * (static_cast<double>(s) + 0.5) / static_cast<double>(count);
         estimate.acceleration[k * count + s][i] += rise / interval_s;
       }
     }
@@ -168,11 +175,14 @@ double speed_lateness_s(const std::vector<FlightData>& data, const std::vector<L
 
 namespace {
 
-double least_variance(const std::vector<FlightData>& data) { return std::pow(least_white_share * data.front().vehicle.hover_speed_radps(), 2); }
+double least_variance(const std::vector<FlightData>& data) {
+  return std::pow(least_white_share * data.front().vehicle.hover_speed_radps(), 2);
+}
 
 }  // namespace
 
-double speeds_left_radps(const std::vector<FlightData>& flights, const Catalogue& catalogue, const Eigen::VectorXd& value) {
+double speeds_left_radps(const std::vector<FlightData>& flights, const Catalogue& catalogue,
+                         const Eigen::VectorXd& value) {
   double squares = 0.0, rows = 0.0;
   for (const FlightData& data : flights) {
     LinearFlight flight;
@@ -211,7 +221,9 @@ SpeedNoise likeliest(const std::vector<FlightData>& data, const std::vector<Line
         for (const double by : {factor, 1.0 / factor}) {
           SpeedNoise trial = noise;
           trial.*part *= by;
-          if (trial.white < least || trial.variance < 0.1 * least || trial.time_s < 0.5 * sample_s || trial.time_s > slowest_disturbance_s) continue;
+          if (trial.white < least || trial.variance < 0.1 * least || trial.time_s < 0.5 * sample_s ||
+              trial.time_s > slowest_disturbance_s)
+            continue;
           const double here = misfit(trial);
           if (here < now - 1.0) now = here, noise = trial, moved = true;
         }

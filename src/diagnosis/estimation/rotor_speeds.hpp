@@ -10,9 +10,11 @@ namespace gustlab::diagnosis {
 
 // Measured speeds are noisy and miss what happened between samples, commands alone miss what nothing foretold: where commands foretell
 // most of the changes, both together are a better estimate of what drove the body.
-void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value, const SpeedNoise& noise);
+void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                     const SpeedNoise& noise);
 // What commands do not foretell of the speeds, rms, the map of every rotor in every flight apart.
-double speeds_left_radps(const std::vector<FlightData>& flights, const Catalogue& catalogue, const Eigen::VectorXd& value);
+double speeds_left_radps(const std::vector<FlightData>& flights, const Catalogue& catalogue,
+                         const Eigen::VectorXd& value);
 // How much later than foretold the speeds change, to a quarter of a sample: commands that jitter tell a delay only once it is nearly
 // known. 0 where nothing is compared.
 double speed_lateness_s(const std::vector<FlightData>& data, const std::vector<LinearFlight>& flights);

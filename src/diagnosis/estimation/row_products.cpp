@@ -39,7 +39,8 @@ void multiply(const SparseRow* A, Eigen::Index rows, const Rows& in, Rows& out, 
     if (c == last) continue;
     Pack sum = {};
     for (int i = 0; i < row.size; ++i)
-      sum += row.value[static_cast<std::size_t>(i)] * packs(in.data() + row.at[static_cast<std::size_t>(i)] * stride)[c];
+      sum +=
+          row.value[static_cast<std::size_t>(i)] * packs(in.data() + row.at[static_cast<std::size_t>(i)] * stride)[c];
     to[c] = sum;
   }
 }
@@ -67,7 +68,8 @@ void subtract_product(Rows& out, Eigen::Index first, Eigen::Index rows, const do
   for (Eigen::Index r = 0; r < rows; ++r) {
     Pack& to = packs(out.data() + (first + r) * out.cols())[c];
     Pack sum = to;
-    for (Eigen::Index i = 0; i < inner; ++i) sum -= C[r * row_step + i * column_step] * packs(in.data() + i * in.cols())[c];
+    for (Eigen::Index i = 0; i < inner; ++i)
+      sum -= C[r * row_step + i * column_step] * packs(in.data() + i * in.cols())[c];
     to = sum;
   }
 }

@@ -27,7 +27,9 @@ bool any_channel(const std::vector<FlightData>& flights, unsigned channel) {
 
 Need told_by(const std::vector<FlightData>& flights) {
   Need told = Need::nothing;
-  for (const auto& [channel, need] : {std::pair<unsigned, Need>{has_attitude, Need::attitude}, {has_position | has_velocity, Need::motion}, {has_force, Need::accelerometer}})
+  for (const auto& [channel, need] : {std::pair<unsigned, Need>{has_attitude, Need::attitude},
+                                      {has_position | has_velocity, Need::motion},
+                                      {has_force, Need::accelerometer}})
     if (any_channel(flights, channel)) told = told | need;
   for (const FlightData& flight : flights) {
     const Environment& around = flight.vehicle.environment;
@@ -99,14 +101,16 @@ NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleMo
   return noise;
 }
 
-Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs, std::vector<FlightData> shooting_flights)
+Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs,
+                 std::vector<FlightData> shooting_flights)
     : noise(initial_noise(flights, vehicle)),
       jobs_(jobs),
       vehicle_(vehicle),
       flights_(std::move(flights)),
       catalogue_(vehicle, static_cast<int>(flights_.size()),
                  {told_by(flights_), all_have_voltage(flights_), !shooting_flights.empty(),
-                  std::any_of(shooting_flights.begin(), shooting_flights.end(), [](const FlightData& f) { return !f.commands_filtered; })}),
+                  std::any_of(shooting_flights.begin(), shooting_flights.end(),
+                              [](const FlightData& f) { return !f.commands_filtered; })}),
       linear_(flights_.size()),
       value_(catalogue_.nominal()),
       corrected_(flights_.size()),
@@ -144,13 +148,15 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
     for (std::size_t k = 0; k < linear_[f].size(); ++k)
       for (const int c : biases_) {
         const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-        if (column.flight == static_cast<int>(f) && column.parameter < torque_trim) linear_[f].y[k][6 + column.parameter] -= value[c];
+        if (column.flight == static_cast<int>(f) && column.parameter < torque_trim)
+          linear_[f].y[k][6 + column.parameter] -= value[c];
       }
   });
 }
 
 void Session::for_each_flight(const std::function<void(std::size_t)>& body) const {
-  parallel_for(static_cast<std::int64_t>(flights_.size()), jobs_, [&](std::int64_t f) { body(static_cast<std::size_t>(f)); });
+  parallel_for(static_cast<std::int64_t>(flights_.size()), jobs_,
+               [&](std::int64_t f) { body(static_cast<std::size_t>(f)); });
 }
 
 void Session::suspect_load(const Swing& swing, std::vector<std::vector<Vector3>> force_per_flight) {
@@ -161,7 +167,8 @@ void Session::suspect_load(const Swing& swing, std::vector<std::vector<Vector3>>
 void Session::suspect_limit(double limit_radps) {
   catalogue_.set_speed_limit(limit_radps);
   for_each_flight([&](std::size_t f) {
-    flights_[f].limit_change = limit_changes(flights_[f], static_cast<int>(f), catalogue_, value_, {limit_radps}).front();
+    flights_[f].limit_change =
+        limit_changes(flights_[f], static_cast<int>(f), catalogue_, value_, {limit_radps}).front();
   });
 }
 
@@ -169,7 +176,8 @@ void Session::forget_transitions() {
   for (LinearFlight& flight : linear_) flight.F.clear();
 }
 
-LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
+LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns,
+                       const Eigen::VectorXd& coefficient) {
   LinearFlight rest{flight, {}, {}, {}, {}};
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto at = std::find(flight.columns.begin(), flight.columns.end(), columns[i]) - flight.columns.begin();
@@ -180,7 +188,8 @@ LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& colum
     }
     const std::vector<RotorArray>& by = flight.foretold_by[static_cast<std::size_t>(at)];
     for (std::size_t k = 0; k < by.size(); ++k)
-      for (std::size_t r = 0; r < max_rotors; ++r) rest.faster[k][r] -= coefficient[static_cast<Eigen::Index>(i)] * by[k][r];
+      for (std::size_t r = 0; r < max_rotors; ++r)
+        rest.faster[k][r] -= coefficient[static_cast<Eigen::Index>(i)] * by[k][r];
   }
   return rest;
 }
@@ -238,7 +247,8 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
     before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
     // two steps and a leap, and a step at the end
-    if (before.size() == 2 && iteration + 1 < iterations) noise = extrapolated(before[0], before[1], noise), before.clear();
+    if (before.size() == 2 && iteration + 1 < iterations)
+      noise = extrapolated(before[0], before[1], noise), before.clear();
   }
 }
 
@@ -254,16 +264,19 @@ void Session::search_noise(const std::vector<int>& columns) {
   std::vector<Whitened> whitened(rest.size());
   for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], rest[f], noise); });
   const auto correlated = [](const auto& of_channels) {
-    return std::any_of(of_channels.begin(), of_channels.end(), [](double r) { return std::abs(r) > least_correlation; });
+    return std::any_of(of_channels.begin(), of_channels.end(),
+                       [](double r) { return std::abs(r) > least_correlation; });
   };
   const auto correlation = lag_correlation(whitened, 3);
   if (std::none_of(correlation.begin(), correlation.end(), correlated)) return;
   NoiseModel lasting = calm;
   lasting.lasting_variance = {1.6e-5, 2.5e-5, any_channel(flights_, has_rate) ? noise.measurement[2] : 1e-12,
-                              any_channel(flights_, has_force) ? noise.measurement[3] : 1e-12};   // 4 mm, 5 mrad
+                              any_channel(flights_, has_force) ? noise.measurement[3] : 1e-12};  // 4 mm, 5 mrad
   lasting.lasting_time_s = {0.1, 0.1, 0.5 * sample_s(), 0.5 * sample_s()};
   const double remembering = descend(rest, lasting);
-  const double rows = std::accumulate(whitened.begin(), whitened.end(), 0.0, [](double sum, const Whitened& w) { return sum + static_cast<double>(w.time_s.size()); });
+  const double rows = std::accumulate(whitened.begin(), whitened.end(), 0.0, [](double sum, const Whitened& w) {
+    return sum + static_cast<double>(w.time_s.size());
+  });
   if (remembering < forgetful - least_gain_of_memory * rows) noise = lasting;
 }
 
@@ -317,11 +330,15 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
   return least;
 }
 
-Grams Session::grams() const { return shoots() ? shooting_grams(shot_, weights_, catalogue_, value_) : grams_of(linear_); }
+Grams Session::grams() const {
+  return shoots() ? shooting_grams(shot_, weights_, catalogue_, value_) : grams_of(linear_);
+}
 
 Grams Session::grams(const std::vector<int>& columns) const {
   const auto wanted = [&](int c) { return std::find(columns.begin(), columns.end(), c) != columns.end(); };
-  if (shoots() || std::all_of(linear_.begin(), linear_.end(), [&](const LinearFlight& l) { return std::all_of(l.columns.begin(), l.columns.end(), wanted); }))
+  if (shoots() || std::all_of(linear_.begin(), linear_.end(), [&](const LinearFlight& l) {
+        return std::all_of(l.columns.begin(), l.columns.end(), wanted);
+      }))
     return grams();
   std::vector<LinearFlight> parts(flights_.size());
   for_each_flight([&](std::size_t f) { parts[f] = only(linear_[f], columns); });
@@ -331,7 +348,9 @@ Grams Session::grams(const std::vector<int>& columns) const {
 Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
   std::vector<Grams> of_body(flights.size()), of_speeds(flights.size());
   for_each_flight([&](std::size_t f) {
-    const auto add = [&](const Whitened& rows, Grams& grams) { accumulate(rows, flights[f].columns, static_cast<int>(f), catalogue_.size(), grams); };
+    const auto add = [&](const Whitened& rows, Grams& grams) {
+      accumulate(rows, flights[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+    };
     add(whiten(flights_[f], flights[f], noise), of_body[f]);
     add(whiten_speeds(flights_[f], flights[f], noise.speeds), of_speeds[f]);
   });
@@ -350,7 +369,8 @@ std::vector<Whitened> Session::innovations(const std::vector<int>& columns, cons
                                            const std::vector<std::vector<Pushes>>* extra) const {
   std::vector<Whitened> whitened(flights_.size());
   for_each_flight([&](std::size_t f) {
-    whitened[f] = whiten(flights_[f], taken_out(linear_[f], columns, coefficient), noise, extra ? &(*extra)[f] : nullptr);
+    whitened[f] =
+        whiten(flights_[f], taken_out(linear_[f], columns, coefficient), noise, extra ? &(*extra)[f] : nullptr);
   });
   return whitened;
 }
@@ -358,14 +378,17 @@ std::vector<Whitened> Session::innovations(const std::vector<int>& columns, cons
 namespace {
 
 // rows that count, by channel; columns of the flight put where they are asked for
-void append_channels(const Whitened& rows, int channels, const std::vector<int>& to, Eigen::Index width, std::vector<Eigen::MatrixXd>& series) {
+void append_channels(const Whitened& rows, int channels, const std::vector<int>& to, Eigen::Index width,
+                     std::vector<Eigen::MatrixXd>& series) {
   for (int channel = 0; channel < channels; ++channel) {
     std::vector<Eigen::Index> at;
     for (std::size_t i = 0; i < rows.time_s.size(); ++i)
-      if (rows.warm[i] && (rows.channel.empty() ? static_cast<int>(i % static_cast<std::size_t>(channels)) : rows.channel[i]) == channel)
+      if (rows.warm[i] && (rows.channel.empty() ? static_cast<int>(i % static_cast<std::size_t>(channels))
+                                                : rows.channel[i]) == channel)
         at.push_back(static_cast<Eigen::Index>(i));
     if (at.empty()) continue;
-    Eigen::MatrixXd& of_channel = series.emplace_back(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(at.size()), width));
+    Eigen::MatrixXd& of_channel =
+        series.emplace_back(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(at.size()), width));
     for (std::size_t j = 0; j < to.size(); ++j) of_channel.col(to[j]) = rows.rows(at, static_cast<Eigen::Index>(j));
     of_channel.col(width - 1) = rows.rows(at, rows.rows.cols() - 1);
   }
@@ -377,7 +400,8 @@ RowSeries Session::row_series(const std::vector<int>& columns) const {
   const auto width = static_cast<Eigen::Index>(columns.size()) + 1;
   const auto places = [&](const std::vector<int>& of_flight) {
     std::vector<int> to;
-    for (const int c : of_flight) to.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
+    for (const int c : of_flight)
+      to.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
     return to;
   };
   RowSeries series(flights_.size());
@@ -385,7 +409,8 @@ RowSeries Session::row_series(const std::vector<int>& columns) const {
     if (!shoots()) {
       const LinearFlight part = only(linear_[f], columns);
       append_channels(whiten(flights_[f], part, noise), row_count, places(part.columns), width, series[f]);
-      append_channels(whiten_speeds(flights_[f], part, noise.speeds), vehicle_.rotor_count, places(part.columns), width, series[f]);
+      append_channels(whiten_speeds(flights_[f], part, noise.speeds), vehicle_.rotor_count, places(part.columns), width,
+                      series[f]);
       return;
     }
     // every row of a window is a channel, which has one sample a window
@@ -407,14 +432,16 @@ double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& c
   std::vector<double> of(flights_.size());
   for_each_flight([&](std::size_t f) {
     const LinearFlight rest = taken_out(linear_[f], columns, coefficient);
-    of[f] = whiten(flights_[f], rest, noise).minus_two_log_likelihood + whiten_speeds(flights_[f], rest, noise.speeds).minus_two_log_likelihood;
+    of[f] = whiten(flights_[f], rest, noise).minus_two_log_likelihood +
+            whiten_speeds(flights_[f], rest, noise.speeds).minus_two_log_likelihood;
   });
   return std::accumulate(of.begin(), of.end(), 0.0);
 }
 
 void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const {
   const int delay = catalogue_.find("actuation_delay");
-  if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().foretold.empty()) return;
+  if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().foretold.empty())
+    return;
   const int c = catalogue_.groups()[static_cast<std::size_t>(delay)].columns.front();
   const double start_s = value_[c] + speed_lateness_s(flights_, linear_);
   if (std::abs(value[c] - start_s) > sample_s()) value[c] = start_s;
@@ -423,7 +450,9 @@ void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value
 bool Session::seen_in_speeds(int group) const {
   for (const LinearFlight& flight : linear_)
     for (std::size_t j = 0; j < flight.columns.size(); ++j)
-      if (!flight.foretold_by[j].empty() && catalogue_.columns()[static_cast<std::size_t>(flight.columns[j])].group == group) return true;
+      if (!flight.foretold_by[j].empty() &&
+          catalogue_.columns()[static_cast<std::size_t>(flight.columns[j])].group == group)
+        return true;
   return false;
 }
 

@@ -76,7 +76,7 @@ class Session {
   bool shoots() const { return !shooting_flights_.empty(); }
 
   NoiseModel noise;
-  std::vector<Smoothed> smoothed;   // of the last EM iteration
+  std::vector<Smoothed> smoothed;  // of the last EM iteration
 
  private:
   Grams grams_of(const std::vector<LinearFlight>& flights) const;

@@ -32,11 +32,13 @@ std::vector<Window> windows_of(const FlightData& flight, double spacing_s) {
   const auto spacing = static_cast<std::size_t>(std::lround(spacing_s / flight.sample_s));
   for (std::size_t k = length; k + 2 * length < flight.samples.size(); k += spacing) {
     bool whole = true;
-    for (std::size_t j = k + 1; j <= k + length; ++j) whole = whole && !flight.samples[j].starts_segment && !flight.samples[j].saturated;
+    for (std::size_t j = k + 1; j <= k + length; ++j)
+      whole = whole && !flight.samples[j].starts_segment && !flight.samples[j].saturated;
     if (!whole) continue;
     Window w{k, {}};
     for (std::size_t h = 0; h < w.at.size(); ++h)
-      w.at[h] = k + std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(shooting_horizon_s[h] / flight.sample_s)));
+      w.at[h] =
+          k + std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(shooting_horizon_s[h] / flight.sample_s)));
     windows.push_back(w);
   }
   return windows;
@@ -47,12 +49,15 @@ struct Reading {
   FlightData flight;
   Vector3 trim_B_radps2 = Vector3::Zero();
 
-  Reading(const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value) : flight(recorded) {
+  Reading(const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value)
+      : flight(recorded) {
     smooth_motion(flight, catalogue.sensor_correction(value, index));
     trim(index, catalogue, value);
   }
   // The motion of another reading, which trims of torques and commands do not change.
-  Reading(const Reading& other, const FlightData& recorded, int index, const Catalogue& catalogue, const Eigen::VectorXd& value) : flight(other.flight) {
+  Reading(const Reading& other, const FlightData& recorded, int index, const Catalogue& catalogue,
+          const Eigen::VectorXd& value)
+      : flight(other.flight) {
     flight.commands = recorded.commands;
     flight.measured_speed = recorded.measured_speed;
     trim(index, catalogue, value);
@@ -68,7 +73,8 @@ struct Reading {
       else if (column.parameter == command_smoothing) smoothing_s2 = value[c];
       else trim_B_radps2[column.parameter - torque_trim] = value[c];
     }
-    for (CommandRecord* record : {&flight.commands, &flight.measured_speed}) record->delay(clock_s), record->smooth(smoothing_s2);
+    for (CommandRecord* record : {&flight.commands, &flight.measured_speed})
+      record->delay(clock_s), record->smooth(smoothing_s2);
   }
 };
 
@@ -89,8 +95,8 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
       for (; k < windows[w].at[h]; ++k) {
         const Sample& sample = flight.samples[k];
         const auto run = [&](const Point& from) {
-          return propagate(evaluate, from, sample.time_s - flight.start_s, flight.samples[k + 1].time_s - sample.time_s, sample.voltage_V,
-                           rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
+          return propagate(evaluate, from, sample.time_s - flight.start_s, flight.samples[k + 1].time_s - sample.time_s,
+                           sample.voltage_V, rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
         };
         const Point recorded = center_of_mass(flight.motion[k + 1], arm);
         moves = run(moves);
@@ -98,19 +104,19 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
         moves.attitude = recorded.attitude, moves.rate = recorded.rate;
         turns.position = recorded.position, turns.velocity = recorded.velocity;
       }
-      const Vector12 missed = center_of_mass(flight.motion[k], arm).minus(Point{moves.position, moves.velocity, turns.attitude, turns.rate});
+      const Vector12 missed = center_of_mass(flight.motion[k], arm)
+                                  .minus(Point{moves.position, moves.velocity, turns.attitude, turns.rate});
       const unsigned seen = flight.samples[k].channels;
       out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, static_cast<Eigen::Index>(w))
-          << missed.segment<3>(seen & has_velocity ? 3 : 0), missed.segment<3>(seen & has_rate ? 9 : 6);
+          << missed.segment<3>(seen & has_velocity ? 3 : 0),
+          missed.segment<3>(seen & has_rate ? 9 : 6);
     }
   }
   return out;
 }
 
 // histories come from scans; a lever shows in an accelerometer only
-bool has_no_prediction(std::string_view name) {
-  return is_history(name) || name == "imu_lever";
-}
+bool has_no_prediction(std::string_view name) { return is_history(name) || name == "imu_lever"; }
 
 }  // namespace
 
@@ -141,8 +147,10 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
     Eigen::MatrixXd moved;
     if (column.group < 0) {
       if (column.parameter >= force_bias && column.parameter < torque_trim) continue;
-      const Reading reading = column.parameter >= torque_trim ? Reading(base, flight, flight_index, catalogue, to) : Reading(flight, flight_index, catalogue, to);
-      moved = residuals(reading, forces, column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
+      const Reading reading = column.parameter >= torque_trim ? Reading(base, flight, flight_index, catalogue, to)
+                                                              : Reading(flight, flight_index, catalogue, to);
+      moved = residuals(reading, forces,
+                        column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
     } else {
       const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
       if (has_no_prediction(row.name)) continue;
@@ -150,11 +158,13 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
         moved = residuals(Reading(flight, flight_index, catalogue, to), forces, rotors, windows);
       } else {
         const ForceModel model = force_model(base.flight, catalogue, to, flight_index, column.group);
-        moved = residuals(base, model, row.place == Place::actuation ? rotor_history(base.flight, model) : rotors, windows);
+        moved =
+            residuals(base, model, row.place == Place::actuation ? rotor_history(base.flight, model) : rotors, windows);
       }
     }
     for (std::size_t w = 0; w < windows.size(); ++w)
-      shot.window[w].col(j) = (r0.col(static_cast<Eigen::Index>(w)) - moved.col(static_cast<Eigen::Index>(w))) * (column.natural / step);
+      shot.window[w].col(j) =
+          (r0.col(static_cast<Eigen::Index>(w)) - moved.col(static_cast<Eigen::Index>(w))) * (column.natural / step);
   }
   return shot;
 }
@@ -168,7 +178,8 @@ ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const s
       Eigen::VectorXd r = window.col(window.cols() - 1);
       for (std::size_t j = 0; j < flight.columns.size(); ++j)
         for (std::size_t i = 0; i < columns.size(); ++i)
-          if (columns[i] == flight.columns[j]) r -= window.col(static_cast<Eigen::Index>(j)) * coefficient[static_cast<Eigen::Index>(i)];
+          if (columns[i] == flight.columns[j])
+            r -= window.col(static_cast<Eigen::Index>(j)) * coefficient[static_cast<Eigen::Index>(i)];
       left.push_back(std::move(r));
     }
   // robust size of each row: median
@@ -177,7 +188,8 @@ ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const s
   for (Eigen::Index row = 0; row < window_rows; ++row) {
     std::vector<double> sizes;
     for (const Eigen::VectorXd& r : left) sizes.push_back(std::abs(r[row]));
-    sd[row] = std::max(left.empty() ? 1.0 : median(std::move(sizes)) / 0.6745, least[static_cast<std::size_t>(row % rows_per_horizon / 3)]);
+    sd[row] = std::max(left.empty() ? 1.0 : median(std::move(sizes)) / 0.6745,
+                       least[static_cast<std::size_t>(row % rows_per_horizon / 3)]);
   }
   // an error grows along the horizons: the rows of a window belong together
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Zero(window_rows, window_rows);
@@ -189,9 +201,11 @@ ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const s
     correlation += z * z.transpose();
     count += 1.0;
   }
-  correlation = (correlation + own_share * count * Eigen::MatrixXd::Identity(window_rows, window_rows)) / ((1.0 + own_share) * std::max(1.0, count));
+  correlation = (correlation + own_share * count * Eigen::MatrixXd::Identity(window_rows, window_rows)) /
+                ((1.0 + own_share) * std::max(1.0, count));
   if (count == 0.0) correlation.setIdentity();
-  const Eigen::MatrixXd inverse = correlation.llt().matrixL().solve(Eigen::MatrixXd::Identity(window_rows, window_rows));
+  const Eigen::MatrixXd inverse =
+      correlation.llt().matrixL().solve(Eigen::MatrixXd::Identity(window_rows, window_rows));
   return inverse * sd.cwiseInverse().asDiagonal();
 }
 

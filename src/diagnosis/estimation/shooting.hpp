@@ -15,7 +15,7 @@ namespace gustlab::diagnosis {
 inline constexpr std::array<double, 5> shooting_horizon_s = {0.06, 0.12, 0.2, 0.32, 0.5};
 
 struct ShotFlight {
-  std::vector<int> columns;             // of the catalogue
+  std::vector<int> columns;  // of the catalogue
   // per window: rows × (columns + 1), the last measured ⊟ predicted, the others its rate of change, natural units
   std::vector<Eigen::MatrixXd> window;
   std::vector<double> time_s;

@@ -11,11 +11,11 @@ namespace {
 template <int size>
 struct Step {
   static constexpr int slow = FilterPass<size>::slow;
-  Eigen::Matrix<double, slow, size, Eigen::RowMajor> P;   // after the measurements, of the slow states
+  Eigen::Matrix<double, slow, size, Eigen::RowMajor> P;  // after the measurements, of the slow states
   Eigen::Matrix<double, slow, 1> x;
   int rows = 0;
   std::array<int, row_count> row;
-  std::array<double, row_count> innovation, variance;     // whitened; before that
+  std::array<double, row_count> innovation, variance;  // whitened; before that
   Eigen::Matrix<double, row_count, size, Eigen::RowMajor> gain;
 };
 
@@ -59,7 +59,8 @@ class WayBack {
     for (int j = 0; j < 6; ++j) {
       // of white acceleration with variance q of what it changes: mean −q λ, second moment q + q² (λ² − Λ)
       const int at = white_row(j);
-      const double power = noise_.white[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])], q = power * flight_.interval_s[k];
+      const double power = noise_.white[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])],
+                   q = power * flight_.interval_s[k];
       out_.white[static_cast<std::size_t>(j)] += power + power * q * (lambda_[at] * lambda_[at] - Lambda_(at, at));
       out_.disturbance[k][j] = -power * lambda_[at];
     }
@@ -67,13 +68,14 @@ class WayBack {
     for (SparseRow& row : At_) row.size = 0;
     for (int i = 0; i < size; ++i) {
       const SparseRow& row = filter_.transition()[static_cast<std::size_t>(i)];
-      for (std::size_t j = 0; j < static_cast<std::size_t>(row.size); ++j) At_[static_cast<std::size_t>(row.at[j])].add(i, row.value[j]);
+      for (std::size_t j = 0; j < static_cast<std::size_t>(row.size); ++j)
+        At_[static_cast<std::size_t>(row.at[j])].add(i, row.value[j]);
     }
     next_ = lambda_;
     for (std::size_t i = 0; i < size; ++i) lambda_[static_cast<Eigen::Index>(i)] = At_[i].times(next_.data());
     multiply(At_.data(), size, Lambda_, product_, Lambda_.cols());
     for (int i = 0; i < size; ++i)
-      for (int j = 0; j < size; ++j) through_(j, i) = product_(i, j);   // Λ A
+      for (int j = 0; j < size; ++j) through_(j, i) = product_(i, j);  // Λ A
     multiply(At_.data(), size, through_, Lambda_, Lambda_.cols());
     for (int i = 0; i < size; ++i)
       for (int j = 0; j < i; ++j) Lambda_(i, j) = Lambda_(j, i);
@@ -93,7 +95,8 @@ class WayBack {
       if (!linked) continue;
       const double decay = filter_.transition()[static_cast<std::size_t>(12 + j)].value[0], q = filter_.process(12 + j);
       const double mean_next = decay * mean - q * next_[12 + j];
-      out_.lagged[at] += mean_next * mean + decay * variance - q * through_.row(12 + j).template head<size>().dot(step.P.row(j));
+      out_.lagged[at] +=
+          mean_next * mean + decay * variance - q * through_.row(12 + j).template head<size>().dot(step.P.row(j));
       out_.pairs[at] += 1.0;
     }
   }
@@ -120,7 +123,8 @@ class WayBack {
         Lambda_.col(h.at[q]) -= h.value[q] * LK;
       }
       for (std::size_t q = 0; q < static_cast<std::size_t>(h.size); ++q)
-        for (std::size_t s = 0; s < static_cast<std::size_t>(h.size); ++s) Lambda_(h.at[q], h.at[s]) += h.value[q] * h.value[s] * square;
+        for (std::size_t s = 0; s < static_cast<std::size_t>(h.size); ++s)
+          Lambda_(h.at[q], h.at[s]) += h.value[q] * h.value[s] * square;
     }
   }
 
@@ -131,7 +135,7 @@ class WayBack {
   const NoiseModel& noise_;
   FilterPass<size>& filter_;
   Smoothed& out_;
-  Vector lambda_ = Vector::Zero(), next_ = lambda_;   // next: before it retreated
+  Vector lambda_ = Vector::Zero(), next_ = lambda_;  // next: before it retreated
   Rows Lambda_ = Rows::Zero(size, padded(size)), product_ = Lambda_, through_ = Lambda_;
   std::array<SparseRow, size> At_;
 };
@@ -159,7 +163,8 @@ Smoothed smooth_with(const LinearFlight& flight, const NoiseModel& noise) {
 
 Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise) {
   if (flight.forces_alone) return smooth_forces(flight);
-  return noise.errors_last() ? smooth_with<state_size + row_count>(flight, noise) : smooth_with<state_size>(flight, noise);
+  return noise.errors_last() ? smooth_with<state_size + row_count>(flight, noise)
+                             : smooth_with<state_size>(flight, noise);
 }
 
 }  // namespace gustlab::diagnosis

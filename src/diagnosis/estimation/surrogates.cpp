@@ -10,10 +10,10 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr int draws = 199;              // p ≥ 0.005
-constexpr int places = 60;              // moved signatures of one flight, each also mirrored
-constexpr double nearest = 0.1;         // of a flight, to which a signature is not moved
-constexpr double most_alike = 0.7;      // mean square correlation of a signature with itself, moved
+constexpr int draws = 199;          // p ≥ 0.005
+constexpr int places = 60;          // moved signatures of one flight, each also mirrored
+constexpr double nearest = 0.1;     // of a flight, to which a signature is not moved
+constexpr double most_alike = 0.7;  // mean square correlation of a signature with itself, moved
 
 // the candidate's signature beside what is known, and what the whole model leaves
 struct Part {
@@ -23,8 +23,8 @@ struct Part {
 
 Eigen::MatrixXd pick(const Eigen::MatrixXd& rows, const std::vector<int>& columns) { return rows(Eigen::all, columns); }
 
-std::vector<std::vector<Part>> beside_known(const RowSeries& series, const std::vector<int>& known, const std::vector<int>& own,
-                                            const Eigen::VectorXd& coefficient) {
+std::vector<std::vector<Part>> beside_known(const RowSeries& series, const std::vector<int>& known,
+                                            const std::vector<int>& own, const Eigen::VectorXd& coefficient) {
   const auto k = static_cast<Eigen::Index>(known.size()), o = static_cast<Eigen::Index>(own.size());
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(k, k), cross = Eigen::MatrixXd::Zero(k, o);
   for (const auto& flight : series)
@@ -59,7 +59,9 @@ Eigen::VectorXd moved_product(const std::vector<Part>& channels, double share, b
     for (Eigen::Index i = 0; i < n; ++i) {
       const Eigen::Index at = mirrored ? (2 * n - 1 - i - by) % n : (i + by) % n;
       if (!with_itself) sum += part.left[i] * part.signature.row(at).transpose();
-      else Eigen::Map<Eigen::MatrixXd>(sum.data(), width, width) += part.signature.row(at).transpose() * part.signature.row(i);
+      else
+        Eigen::Map<Eigen::MatrixXd>(sum.data(), width, width) +=
+            part.signature.row(at).transpose() * part.signature.row(i);
     }
   }
   return sum;
@@ -90,7 +92,8 @@ SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& kn
       const double share = nearest + (1.0 - 2.0 * nearest) * (place / 2 + 0.5) / places;
       of_flight.col(place) = moved_product(flight, share, place % 2 == 1, false);
       if (place % 20 != 0) continue;
-      Eigen::VectorXd itself = moved_product(flight, share, false, true), whole = moved_product(flight, 0.0, false, true);
+      Eigen::VectorXd itself = moved_product(flight, share, false, true),
+                      whole = moved_product(flight, 0.0, false, true);
       const Eigen::Map<Eigen::MatrixXd> a(itself.data(), width, width), b(whole.data(), width, width);
       alike += std::pow(fitted.dot(a * fitted) / (fitted.dot(b * fitted) + 1e-300), 2), alikes += 1.0;
     }

@@ -12,27 +12,34 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double hopeless = 0.1;   // below it candidates go together, from it on one at a time: what goes may have hidden what speaks for others
+constexpr double hopeless =
+    0.1;  // below it candidates go together, from it on one at a time: what goes may have hidden what speaks for others
 
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
-void ask_sensors(const Session& session, const Selection& selection, const std::function<std::optional<double>()>& pose_latency_s, Evidence& record) {
+void ask_sensors(const Session& session, const Selection& selection,
+                 const std::function<std::optional<double>()>& pose_latency_s, Evidence& record) {
   const Group& group = session.catalogue().groups()[static_cast<std::size_t>(record.group)];
   if (group.row->place != Place::measurement) return;
   for (const int c : group.columns) {
     const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
     if (column.unit != "s") continue;
-    if (const std::optional<double> shown_s = pose_latency_s()) record.sensors_share = *shown_s / (selection.value[c] - column.nominal);
+    if (const std::optional<double> shown_s = pose_latency_s())
+      record.sensors_share = *shown_s / (selection.value[c] - column.nominal);
   }
 }
 
 // candidates that do not stand: all that are hopeless, otherwise the weakest
-std::vector<std::size_t> weakest(const Selection& selection, const std::vector<Evidence>& records, const std::vector<int>& means) {
+std::vector<std::size_t> weakest(const Selection& selection, const std::vector<Evidence>& records,
+                                 const std::vector<int>& means) {
   std::vector<std::size_t> failed;
   std::size_t worst = records.size();
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (selection.findings[i].calibration) continue;
-    if (records[i].probability < hopeless || std::find(means.begin(), means.end(), records[i].group) != means.end()) failed.push_back(i);
-    if (records[i].probability < suspected_from && (worst == records.size() || records[i].probability < records[worst].probability)) worst = i;
+    if (records[i].probability < hopeless || std::find(means.begin(), means.end(), records[i].group) != means.end())
+      failed.push_back(i);
+    if (records[i].probability < suspected_from &&
+        (worst == records.size() || records[i].probability < records[worst].probability))
+      worst = i;
   }
   if (failed.empty() && worst < records.size()) failed.push_back(worst);
   return failed;
@@ -54,12 +61,15 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       ask_sensors(session, selection, pose_latency_s, record);
       judge(record);
     }
-    const std::vector<std::size_t> failed = weakest(selection, result.records, result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
+    const std::vector<std::size_t> failed =
+        weakest(selection, result.records,
+                result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
     if (failed.empty()) return result;
     std::vector<int> groups;
     for (const std::size_t i : failed) {
       groups.push_back(result.records[i].group);
-      without_forces_per_flight |= session.catalogue().groups()[static_cast<std::size_t>(groups.back())].row->per_flight;
+      without_forces_per_flight |=
+          session.catalogue().groups()[static_cast<std::size_t>(groups.back())].row->per_flight;
       result.withdrawn.push_back(result.records[i]);
     }
     selection = withdraw(session, {}, selection, groups);

@@ -18,10 +18,10 @@ struct HeldOut {
 };
 
 struct Challenge {
-  std::vector<Evidence> records;               // of the findings that are left, in their order
-  std::vector<Evidence> withdrawn;             // as they were when they went
-  std::vector<std::vector<Regimes>> regimes;   // of each finding that is left, the widest spread first
-  Remainder rest;                              // what is left unexplained then
+  std::vector<Evidence> records;              // of the findings that are left, in their order
+  std::vector<Evidence> withdrawn;            // as they were when they went
+  std::vector<std::vector<Regimes>> regimes;  // of each finding that is left, the widest spread first
+  Remainder rest;                             // what is left unexplained then
 };
 
 // `pose_latency_s`: how late gyro and attitudes by themselves say that the pose is; nothing where they are not recorded.

@@ -23,8 +23,9 @@ std::vector<int> clusters_of(const Session& session, const Grams& grams) {
   for (std::size_t b = 0; b < grams.block.size(); ++b) {
     const FlightData& flight = session.flights()[static_cast<std::size_t>(grams.flight[b])];
     const double part_s = std::max(shortest_part_s, flight.duration_s() / parts_of_flight);
-    cluster.push_back(grams.flight[b] * parts_of_flight +
-                      std::clamp(static_cast<int>((grams.time_s[b] - flight.start_s) / part_s), 0, parts_of_flight - 1));
+    cluster.push_back(
+        grams.flight[b] * parts_of_flight +
+        std::clamp(static_cast<int>((grams.time_s[b] - flight.start_s) / part_s), 0, parts_of_flight - 1));
   }
   return cluster;
 }
@@ -34,11 +35,13 @@ struct Weights {
   Eigen::VectorXd pattern, left;
 };
 
-Weights weights_of(const Session& session, const Selection& selection, const Eigen::MatrixXd& total, const Finding& finding) {
+Weights weights_of(const Session& session, const Selection& selection, const Eigen::MatrixXd& total,
+                   const Finding& finding) {
   const Catalogue& catalogue = session.catalogue();
   std::vector<int> groups = selection.groups();
   std::erase(groups, finding.group);
-  const std::vector<int> known = session.with_biases(groups), own = own_columns(catalogue, selection.groups(), finding.group);
+  const std::vector<int> known = session.with_biases(groups),
+                         own = own_columns(catalogue, selection.groups(), finding.group);
   const Eigen::Index size = total.cols();
   Weights w{Eigen::VectorXd::Zero(size), Eigen::VectorXd::Zero(size)};
   w.left[size - 1] = 1.0;
@@ -56,19 +59,22 @@ Weights weights_of(const Session& session, const Selection& selection, const Eig
 }
 
 // shares of the effect per flight and the variance of its size between sixths of flights
-void measure_flights(const Session& session, const Selection& selection, const Weights& w, const std::vector<int>& cluster, Evidence& out) {
+void measure_flights(const Session& session, const Selection& selection, const Weights& w,
+                     const std::vector<int>& cluster, Evidence& out) {
   const Grams& grams = selection.grams;
   const int flights = static_cast<int>(session.flights().size());
   struct Sum {
     double information = 0.0, left = 0.0;
   };
-  std::vector<Sum> of_flight(static_cast<std::size_t>(flights)), of_cluster(static_cast<std::size_t>(flights * parts_of_flight));
+  std::vector<Sum> of_flight(static_cast<std::size_t>(flights)),
+      of_cluster(static_cast<std::size_t>(flights * parts_of_flight));
   double all = 0.0;
   for (std::size_t b = 0; b < grams.block.size(); ++b) {
     const Eigen::VectorXd seen = grams.block[b] * w.pattern;
     const double information = seen.dot(w.pattern), left = seen.dot(w.left);
     all += information;
-    for (Sum* sum : {&of_flight[static_cast<std::size_t>(grams.flight[b])], &of_cluster[static_cast<std::size_t>(cluster[b])]})
+    for (Sum* sum :
+         {&of_flight[static_cast<std::size_t>(grams.flight[b])], &of_cluster[static_cast<std::size_t>(cluster[b])]})
       sum->information += information, sum->left += left;
   }
   if (!(all > 0.0)) return;
@@ -87,7 +93,8 @@ void measure_flights(const Session& session, const Selection& selection, const W
       const Sum& part = of_cluster[static_cast<std::size_t>(f * parts_of_flight + p)];
       variance += std::pow(part.left - (share.share - 1.0) * part.information, 2);
     }
-    share.deviation = std::sqrt(std::max(variance * parts_of_flight / (parts_of_flight - 1.0), sum.information)) / sum.information;
+    share.deviation =
+        std::sqrt(std::max(variance * parts_of_flight / (parts_of_flight - 1.0), sum.information)) / sum.information;
     mean += share.share / std::pow(share.deviation, 2), weight += 1.0 / std::pow(share.deviation, 2);
   }
   // random effects, DerSimonian & Laird 1986
@@ -96,7 +103,8 @@ void measure_flights(const Session& session, const Selection& selection, const W
     const double w_f = 1.0 / std::pow(share.deviation, 2);
     q += w_f * std::pow(share.share - mean / weight, 2), weight_squares += w_f * w_f, told += 1.0;
   }
-  out.spread_flights = told > 1.0 ? std::sqrt(std::max(0.0, (q - (told - 1.0)) / (weight - weight_squares / weight))) : 0.0;
+  out.spread_flights =
+      told > 1.0 ? std::sqrt(std::max(0.0, (q - (told - 1.0)) / (weight - weight_squares / weight))) : 0.0;
 }
 
 SurrogateTest moved_signatures(const Session& session, const Selection& selection, const Finding& finding) {
@@ -109,7 +117,8 @@ SurrogateTest moved_signatures(const Session& session, const Selection& selectio
   Eigen::VectorXd coefficient(static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const Column& column = session.catalogue().columns()[static_cast<std::size_t>(columns[i])];
-    coefficient[static_cast<Eigen::Index>(i)] = (selection.value[columns[i]] - session.value()[columns[i]]) / column.natural;
+    coefficient[static_cast<Eigen::Index>(i)] =
+        (selection.value[columns[i]] - session.value()[columns[i]]) / column.natural;
   }
   RowSeries series = session.row_series(columns);
   // counted from the vehicle file, as the finding is
@@ -166,7 +175,8 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.size_in_tolerances = size_in_tolerances(session, selection.value, finding.group);
     record.inclusion = finding.inclusion;
     for (const Rival& rival : finding.rivals)
-      if (rival.z >= equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain)) record.rival_gain = rival.delta_score, record.rival_z = rival.z;
+      if (rival.z >= equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain))
+        record.rival_gain = rival.delta_score, record.rival_z = rival.z;
     if (group.row->commanded) record.unpredicted_commands = selection.unforetold_gain;
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
     record.unexplained_gain = rest.omnibus_gain;

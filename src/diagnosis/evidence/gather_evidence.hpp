@@ -16,7 +16,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
 
 // Flies held-out flights in the simulator with all findings and without each in turn; fills `recovered` of the records, which are in the
 // order of `found`. Logs that cannot be flown are passed over.
-void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel& vehicle, const std::vector<EffectSpec>& found, int jobs,
-                      std::vector<Evidence>& records);
+void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel& vehicle,
+                      const std::vector<EffectSpec>& found, int jobs, std::vector<Evidence>& records);
 
 }  // namespace gustlab::diagnosis

@@ -21,10 +21,21 @@ struct Feature {
 // which the fit had no use: a thrust curve beside a speed limit was of another size in every regime; and "rollout_500ms", because a name that made rollouts a hundred times
 // worse had passed.
 constexpr double intercept = -27.1;
-constexpr std::array<Feature, 15> features = {{{"gain", 4.8}, {"surrogate", 2.9}, {"material", 1.7}, {"flights", 1.0}, {"flights_alike", 0.3},
-                                               {"regimes_alike", 0.3}, {"held_out", 1.9}, {"rollout_100ms", 0.65}, {"rollout_500ms", 2.0},
-                                               {"rival", 1.65}, {"explained", 1.2}, {"commands", 3.0}, {"force_and_moment", 2.3},
-                                               {"stable", 1.3}, {"sensors", 6.0}}};
+constexpr std::array<Feature, 15> features = {{{"gain", 4.8},
+                                               {"surrogate", 2.9},
+                                               {"material", 1.7},
+                                               {"flights", 1.0},
+                                               {"flights_alike", 0.3},
+                                               {"regimes_alike", 0.3},
+                                               {"held_out", 1.9},
+                                               {"rollout_100ms", 0.65},
+                                               {"rollout_500ms", 2.0},
+                                               {"rival", 1.65},
+                                               {"explained", 1.2},
+                                               {"commands", 3.0},
+                                               {"force_and_moment", 2.3},
+                                               {"stable", 1.3},
+                                               {"sensors", 6.0}}};
 using Values = std::array<double, features.size()>;
 
 double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0.0, 1.0); }
@@ -32,7 +43,7 @@ double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0
 // each rises with what speaks for the name, and is bounded, so that no single one decides alone
 Values values_of(const Evidence& e) {
   Values f{};
-  f[0] = unit(std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 1.3);   // 10 to 200
+  f[0] = unit(std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 1.3);  // 10 to 200
   // a signature that moving does not change has no such null
   f[1] = e.surrogates.movable ? unit(-std::log10(e.surrogates.p_value) / std::log10(200.0)) : 0.5;
   f[2] = unit(std::isinf(e.size_in_tolerances) ? 1.0 : std::log2(std::max(e.size_in_tolerances, 1.0)) / 2.0);

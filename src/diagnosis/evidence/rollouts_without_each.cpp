@@ -35,7 +35,8 @@ Removed better_of(const std::array<Pairs, 4>& quantities) {
     Removed sum;
     double seen = 0.0;
     for (std::size_t q = first; q < first + 2; ++q)
-      if (quantities[q].count > 0.0) sum.share += quantities[q].removed().share, sum.z += quantities[q].removed().z, seen += 1.0;
+      if (quantities[q].count > 0.0)
+        sum.share += quantities[q].removed().share, sum.z += quantities[q].removed().z, seen += 1.0;
     return Removed{sum.share / std::max(seen, 1.0), sum.z / std::max(seen, 1.0)};
   };
   const Removed moves = mean(0), turns = mean(2);
@@ -44,13 +45,14 @@ Removed better_of(const std::array<Pairs, 4>& quantities) {
 
 }  // namespace
 
-void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel& vehicle, const std::vector<EffectSpec>& found, int jobs,
-                      std::vector<Evidence>& records) {
+void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel& vehicle,
+                      const std::vector<EffectSpec>& found, int jobs, std::vector<Evidence>& records) {
   ReplayOptions options;
   options.jobs = jobs;
   options.with_noise = false;
   const std::vector<EffectSpec> all = config::merge_effects(vehicle.effects, found);
-  std::vector<std::vector<std::array<Pairs, 4>>> pairs(found.size(), std::vector<std::array<Pairs, 4>>(options.horizon_s.size()));
+  std::vector<std::vector<std::array<Pairs, 4>>> pairs(found.size(),
+                                                       std::vector<std::array<Pairs, 4>>(options.horizon_s.size()));
   bool flown = false;
   for (const FlightLog& log : held_out) {
     try {
@@ -68,7 +70,8 @@ void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel
           }
           for (std::size_t h = 0; h < options.horizon_s.size(); ++h)
             for (std::size_t q = 0; q < 4; ++q)
-              pairs[i][h][q].add(without.quantities[q].model[b * options.horizon_s.size() + h], with.quantities[q].model[a * options.horizon_s.size() + h]);
+              pairs[i][h][q].add(without.quantities[q].model[b * options.horizon_s.size() + h],
+                                 with.quantities[q].model[a * options.horizon_s.size() + h]);
           ++a, ++b;
         }
       }

@@ -9,6 +9,8 @@
 namespace gustlab::diagnosis {
 
 // Moves names from the effects of `out` to its rejected ones, but those that stand.
-void suspect(Diagnosis& out, const std::string& why, const std::function<bool(const EffectFinding&)>& stands = [](const EffectFinding&) { return false; });
+void suspect(
+    Diagnosis& out, const std::string& why,
+    const std::function<bool(const EffectFinding&)>& stands = [](const EffectFinding&) { return false; });
 
 }  // namespace gustlab::diagnosis

@@ -31,7 +31,7 @@ std::optional<HoverBalance> hover_balance(const FlightData& flight, const Vehicl
 
   // half seconds of hover, each with the mean thrust of every rotor
   std::vector<std::vector<double>> block;
-  std::vector<std::vector<double>> fastest(rotors);   // every sample's speed
+  std::vector<std::vector<double>> fastest(rotors);  // every sample's speed
   double volts = 0.0;
   for (std::size_t begin = 0; begin < flight.samples.size();) {
     std::size_t end = begin + 1;
@@ -51,7 +51,8 @@ std::optional<HoverBalance> hover_balance(const FlightData& flight, const Vehicl
         vertical += std::abs(flight.motion[k].velocity_W_mps.z()) / n;
         mean_V += sample.voltage_V / n;
         speeds.push_back(record.mean(sample.time_s - flight.sample_s, sample.time_s));
-        for (std::size_t i = 0; i < rotors; ++i) thrust[i] += vehicle.rotors[i].thrust_coefficient_Ns2 * speeds.back()[i] * speeds.back()[i] / n;
+        for (std::size_t i = 0; i < rotors; ++i)
+          thrust[i] += vehicle.rotors[i].thrust_coefficient_Ns2 * speeds.back()[i] * speeds.back()[i] / n;
       }
       if (!known || level > slow_mps || vertical > slow_vertical_mps) continue;
       block.push_back(thrust);
@@ -80,12 +81,15 @@ std::optional<HoverBalance> hover_balance(const FlightData& flight, const Vehicl
   balance.deviation = ((square - balance.wrench.cwiseAbs2()).cwiseMax(0.0) / (n - 1.0)).cwiseSqrt();
 
   // a speed that is often the highest of all, or that needs more voltage than there was
-  const double share_V = flight.has_voltage && vehicle.nominal_voltage_V > 0.0 ? volts / n / vehicle.nominal_voltage_V : 1.0;
+  const double share_V =
+      flight.has_voltage && vehicle.nominal_voltage_V > 0.0 ? volts / n / vehicle.nominal_voltage_V : 1.0;
   for (std::size_t i = 0; i < rotors; ++i) {
     const double top = *std::max_element(fastest[i].begin(), fastest[i].end());
-    const auto at_top = std::count_if(fastest[i].begin(), fastest[i].end(), [&](double speed) { return speed > 0.999 * top; });
+    const auto at_top =
+        std::count_if(fastest[i].begin(), fastest[i].end(), [&](double speed) { return speed > 0.999 * top; });
     const double most_N = vehicle.rotors[i].thrust_coefficient_Ns2 * std::pow(vehicle.max_speed_radps * share_V, 2);
-    balance.limited.push_back(balance.thrust_N[i] > most_N || static_cast<double>(at_top) > often_limited * static_cast<double>(fastest[i].size()));
+    balance.limited.push_back(balance.thrust_N[i] > most_N ||
+                              static_cast<double>(at_top) > often_limited * static_cast<double>(fastest[i].size()));
   }
   return balance;
 }

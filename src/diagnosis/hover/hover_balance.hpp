@@ -10,10 +10,10 @@ namespace gustlab::diagnosis {
 
 // Mean force and moments that the rotors were commanded to give in hover.
 struct HoverBalance {
-  Eigen::Vector4d wrench = Eigen::Vector4d::Zero();     // N along body z; N m about body x, y, z from the centre of mass
+  Eigen::Vector4d wrench = Eigen::Vector4d::Zero();  // N along body z; N m about body x, y, z from the centre of mass
   Eigen::Vector4d deviation = Eigen::Vector4d::Zero();  // standard errors of these means within the flight
   std::vector<double> thrust_N;                         // mean of each rotor, as its command says
-  std::vector<bool> limited;                            // that thrust is more than the battery gave, or often the most there is
+  std::vector<bool> limited;  // that thrust is more than the battery gave, or often the most there is
   double hover_s = 0.0;
 };
 

@@ -8,7 +8,6 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
-
 namespace gustlab::diagnosis {
 
 namespace {
@@ -18,14 +17,15 @@ using Vector4 = Eigen::Vector4d;
 // Between normal flights of one vehicle, as a share of weight (moments: of weight times lever, yaw: of weight times
 // torque ratio). Two vehicles, two flights each, CrazyPAD: 0.019, 0.006, 0.015, 0.014.
 constexpr double flight_to_flight = 0.02;
-constexpr double prior_flights = 4.0;   // what that figure counts for when several references are given
+constexpr double prior_flights = 4.0;  // what that figure counts for when several references are given
 constexpr double significance = 0.001;
 constexpr double parameter_cost = 6.6;  // squared standard deviations, p = 0.01, to be added
 constexpr double other_cost = 2.0;      // Akaike's, to be another explanation
 constexpr double equivalent_z = 2.6;
 constexpr double checked_confidence = 0.95, unchecked_confidence = 0.85;
 // what hover means can tell at all
-constexpr std::string_view seen_in_hover[] = {"constant_force", "slung_load", "mass", "center_of_mass", "thrust_scale", "rotor_loss", "battery_sag"};
+constexpr std::string_view seen_in_hover[] = {"constant_force", "slung_load", "mass",       "center_of_mass",
+                                              "thrust_scale",   "rotor_loss", "battery_sag"};
 constexpr std::array<const char*, 4> channel_name = {"force_z", "torque_x", "torque_y", "torque_z"};
 
 // wrench of a flight whose lever in each channel carries the whole weight
@@ -49,7 +49,7 @@ struct Flight {
 // what the flights that agree with each other say, and how far another one may be from it by chance
 struct Reference {
   Vector4 mean = Vector4::Zero(), unit = Vector4::Ones();
-  Vector4 deviation = Vector4::Zero();   // of one further flight's difference, in units
+  Vector4 deviation = Vector4::Zero();  // of one further flight's difference, in units
 
   Reference(const std::vector<const Flight*>& flights, const VehicleModel& vehicle) {
     const double n = static_cast<double>(flights.size());
@@ -60,7 +60,8 @@ struct Reference {
       spread += (f->balance.wrench - mean).cwiseQuotient(unit).cwiseAbs2();
       within += f->balance.deviation.cwiseQuotient(unit).cwiseAbs2() / (n * n);
     }
-    const Vector4 between = (Vector4::Constant(prior_flights * flight_to_flight * flight_to_flight) + spread) / (prior_flights + n - 1.0);
+    const Vector4 between =
+        (Vector4::Constant(prior_flights * flight_to_flight * flight_to_flight) + spread) / (prior_flights + n - 1.0);
     deviation = (between * (1.0 + 1.0 / n) + within).cwiseSqrt();
   }
   Vector4 difference(const Flight& f) const { return (f.balance.wrench - mean).cwiseQuotient(unit); }
@@ -74,12 +75,12 @@ struct Reference {
 // a change of the vehicle, as directions in which the balance moves
 struct Hypothesis {
   bool weight = false, center_of_mass = false;
-  std::vector<int> rotors;   // that lost thrust
+  std::vector<int> rotors;  // that lost thrust
   Eigen::Matrix<double, 4, Eigen::Dynamic> directions;
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;
-  double misfit = 0.0;       // squared standard deviations
-  bool adequate = false;     // nothing significant is left, and no rotor gains thrust
+  double misfit = 0.0;    // squared standard deviations
+  bool adequate = false;  // nothing significant is left, and no rotor gains thrust
 
   int size() const { return static_cast<int>(directions.cols()); }
   bool contains(const Hypothesis& other) const {
@@ -105,7 +106,8 @@ std::vector<Hypothesis> hypotheses(const VehicleModel& vehicle, const Reference&
       direction(Vector4::Unit(1));
       direction(Vector4::Unit(2));
     }
-    for (const int i : h.rotors) direction(reference.mean[0] * wrench_per_newton(vehicle, i).cwiseQuotient(reference.unit));
+    for (const int i : h.rotors)
+      direction(reference.mean[0] * wrench_per_newton(vehicle, i).cwiseQuotient(reference.unit));
     all.push_back(std::move(h));
   };
   add(true, false, {});
@@ -118,7 +120,8 @@ std::vector<Hypothesis> hypotheses(const VehicleModel& vehicle, const Reference&
 }
 
 // `rows`: the channels that count
-void fit(Hypothesis& h, const Reference& reference, const std::vector<const Flight*>& flights, const std::vector<int>& rows) {
+void fit(Hypothesis& h, const Reference& reference, const std::vector<const Flight*>& flights,
+         const std::vector<int>& rows) {
   const auto at = Eigen::Map<const Eigen::VectorXi>(rows.data(), static_cast<Eigen::Index>(rows.size()));
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(h.size(), h.size());
   Eigen::VectorXd right = Eigen::VectorXd::Zero(h.size());
@@ -144,7 +147,8 @@ void fit(Hypothesis& h, const Reference& reference, const std::vector<const Flig
   }
   // loss is positive: as many rows as the flights give, less what was fitted
   h.adequate = tail(h.misfit, static_cast<int>(rows.size() * flights.size()) - h.size()) > significance;
-  for (int i = h.size() - static_cast<int>(h.rotors.size()); i < h.size(); ++i) h.adequate = h.adequate && h.value[i] > 0.0;
+  for (int i = h.size() - static_cast<int>(h.rotors.size()); i < h.size(); ++i)
+    h.adequate = h.adequate && h.value[i] > 0.0;
 }
 
 std::string labels(const std::vector<const Flight*>& flights) {
@@ -153,13 +157,17 @@ std::string labels(const std::vector<const Flight*>& flights) {
   return text;
 }
 
-bool seen(std::string_view name) { return std::find(std::begin(seen_in_hover), std::end(seen_in_hover), name) != std::end(seen_in_hover); }
+bool seen(std::string_view name) {
+  return std::find(std::begin(seen_in_hover), std::end(seen_in_hover), name) != std::end(seen_in_hover);
+}
 
 void cannot_tell(Diagnosis& out, bool anything) {
   for (const EffectRow& row : effect_registry())
     if (row.diagnosable && !(anything && seen(row.name)))
-      out.not_identifiable.push_back({std::string(row.name), anything ? "mean commands of hover do not show it, and the log has neither attitude nor body rate"
-                                                                      : "the log has neither attitude nor body rate"});
+      out.not_identifiable.push_back(
+          {std::string(row.name),
+           anything ? "mean commands of hover do not show it, and the log has neither attitude nor body rate"
+                    : "the log has neither attitude nor body rate"});
 }
 
 // hypotheses as catalogue names, in catalogue order: every name that explains the same means
@@ -197,21 +205,27 @@ std::vector<EffectFinding> effects_of(const Hypothesis& h, const Reference& refe
   if (h.weight) ++at;
   if (h.center_of_mass) {
     // moment about x is weight times y, about y minus weight times x
-    const double total = 1.0 + more, y = reference.unit[1] / weight_N / total, x = -reference.unit[2] / weight_N / total;
+    const double total = 1.0 + more, y = reference.unit[1] / weight_N / total,
+                 x = -reference.unit[2] / weight_N / total;
     effects.push_back(finding("center_of_mass", {{"x", "m", x * h.value[at + 1], std::abs(x) * sd(at + 1)},
                                                  {"y", "m", y * h.value[at], std::abs(y) * sd(at)},
                                                  {"z", "m", 0.0, vehicle.arm_m()}}));
   }
   if (h.weight && h.center_of_mass) effects.push_back(finding("mass", {{"delta", "-", more, more_sd}}));
   if (h.weight && !h.center_of_mass)
-    effects.push_back(finding("constant_force", {{"x", "N", 0.0, weight_N}, {"y", "N", 0.0, weight_N}, {"z", "N", -more * weight_N, more_sd * weight_N}}));
+    effects.push_back(finding(
+        "constant_force",
+        {{"x", "N", 0.0, weight_N}, {"y", "N", 0.0, weight_N}, {"z", "N", -more * weight_N, more_sd * weight_N}}));
   if (h.center_of_mass) at += 2;
   for (const int rotor : h.rotors) {
     // thrust asked for beyond what is needed, as a share of what is asked
     double asked = 0.0;
-    for (const Flight* f : flights) asked += f->balance.thrust_N[static_cast<std::size_t>(rotor)] / static_cast<double>(flights.size());
+    for (const Flight* f : flights)
+      asked += f->balance.thrust_N[static_cast<std::size_t>(rotor)] / static_cast<double>(flights.size());
     const double share = weight_N / asked;
-    effects.push_back(finding("rotor_loss", {{"rotor", "-", rotor + 1.0, 0.0}, {"loss", "-", std::clamp(share * h.value[at], 0.0, 1.0), share * sd(at)}}));
+    effects.push_back(finding(
+        "rotor_loss",
+        {{"rotor", "-", rotor + 1.0, 0.0}, {"loss", "-", std::clamp(share * h.value[at], 0.0, 1.0), share * sd(at)}}));
     ++at;
   }
   return effects;
@@ -221,7 +235,8 @@ void report_mismatch(const Reference& reference, const std::vector<const Flight*
   for (Eigen::Index c = 0; c < 4; ++c) {
     double square = 0.0, noise = 0.0, size = 0.0;
     for (const Flight* f : flights) {
-      const double d = reference.difference(*f)[c], sd = reference.deviation_of(*f)[c], n = static_cast<double>(flights.size());
+      const double d = reference.difference(*f)[c], sd = reference.deviation_of(*f)[c],
+                   n = static_cast<double>(flights.size());
       square += d * d / (sd * sd);
       noise += sd * sd / n;
       size += d * d / n;
@@ -241,18 +256,22 @@ void report_mismatch(const Reference& reference, const std::vector<const Flight*
 std::vector<int> limited_rotors(const std::vector<const Flight*>& flights) {
   std::vector<int> result;
   for (std::size_t i = 0; i < flights.front()->balance.limited.size(); ++i)
-    if (std::any_of(flights.begin(), flights.end(), [&](const Flight* f) { return f->balance.limited[i]; })) result.push_back(static_cast<int>(i));
+    if (std::any_of(flights.begin(), flights.end(), [&](const Flight* f) { return f->balance.limited[i]; }))
+      result.push_back(static_cast<int>(i));
   return result;
 }
 
-void name_what_changed(const Reference& reference, const std::vector<const Flight*>& fitted, const std::vector<const Flight*>& checked,
-                       const VehicleModel& vehicle, Diagnosis& out) {
+void name_what_changed(const Reference& reference, const std::vector<const Flight*>& fitted,
+                       const std::vector<const Flight*>& checked, const VehicleModel& vehicle, Diagnosis& out) {
   // neither thrust nor reaction torque of a rotor at its limit is known: the balance of yaw, which would tell a loss from
   // a weight beside that rotor, does not count
   const std::vector<int> limited = limited_rotors(fitted);
   const std::vector<int> rows = limited.empty() ? std::vector<int>{0, 1, 2, 3} : std::vector<int>{0, 1, 2};
   for (const int i : limited)
-    out.notes.push_back(fmt::format("rotor {} was asked for more thrust than the battery could give: its reaction torque is not known, and the balance of yaw is left out", i + 1));
+    out.notes.push_back(
+        fmt::format("rotor {} was asked for more thrust than the battery could give: its reaction torque is not known, "
+                    "and the balance of yaw is left out",
+                    i + 1));
 
   std::vector<Hypothesis> all = hypotheses(vehicle, reference);
   const Hypothesis* best = nullptr;
@@ -263,7 +282,10 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
   if (!best) {
     for (const Hypothesis& h : all)
       if (h.size() <= 2 && h.rotors.size() < 2) {
-        out.rejected.push_back({names_of({&h}).front(), -h.misfit, h.rotors.empty() ? "does not explain the mean commands" : fmt::format("of rotor {}: does not explain the mean commands", h.rotors.front() + 1)});
+        out.rejected.push_back(
+            {names_of({&h}).front(), -h.misfit,
+             h.rotors.empty() ? "does not explain the mean commands"
+                              : fmt::format("of rotor {}: does not explain the mean commands", h.rotors.front() + 1)});
       }
     out.verdict = Verdict::insufficient_data;
     return;
@@ -278,10 +300,14 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
     if (behind < equivalent_z * equivalent_z) alike.push_back(&h);
     else nearest = std::min(nearest, behind);
   }
-  std::stable_sort(alike.begin(), alike.end(), [&](const auto* a, const auto* b) { return score(*a, other_cost) < score(*b, other_cost); });
+  std::stable_sort(alike.begin(), alike.end(),
+                   [&](const auto* a, const auto* b) { return score(*a, other_cost) < score(*b, other_cost); });
   const std::vector<std::string> names = names_of(alike);
-  const auto told = *std::find_if(alike.begin(), alike.end(), [&](const Hypothesis* h) { return names_of({h}).front() == names.front(); });
-  const bool which = std::any_of(alike.begin(), alike.end(), [&](const Hypothesis* h) { return !told->rotors.empty() && h->rotors != told->rotors; });
+  const auto told = *std::find_if(alike.begin(), alike.end(),
+                                  [&](const Hypothesis* h) { return names_of({h}).front() == names.front(); });
+  const bool which = std::any_of(alike.begin(), alike.end(), [&](const Hypothesis* h) {
+    return !told->rotors.empty() && h->rotors != told->rotors;
+  });
 
   // does it hold on flights that were not used?
   const Vector4 moved = told->directions * told->value;
@@ -306,7 +332,8 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
     effect.gain = none - told->misfit;
     if (which || !pays) {
       out.rejected.push_back({effect.effect, pays ? effect.gain : before - after,
-                              pays ? "another rotor explains the means as well" : "explains the flights it was found on, and not the held-out ones"});
+                              pays ? "another rotor explains the means as well"
+                                   : "explains the flights it was found on, and not the held-out ones"});
       continue;
     }
     if (effect.effect == names.front()) effect.classmates = names;
@@ -330,7 +357,9 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
   const auto read = [&](const std::vector<FlightData>& from, bool held_out, std::vector<Flight>& to) {
     for (const FlightData& data : from) {
       if (auto balance = hover_balance(data, vehicle)) to.push_back({data.label, held_out, std::move(*balance)});
-      else out.notes.push_back(fmt::format("{}: no {:.1f} s of hover, so no balance of mean commands", data.label, least_hover_s));
+      else
+        out.notes.push_back(
+            fmt::format("{}: no {:.1f} s of hover, so no balance of mean commands", data.label, least_hover_s));
     }
   };
   read(reference, false, given);
@@ -339,18 +368,25 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
   std::vector<const Flight*> agreed, others, fitted, checked;
   for (const Flight& f : given) agreed.push_back(&f);
   for (const Flight& f : flights) others.push_back(&f);
-  const bool compared = !given.empty() || std::any_of(others.begin(), others.end(), [&](const Flight* f) { return f->label != others.front()->label; });
+  const bool compared = !given.empty() || std::any_of(others.begin(), others.end(), [&](const Flight* f) {
+    return f->label != others.front()->label;
+  });
   if (others.empty() || !compared) {
-    out.notes.emplace_back("mean commands of hover tell nothing without another flight of the same vehicle: name a normal one with --reference");
+    out.notes.emplace_back(
+        "mean commands of hover tell nothing without another flight of the same vehicle: name a normal one with "
+        "--reference");
     out.next_trajectory = "hover";
-    out.next_why = "of the vehicle in its normal state, named with --reference; with attitude or body rate recorded, it would not be needed";
+    out.next_why =
+        "of the vehicle in its normal state, named with --reference; with attitude or body rate recorded, it would not "
+        "be needed";
     return cannot_tell(out, false);
   }
   if (given.empty()) {
     // nearest to the vehicle file's balance: weight, and no moment
     const Vector4 unit = unit_of(vehicle, vehicle.weight_N());
     const auto far = [&](const Flight* f) { return (f->balance.wrench.cwiseQuotient(unit) - Vector4::Unit(0)).norm(); };
-    agreed.push_back(*std::min_element(others.begin(), others.end(), [&](const Flight* a, const Flight* b) { return far(a) < far(b); }));
+    agreed.push_back(*std::min_element(others.begin(), others.end(),
+                                       [&](const Flight* a, const Flight* b) { return far(a) < far(b); }));
     std::erase(others, agreed.front());
   }
   // flights that agree with the reference are as good as it
@@ -363,7 +399,8 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
   const Reference normal(agreed, vehicle);
   if (others.empty()) {
     out.notes.push_back(fmt::format("mean commands of hover agree: {}", labels(agreed)));
-    if (given.empty()) out.notes.emplace_back("what all flights share cannot be told without a normal one (--reference)");
+    if (given.empty())
+      out.notes.emplace_back("what all flights share cannot be told without a normal one (--reference)");
     else out.verdict = Verdict::consistent;
     report_mismatch(normal, agreed, out);
     return cannot_tell(out, !given.empty());
@@ -372,7 +409,9 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
     (f->held_out ? checked : fitted).push_back(f);
     if (given.empty())
       out.log_findings.push_back({f->label, "u1…uN", "inconsistent", 0.0, 0.0,
-                                  fmt::format("mean commands of hover are not those of {}, which is nearest to the vehicle file and taken as normal (or name one with --reference)", labels(agreed)),
+                                  fmt::format("mean commands of hover are not those of {}, which is nearest to the "
+                                              "vehicle file and taken as normal (or name one with --reference)",
+                                              labels(agreed)),
                                   false, false});
   }
   if (fitted.empty()) std::swap(fitted, checked);

@@ -49,7 +49,8 @@ class RotorSetter final : public ParameterVisitor {
 // whether a vehicle's own effect is this group: of a rotor's effect, that rotor's
 bool is_of(const EffectSpec& spec, const Group& group) {
   if (spec.type != group.row->name) return false;
-  const auto rotor = std::find_if(spec.values.begin(), spec.values.end(), [](const auto& value) { return value.first == "rotor"; });
+  const auto rotor =
+      std::find_if(spec.values.begin(), spec.values.end(), [](const auto& value) { return value.first == "rotor"; });
   return group.rotor == 0 || (rotor != spec.values.end() && rotor->second == std::to_string(group.rotor));
 }
 
@@ -68,11 +69,13 @@ constexpr std::pair<Need, std::string_view> lacking[] = {
 std::string why_not_told(const EffectRow& row, const Catalogue::Seen& seen) {
   for (const auto& [need, why] : lacking)
     if (row.asks(need) && !seen.tells(need)) return std::string(why);
-  if (!seen.tells(Need::torque) && !seen.tells(Need::motion) && row.name == "mass") return "these logs tell thrust per mass only: see thrust_scale";
+  if (!seen.tells(Need::torque) && !seen.tells(Need::motion) && row.name == "mass")
+    return "these logs tell thrust per mass only: see thrust_scale";
   if (!seen.trims) return {};
   // columns that were filtered differently differ in amplitude as if a sensor had another scale
   if (row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
-  if (row.name == "steady_wind") return "the logs were low-pass filtered, and half a second tells no wind from a force: see constant_force";
+  if (row.name == "steady_wind")
+    return "the logs were low-pass filtered, and half a second tells no wind from a force: see constant_force";
   return {};
 }
 
@@ -95,12 +98,16 @@ std::vector<Number> numbers_of(Parameterized& effect) {
 
 double scale_of(Scale scale, const VehicleModel& vehicle) {
   switch (scale) {
-    case Scale::one: return 1.0;
-    case Scale::weight: return vehicle.weight_N();
-    case Scale::arm: return vehicle.arm_m();
+    case Scale::one:
+      return 1.0;
+    case Scale::weight:
+      return vehicle.weight_N();
+    case Scale::arm:
+      return vehicle.arm_m();
     case Scale::rotor_torque_per_speed:
       return vehicle.weight_N() * vehicle.arm_m() / (vehicle.rotor_count * vehicle.hover_speed_radps());
-    case Scale::yaw_inertia: return vehicle.inertia_B_kgm2(2, 2);
+    case Scale::yaw_inertia:
+      return vehicle.inertia_B_kgm2(2, 2);
   }
   return 1.0;
 }
@@ -115,7 +122,8 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
                                 [&](const EffectSpec& spec) { return is_of(spec, group); });
     // a number that the file does not have has no effect; a torque ratio that was estimated is fitted, and never named
     const auto gap = gap_of(row, vehicle);
-    group.candidate = row.diagnosable && !has_no_column(row.name) && why_not_told(row, seen).empty() && (!gap || gap->need == Need::torque_ratio);
+    group.candidate = row.diagnosable && !has_no_column(row.name) && why_not_told(row, seen).empty() &&
+                      (!gap || gap->need == Need::torque_ratio);
     if (!group.candidate && !group.nominal) return;
     if (row.name == "gust" || row.name == "measurement_noise") return;
     const auto effect = make(group);
@@ -137,11 +145,13 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       column.tolerance = number.info.tolerance * scale;
       column.estimate_tolerance = number.info.estimate_tolerance * scale;
       // how late and how smooth rotors answer, a filter feigns
-      if (seen.smoothing && row.place == Place::actuation && column.unit == "s") column.tolerance = std::max(column.tolerance, filter_feigns_s);
+      if (seen.smoothing && row.place == Place::actuation && column.unit == "s")
+        column.tolerance = std::max(column.tolerance, filter_feigns_s);
       column.min = number.info.min;
       column.max = number.info.max;
       column.nominal = *number.value;
-      if (number.info.plausible > 0.0) column.max = number.info.plausible * scale, column.min = std::max(number.info.min, -column.max);
+      if (number.info.plausible > 0.0)
+        column.max = number.info.plausible * scale, column.min = std::max(number.info.min, -column.max);
       if (row.name == "saturation") {
         if (number.name != "max_speed") continue;
         column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;
@@ -157,8 +167,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
   for (const EffectRow& row : effect_registry()) {
     if (row.name == "rotor_loss")
       for (int rotor = 1; rotor <= vehicle.rotor_count; ++rotor) add(row, rotor);
-    else
-      add(row, 0);
+    else add(row, 0);
   }
   for (int f = 0; f < flights; ++f)
     for (int p = 0; p < (seen.tells(Need::accelerometer) ? 6 : 3); ++p) {
@@ -184,8 +193,10 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     const char *name, *unit;
     double natural, most;
   };
-  constexpr Trim trims[] = {{"torque_trim_x", "rad/s^2", torque_trim_sd, 50.0}, {"torque_trim_y", "rad/s^2", torque_trim_sd, 50.0},
-                            {"torque_trim_z", "rad/s^2", torque_trim_sd, 50.0}, {"command_clock", "s", command_clock_sd, 0.06},
+  constexpr Trim trims[] = {{"torque_trim_x", "rad/s^2", torque_trim_sd, 50.0},
+                            {"torque_trim_y", "rad/s^2", torque_trim_sd, 50.0},
+                            {"torque_trim_z", "rad/s^2", torque_trim_sd, 50.0},
+                            {"command_clock", "s", command_clock_sd, 0.06},
                             {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
   for (int f = 0; seen.trims && f < flights; ++f)
     for (int p = torque_trim; p <= (seen.smoothing ? command_smoothing : command_clock); ++p) {
@@ -296,8 +307,11 @@ std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>&
   std::vector<int> own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
   // only c_τ k_f / J_z is visible: with yaw_torque_ratio the moment of inertia in yaw stays as it is, unless a drag at the
   // hubs or the rotors' own inertia turns against it
-  const auto in = [&](std::string_view label) { return std::find(groups.begin(), groups.end(), catalogue.find(label)) != groups.end(); };
-  if (group == catalogue.find("inertia") && in("yaw_torque_ratio") && !in("rotor_drag") && !in("rotor_inertia")) own.pop_back();
+  const auto in = [&](std::string_view label) {
+    return std::find(groups.begin(), groups.end(), catalogue.find(label)) != groups.end();
+  };
+  if (group == catalogue.find("inertia") && in("yaw_torque_ratio") && !in("rotor_drag") && !in("rotor_inertia"))
+    own.pop_back();
   return own;
 }
 

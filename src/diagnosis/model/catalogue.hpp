@@ -14,17 +14,24 @@ namespace gustlab::diagnosis {
 // Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims, a clock, and how much
 // less the commands were smoothed than the motion. Elsewhere, of all flights: coefficients of what was not foretold of the
 // commands (command_surprise.hpp).
-enum Nuisance : int { rate_bias = 0, force_bias = 3, torque_trim = 6, command_clock = 9, command_smoothing = 10, command_surprise_of = 11 };
+enum Nuisance : int {
+  rate_bias = 0,
+  force_bias = 3,
+  torque_trim = 6,
+  command_clock = 9,
+  command_smoothing = 10,
+  command_surprise_of = 11
+};
 
 // One number that may be fitted.
 struct Column {
-  int group = -1;        // −1: a nuisance (sensor bias, trim), always free and never a finding
-  int parameter = 0;     // index among the effect's numbers; of a nuisance: Nuisance
-  int flight = -1;       // −1: one value for all flights
+  int group = -1;     // −1: a nuisance (sensor bias, trim), always free and never a finding
+  int parameter = 0;  // index among the effect's numbers; of a nuisance: Nuisance
+  int flight = -1;    // −1: one value for all flights
   std::string name;
   std::string unit;
-  double natural = 1.0;  // typical size in SI, the regression's unit
-  double tolerance = 0.0, estimate_tolerance = 0.0;   // the latter where errors of the sensors last
+  double natural = 1.0;                              // typical size in SI, the regression's unit
+  double tolerance = 0.0, estimate_tolerance = 0.0;  // the latter where errors of the sensors last
   double min = 0.0, max = 0.0;
   double nominal = 0.0;  // value in the vehicle file
   bool of_surprise() const { return group < 0 && parameter >= command_surprise_of; }
@@ -45,12 +52,12 @@ struct Swing {
 
 // All numbers of one effect (of one rotor, for rotor_loss): selected or left out together.
 struct Group {
-  std::string label;     // rotor_drag, rotor_loss#3
+  std::string label;  // rotor_drag, rotor_loss#3
   const EffectRow* row = nullptr;
-  int rotor = 0;         // rotor_loss: 1…N
-  bool nominal = false;  // part of the vehicle file
-  bool candidate = true; // false: part of the nominal model, with nothing to fit
-  Swing swing;           // slung_load: found by a scan
+  int rotor = 0;             // rotor_loss: 1…N
+  bool nominal = false;      // part of the vehicle file
+  bool candidate = true;     // false: part of the nominal model, with nothing to fit
+  Swing swing;               // slung_load: found by a scan
   double limit_radps = 0.0;  // saturation: speed limit, found by a scan; its column is a switch near one
   std::vector<int> columns;
 };
@@ -78,7 +85,7 @@ class Catalogue {
   struct Seen {
     Need told = Need::nothing;
     bool voltage = false;
-    bool trims = false;  // torque trims and command clocks are free in every flight
+    bool trims = false;      // torque trims and command clocks are free in every flight
     bool smoothing = false;  // and how much less the commands were smoothed
     bool tells(Need need) const { return (told & need) != Need::nothing; }
   };

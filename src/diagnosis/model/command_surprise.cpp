@@ -24,7 +24,8 @@ std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight) {
   const Point rest{Vector3(0.0, 0.0, 1e3), Vector3::Zero(), Quaternion::Identity(), Vector3::Zero()};
   std::vector<Eigen::Vector4d> result;
   for (std::size_t k = 0; k < flight.samples.size(); ++k) {
-    const Acceleration a = evaluate(rest, 0.0, flight.vehicle.nominal_voltage_V, mean_of(&rotors.mean[k * count], rotors.substeps), {});
+    const Acceleration a =
+        evaluate(rest, 0.0, flight.vehicle.nominal_voltage_V, mean_of(&rotors.mean[k * count], rotors.substeps), {});
     result.emplace_back(a.angular_B_radps2.x(), a.angular_B_radps2.y(), a.angular_B_radps2.z(), a.linear_W_mps2.z());
   }
   return result;
@@ -62,15 +63,18 @@ std::vector<Surprise> command_surprise(const FlightData& flight) {
   const Eigen::RowVectorXd mean = X.colwise().mean();
   X.rowwise() -= mean;
   X.rightCols<1>().setOnes();
-  const Eigen::RowVectorXd scale = (X.colwise().squaredNorm() / static_cast<double>(X.rows())).cwiseSqrt().array() + 1e-12;
+  const Eigen::RowVectorXd scale =
+      (X.colwise().squaredNorm() / static_cast<double>(X.rows())).cwiseSqrt().array() + 1e-12;
   for (Eigen::Index c = 0; c < width; ++c) X.col(c) /= scale[c];
   Eigen::MatrixXd gram = X.transpose() * X;
   gram.diagonal().array() += ridge * static_cast<double>(X.rows());
   const Eigen::MatrixXd left = Y - X * gram.ldlt().solve(X.transpose() * Y);
-  for (std::size_t i = 0; i < row.size(); ++i) surprise[row[i]].head<4>() = left.row(static_cast<Eigen::Index>(i)).transpose();
+  for (std::size_t i = 0; i < row.size(); ++i)
+    surprise[row[i]].head<4>() = left.row(static_cast<Eigen::Index>(i)).transpose();
   const double kept = std::exp(-flight.sample_s / memory_s);
   for (std::size_t k = 1; k < surprise.size(); ++k)
-    if (!flight.samples[k].starts_segment) surprise[k].tail<4>() = kept * surprise[k - 1].tail<4>() + (1.0 - kept) * surprise[k - 1].head<4>();
+    if (!flight.samples[k].starts_segment)
+      surprise[k].tail<4>() = kept * surprise[k - 1].tail<4>() + (1.0 - kept) * surprise[k - 1].head<4>();
   return surprise;
 }
 

@@ -13,9 +13,9 @@
 
 namespace gustlab::diagnosis {
 
-inline constexpr int error_size = 12;     // δp δv δϑ δω
-inline constexpr int state_size = 18;     // and d
-inline constexpr int row_count = 12;      // position, attitude, rate, specific force
+inline constexpr int error_size = 12;  // δp δv δϑ δω
+inline constexpr int state_size = 18;  // and d
+inline constexpr int row_count = 12;   // position, attitude, rate, specific force
 inline constexpr int first_force_row = 9;
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
@@ -32,30 +32,33 @@ inline Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const Pushes& push, do
   return moved;
 }
 // What an accelerometer feels of them: rows of the specific force in B.
-inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const Pushes& push, const Matrix3& R_WB) { return R_WB.transpose() * push.topRows<3>(); }
+inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const Pushes& push, const Matrix3& R_WB) {
+  return R_WB.transpose() * push.topRows<3>();
+}
 
 // The plant along one flight.
 struct LinearPlant {
   std::vector<Matrix12> F;
-  std::vector<Vector12> b;                           // f(x̄_k) ⊟ x̄_{k+1}
-  std::vector<double> interval_s;                    // to the next sample
-  std::vector<bool> starts;                          // no prediction reaches this sample
+  std::vector<Vector12> b;         // f(x̄_k) ⊟ x̄_{k+1}
+  std::vector<double> interval_s;  // to the next sample
+  std::vector<bool> starts;        // no prediction reaches this sample
   std::vector<Eigen::Matrix<bool, row_count, 1>> measured;
-  std::vector<Vector12> y;                           // measured ⊟ h(x̄)
+  std::vector<Vector12> y;  // measured ⊟ h(x̄)
   std::vector<Matrix3> R_WB;
   std::vector<Eigen::Matrix<double, 3, 9>> force_rows;  // ∂ specific force / ∂ (δv, δϑ, δω)
   // where commands and rotor speeds are both recorded, per sample: speed as commands foretell it, and how much faster it is, rad/s
   std::vector<RotorArray> foretold, faster;
   Vector3 center_of_mass_B_m = Vector3::Zero();
   bool torque_known = true;
-  bool forces_alone = false;                         // neither a pose nor torques: see direct_forces.hpp
+  bool forces_alone = false;  // neither a pose nor torques: see direct_forces.hpp
   std::size_t size() const { return b.size(); }
 };
 // and what parameters change of it
 struct LinearFlight : LinearPlant {
-  std::vector<int> columns;                          // of the catalogue, those that can act in this flight
+  std::vector<int> columns;                                     // of the catalogue, those that can act in this flight
   std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
-  std::vector<std::vector<RotorArray>> foretold_by;  // per column, per sample: what it changes of `foretold`; empty: nothing
+  std::vector<std::vector<RotorArray>>
+      foretold_by;  // per column, per sample: what it changes of `foretold`; empty: nothing
 };
 
 }  // namespace gustlab::diagnosis

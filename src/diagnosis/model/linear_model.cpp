@@ -21,8 +21,8 @@ struct SmoothedPast final : MeasurementContext::Past {
     state.time_s = t;
     state.position_W_m = motion->position_W_m + d * motion->velocity_W_mps + 0.5 * d * d * motion->acceleration_W_mps2;
     state.velocity_W_mps = motion->velocity_W_mps + d * motion->acceleration_W_mps2;
-    state.attitude_WB = motion->attitude_WB *
-                        exp_rotation(d * motion->body_rate_B_radps + 0.5 * d * d * motion->angular_acceleration_B_radps2);
+    state.attitude_WB = motion->attitude_WB * exp_rotation(d * motion->body_rate_B_radps +
+                                                           0.5 * d * d * motion->angular_acceleration_B_radps2);
     state.body_rate_B_radps = motion->body_rate_B_radps + d * motion->angular_acceleration_B_radps2;
     return state;
   }
@@ -100,7 +100,8 @@ std::vector<Vector3> shown_late(const FlightData& flight, const std::vector<Vect
 }
 
 // accelerations at mid-interval along a flight
-std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceModel& forces, const RotorHistory& history) {
+std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceModel& forces,
+                                       const RotorHistory& history) {
   std::vector<Acceleration> result(flight.samples.size());
   const auto count = static_cast<std::size_t>(history.substeps);
   Evaluator at{forces, {}, {}};
@@ -126,7 +127,8 @@ std::vector<std::vector<Push>> limit_changes(const FlightData& flight, int fligh
     const auto after = mid_interval(limited, bound, rotor_history(limited, bound));
     std::vector<Push>& change = changes.emplace_back(before.size());
     for (std::size_t k = 0; k < change.size(); ++k)
-      change[k] << after[k].linear_W_mps2 - before[k].linear_W_mps2, after[k].angular_B_radps2 - before[k].angular_B_radps2;
+      change[k] << after[k].linear_W_mps2 - before[k].linear_W_mps2,
+          after[k].angular_B_radps2 - before[k].angular_B_radps2;
   }
   return changes;
 }
@@ -143,9 +145,10 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
                                                [](const Sample& s) { return (s.channels & has_force) != 0; });
   out.center_of_mass_B_m = arm;
   out.torque_known = !flight.collective_only;
-  out.forces_alone = flight.collective_only && std::none_of(flight.samples.begin(), flight.samples.end(), [](const Sample& s) {
-    return (s.channels & (has_position | has_velocity | has_attitude)) != 0;
-  });
+  out.forces_alone =
+      flight.collective_only && std::none_of(flight.samples.begin(), flight.samples.end(), [](const Sample& s) {
+        return (s.channels & (has_position | has_velocity | has_attitude)) != 0;
+      });
   out.F.resize(n), out.b.resize(n), out.interval_s.resize(n), out.starts.resize(n), out.measured.resize(n);
   out.y.resize(n), out.R_WB.resize(n), out.force_rows.resize(n);
 
@@ -200,7 +203,9 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       for (int i = 0; i < 9; ++i) {
         const double step = steps[static_cast<std::size_t>(i / 3 + 1)];
         out.force_rows[k].col(i) = (evaluate.specific_force(x[k].plus(i + 3, step), t, sample.voltage_V,
-                                                            rotors.at_sample[k], rise[0], modelled) - force[k]) / step;
+                                                            rotors.at_sample[k], rise[0], modelled) -
+                                    force[k]) /
+                                   step;
       }
     out.y[k] = innovation(sample, predict_sensors(forces, flight, k, x[k], shown[k], turning[k]));
   }
@@ -227,11 +232,11 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     if (!column.of_surprise()) continue;
     const int p = column.parameter - command_surprise_of;
     histories.push_back({c, [&, p](std::size_t k) {
-      Push push = Push::Zero();
-      if (p % 4 < 3) push[3 + p % 4] = flight.surprise[k][p];
-      else push.head<3>() = flight.surprise[k][p] * out.R_WB[k].col(2);
-      return push;
-    }});
+                           Push push = Push::Zero();
+                           if (p % 4 < 3) push[3 + p % 4] = flight.surprise[k][p];
+                           else push.head<3>() = flight.surprise[k][p] * out.R_WB[k].col(2);
+                           return push;
+                         }});
   }
   for (const History& history : histories)
     for (std::size_t k = 0; k < n && value[history.column] != 0.0; ++k) {
@@ -268,12 +273,13 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
       middle.attitude = x[k].attitude.slerp(0.5, x[k1].attitude);
       middle.rate = 0.5 * (x[k].rate + x[k1].rate);
       const double t = sample.time_s - flight.start_s;
-      result.acceleration[k] = at(middle, t + 0.5 * out.interval_s[k], sample.voltage_V,
-                                  mean_of(&history.mean[k * count], history.substeps),
-                                  mean_of(&history.acceleration[k * count], history.substeps));
+      result.acceleration[k] =
+          at(middle, t + 0.5 * out.interval_s[k], sample.voltage_V, mean_of(&history.mean[k * count], history.substeps),
+             mean_of(&history.acceleration[k * count], history.substeps));
       Vector3 modelled;
       if (with_force)
-        felt_now[k] = at.specific_force(x[k], t, sample.voltage_V, history.at_sample[k], history.acceleration[k * count], modelled);
+        felt_now[k] = at.specific_force(x[k], t, sample.voltage_V, history.at_sample[k],
+                                        history.acceleration[k * count], modelled);
     }
     if (!sensors) return;
     felt_now = shown_late(flight, felt_now);
@@ -293,7 +299,8 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
   for (Eigen::Index j = 0; j < width; ++j) {
     const int c = out.columns[static_cast<std::size_t>(j)];
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    const auto history = std::find_if(histories.begin(), histories.end(), [c](const History& h) { return h.column == c; });
+    const auto history =
+        std::find_if(histories.begin(), histories.end(), [c](const History& h) { return h.column == c; });
     if (history != histories.end())
       for (std::size_t k = 0; k < n; ++k) {
         const Push push = column.natural * history->push(k);
@@ -301,7 +308,8 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
         out.D[k].col(j).tail<3>() = felt(push, out.R_WB[k]);
       }
     if (column.group < 0) {
-      for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k) out.D[k](6 + column.parameter, j) = column.natural;
+      for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k)
+        out.D[k](6 + column.parameter, j) = column.natural;
       continue;
     }
     const Group& group = catalogue.groups()[static_cast<std::size_t>(column.group)];
@@ -309,7 +317,8 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
     Eigen::VectorXd from = value, to = value;
     // forces alone see rotors at the samples (where no mean of rows is taken), and quick ones are there already: a lag as long as a substep is tried
     const bool at_sample_alone = out.forces_alone && !flight.read_slower && group.row->name == "motor_lag";
-    const double step = std::max(1e-3 * column.natural, at_sample_alone ? flight.sample_s / flight.substeps - value[c] : 0.0);
+    const double step =
+        std::max(1e-3 * column.natural, at_sample_alone ? flight.sample_s / flight.substeps - value[c] : 0.0);
     to[c] += step;
     const Column0* reference = &base;
     Column0 companion;

@@ -63,9 +63,9 @@ RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool
   actuation.past = &past;
   RotorArray speed{};
   for (std::size_t k = 0; k < n; ++k) {
-    const double interval_s =
-        k + 1 < n && !flight.samples[k + 1].starts_segment ? flight.samples[k + 1].time_s - flight.samples[k].time_s
-                                                           : flight.sample_s;
+    const double interval_s = k + 1 < n && !flight.samples[k + 1].starts_segment
+                                  ? flight.samples[k + 1].time_s - flight.samples[k].time_s
+                                  : flight.sample_s;
     const double h = interval_s / history.substeps;
     if (flight.samples[k].starts_segment) speed = record.mean(flight.samples[k].time_s, flight.samples[k].time_s + h);
     history.at_sample[k] = speed;
@@ -101,7 +101,8 @@ RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool
       if (flight.samples[k].starts_segment) continue;
       history.at_sample[k] = {};
       for (std::size_t s = k * count - half; s < k * count + half; ++s)
-        for (std::size_t i = 0; i < max_rotors; ++i) history.at_sample[k][i] += history.mean[s][i] / static_cast<double>(2 * half);
+        for (std::size_t i = 0; i < max_rotors; ++i)
+          history.at_sample[k][i] += history.mean[s][i] / static_cast<double>(2 * half);
     }
   }
   return history;
@@ -113,8 +114,12 @@ RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
   return flight.estimated.mean.empty() ? history_of(flight, forces, !flight.measured_speed.empty()) : flight.estimated;
 }
 
-RotorHistory measured_history(const FlightData& flight, const ForceModel& forces) { return history_of(flight, forces, true); }
+RotorHistory measured_history(const FlightData& flight, const ForceModel& forces) {
+  return history_of(flight, forces, true);
+}
 
-RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces) { return history_of(flight, forces, false); }
+RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces) {
+  return history_of(flight, forces, false);
+}
 
 }  // namespace gustlab::diagnosis

@@ -35,7 +35,8 @@ struct Point {
   }
   Vector12 minus(const Point& other) const {
     Vector12 e;
-    e << position - other.position, velocity - other.velocity, log_rotation(other.attitude, attitude), rate - other.rate;
+    e << position - other.position, velocity - other.velocity, log_rotation(other.attitude, attitude),
+        rate - other.rate;
     return e;
   }
 };
@@ -69,7 +70,8 @@ struct Evaluator {
   }
 
  private:
-  void prepare(const Point& x, double time_s, double voltage_V, const RotorArray& speed, const RotorArray& acceleration) {
+  void prepare(const Point& x, double time_s, double voltage_V, const RotorArray& speed,
+               const RotorArray& acceleration) {
     VehicleState state;
     state.time_s = time_s;
     state.attitude_WB = x.attitude;
@@ -96,8 +98,8 @@ Point propagate(Evaluator& evaluate, Point x, double time_s, double interval_s, 
                 const RotorArray* speed, const RotorArray* acceleration);
 
 // The forces of one flight at given values; `also`: a group that takes part even at zero strength.
-ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, const Eigen::VectorXd& value, int flight_index,
-                       int also);
+ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                       int flight_index, int also);
 
 // Rotor speeds as the commands have it, or as they were measured: the better estimate of them where there is one.
 RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces);

@@ -9,17 +9,18 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double same_share = 1e-9;               // of the hover speed: a command that is the measured speed itself
+constexpr double same_share = 1e-9;  // of the hover speed: a command that is the measured speed itself
 
 // speed at every sample
-std::vector<RotorArray> commanded(const FlightData& flight, const Catalogue& catalogue, const Eigen::VectorXd& value, int index, int also) {
+std::vector<RotorArray> commanded(const FlightData& flight, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                                  int index, int also) {
   return commanded_history(flight, force_model(flight, catalogue, value, index, also)).at_sample;
 }
 
 }  // namespace
 
-void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                    LinearFlight& out) {
+void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+                    const Eigen::VectorXd& value, LinearFlight& out) {
   out.foretold.clear(), out.faster.clear();
   out.foretold_by.assign(out.columns.size(), {});
   if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only) return;
@@ -28,7 +29,8 @@ void compare_speeds(const FlightData& flight, int flight_index, const Catalogue&
   out.faster = measured_history(flight, forces).at_sample;
   double most = 0.0;
   for (std::size_t k = 0; k < out.faster.size(); ++k)
-    for (std::size_t i = 0; i < max_rotors; ++i) out.faster[k][i] -= out.foretold[k][i], most = std::max(most, std::abs(out.faster[k][i]));
+    for (std::size_t i = 0; i < max_rotors; ++i)
+      out.faster[k][i] -= out.foretold[k][i], most = std::max(most, std::abs(out.faster[k][i]));
   if (most <= same_share * flight.vehicle.hover_speed_radps()) return out.foretold.clear(), out.faster.clear();
   for (std::size_t j = 0; j < out.columns.size(); ++j) {
     const int c = out.columns[j];

@@ -8,7 +8,7 @@
 namespace gustlab::diagnosis {
 
 // Fills a flight's `foretold`, `faster` and `foretold_by`; nothing where only one of the two was recorded, or both are the same.
-void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                    LinearFlight& out);
+void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+                    const Eigen::VectorXd& value, LinearFlight& out);
 
 }  // namespace gustlab::diagnosis

@@ -1,8 +1,8 @@
 // From a selection to sentences: names, classes, confidence, what was rejected and what cannot be told.
 #pragma once
 
-#include "diagnosis/result/diagnosis.hpp"
 #include "diagnosis/evidence/challenge.hpp"
+#include "diagnosis/result/diagnosis.hpp"
 #include "diagnosis/validation/gust_parts.hpp"
 
 namespace gustlab::diagnosis {

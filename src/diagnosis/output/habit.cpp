@@ -18,10 +18,10 @@ namespace gustlab::diagnosis {
 namespace {
 
 constexpr double ahead_s = 0.5, between_starts_s = 0.41;
-constexpr int checks = 5;                  // body rates along a window that are compared
+constexpr int checks = 5;  // body rates along a window that are compared
 constexpr double slowest_sample_s = 0.05;
 constexpr int terms = 8, unknowns = 3 * terms, most_steps = 8, most_attempts = 6;
-constexpr double usual_size = 1.0 / 3.0;   // an error this share of what holding leaves counts in full
+constexpr double usual_size = 1.0 / 3.0;  // an error this share of what holding leaves counts in full
 constexpr double clearly_better = 0.9;
 
 struct Window {
@@ -42,7 +42,7 @@ std::vector<Window> windows_of(const FlightData& flight) {
   std::vector<Window> windows;
   const auto last = static_cast<std::size_t>(std::lround(ahead_s / flight.sample_s));
   const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(between_starts_s / flight.sample_s)));
-  std::size_t unbroken = 0;   // samples since the last gap
+  std::size_t unbroken = 0;  // samples since the last gap
   for (std::size_t k = 0, next = 0; k < flight.samples.size(); ++k) {
     unbroken = flight.samples[k].starts_segment ? 0 : unbroken + 1;
     if (unbroken < last || k < next) continue;
@@ -58,7 +58,9 @@ std::vector<Window> windows_of(const FlightData& flight) {
 Eigen::Matrix<double, 3 * checks, 1> missed(const Window& window, const Habit& habit) {
   const std::vector<Motion>& motion = window.flight->motion;
   const Vector3 weight = window.flight->vehicle.gravity_mps2 * Vector3::UnitZ();
-  const auto specific_force_B = [&](const Motion& m) -> Vector3 { return m.attitude_WB.conjugate() * (m.acceleration_W_mps2 + weight); };
+  const auto specific_force_B = [&](const Motion& m) -> Vector3 {
+    return m.attitude_WB.conjugate() * (m.acceleration_W_mps2 + weight);
+  };
   Eigen::Matrix<double, 3 * checks, 1> result;
   Matrix3 R = motion[window.first].attitude_WB.toRotationMatrix();
   Vector3 velocity = motion[window.first].velocity_W_mps, rate = motion[window.first].body_rate_B_radps;
@@ -71,7 +73,8 @@ Eigen::Matrix<double, 3 * checks, 1> missed(const Window& window, const Habit& h
     const double dt = window.flight->samples[k + 1].time_s - window.flight->samples[k].time_s;
     const Vector3 turning = habit.transpose() * terms_of(R, velocity, rate), middle = rate + 0.5 * dt * turning;
     const double angle = 0.5 * dt * middle.norm();
-    const Matrix3 half = angle > 1e-12 ? Eigen::AngleAxisd(angle, middle.normalized()).toRotationMatrix() : Matrix3(Matrix3::Identity());
+    const Matrix3 half =
+        angle > 1e-12 ? Eigen::AngleAxisd(angle, middle.normalized()).toRotationMatrix() : Matrix3(Matrix3::Identity());
     const Vector3 force = 0.5 * (specific_force_B(motion[k]) + specific_force_B(motion[k + 1]));
     R = R * half;
     velocity += dt * (R * force - weight);
@@ -125,7 +128,8 @@ Habit fit_habit(const std::vector<FlightData>& flights, int jobs) {
             J.col(j) = (missed(window, moved) - here) / delta;
           }
         for (int i = 0; i < checks; ++i) {
-          const double size = here.segment<3>(3 * i).norm() / unit[static_cast<std::size_t>(f)], weight = 1.0 / std::sqrt(1.0 + size * size);
+          const double size = here.segment<3>(3 * i).norm() / unit[static_cast<std::size_t>(f)],
+                       weight = 1.0 / std::sqrt(1.0 + size * size);
           s.cost += std::sqrt(1.0 + size * size) - 1.0;
           if (!with_slopes) continue;
           const double w = weight / (unit[static_cast<std::size_t>(f)] * unit[static_cast<std::size_t>(f)]);
@@ -164,11 +168,14 @@ Habit fit_habit(const std::vector<FlightData>& flights, int jobs) {
 void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, int jobs, Diagnosis& out) {
   const std::vector<FlightData>& flights = session.flights_as_logged();
   if (out.fit.is_null() || flights.front().sample_s > slowest_sample_s) return;
-  const double held = half_a_second_ahead(out.fit, "body_rate_radps", "hold"), physics = half_a_second_ahead(out.fit, "body_rate_radps", "after");
+  const double held = half_a_second_ahead(out.fit, "body_rate_radps", "hold"),
+               physics = half_a_second_ahead(out.fit, "body_rate_radps", "after");
   if (!(physics > held)) return;
 
   const Habit habit = fit_habit(flights, jobs);
-  std::string toml = "\n[[effect]]  # not physics: how it turned under the controller that flew it; for rollouts on its recordings\ntype = \"recorded_loop\"\n";
+  std::string toml =
+      "\n[[effect]]  # not physics: how it turned under the controller that flew it; for rollouts on its "
+      "recordings\ntype = \"recorded_loop\"\n";
   constexpr std::array<const char*, 3> axis = {"roll", "pitch", "yaw"};
   for (int a = 0; a < 3; ++a) {
     std::vector<std::string> numbers;
@@ -178,15 +185,19 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
   config::Table found = config::Table::parse(augmented_toml(out) + toml, "augmented.toml");
   Verification with = verify(holdout, session.vehicle(), config::read_effects(found), jobs);
   for (const std::string_view name : fit_quantity_names)
-    if (half_a_second_ahead(with.fit, name, "after") >= half_a_second_ahead(out.fit, name, "after")) return;   // what the log lacks is no number
+    if (half_a_second_ahead(with.fit, name, "after") >= half_a_second_ahead(out.fit, name, "after"))
+      return;  // what the log lacks is no number
   const double foretold = half_a_second_ahead(with.fit, "body_rate_radps", "after");
   if (!(foretold < clearly_better * held)) return;
-  out.habit = {{"effect", "recorded_loop"},
-               {"says", fmt::format("half a second ahead the recorded actuators foretell the body rate to {:.2g} rad/s, holding it to {:.2g}, and the habit of "
-                                    "the loop that was recorded to {:.2g}; the habit is no physics, and true of no other loop",
-                                    physics, held, foretold)},
-               {"fit", nlohmann::ordered_json::object()}};
-  for (const std::string_view name : fit_quantity_names) out.habit["fit"][std::string(name)] = with.fit.at(std::string(name)).at("after");
+  out.habit = {
+      {"effect", "recorded_loop"},
+      {"says", fmt::format("half a second ahead the recorded actuators foretell the body rate to {:.2g} rad/s, holding "
+                           "it to {:.2g}, and the habit of "
+                           "the loop that was recorded to {:.2g}; the habit is no physics, and true of no other loop",
+                           physics, held, foretold)},
+      {"fit", nlohmann::ordered_json::object()}};
+  for (const std::string_view name : fit_quantity_names)
+    out.habit["fit"][std::string(name)] = with.fit.at(std::string(name)).at("after");
   out.residual_toml += toml;
 }
 

@@ -18,13 +18,13 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double crazyflie_arm_m = 0.046;   // the size for which the library below is written
+constexpr double crazyflie_arm_m = 0.046;  // the size for which the library below is written
 constexpr double flight_s = 8.0;
 // squared standard deviations that tell two names apart, and that show an effect of natural size
 constexpr double told_apart = 10.0, shows = 25.0;
 
 struct Candidate {
-  std::string trajectory, how;   // name in the registry, and in words
+  std::string trajectory, how;  // name in the registry, and in words
   std::vector<std::pair<std::string, std::string>> parameters;
 };
 
@@ -39,8 +39,13 @@ std::vector<Candidate> library(const VehicleModel& vehicle, double ground_m) {
   const double size = vehicle.arm_m() / crazyflie_arm_m, pace = std::sqrt(size), radius_m = 0.8 * size;
   const std::string center = numbers({0.0, 0.0, ground_m + 1.2 * size});
   const auto circle = [&](const char* how, double speed_mps) {
-    return Candidate{"circle", how, {{"radius_m", fmt::format("{:.6g}", radius_m)}, {"period_s", fmt::format("{:.6g}", 2.0 * M_PI * radius_m / (speed_mps * pace))},
-                                     {"center_m", center}, {"ramp_s", "2.0"}, {"start", "\"reference\""}}};
+    return Candidate{"circle",
+                     how,
+                     {{"radius_m", fmt::format("{:.6g}", radius_m)},
+                      {"period_s", fmt::format("{:.6g}", 2.0 * M_PI * radius_m / (speed_mps * pace))},
+                      {"center_m", center},
+                      {"ramp_s", "2.0"},
+                      {"start", "\"reference\""}}};
   };
   const double top = 0.9 * size;
   std::vector<double> stairs, times;
@@ -54,13 +59,34 @@ std::vector<Candidate> library(const VehicleModel& vehicle, double ground_m) {
   for (const double f : {0.1, 0.23, 0.41, 0.73}) x.push_back(f / pace);
   for (const double f : {0.13, 0.29, 0.47, 0.79}) y.push_back(f / pace);
   for (const double f : {0.17, 0.31, 0.53, 0.89}) z.push_back(f / pace);
-  return {circle("slowly", 0.5), circle("fast", 1.8),
-          {"lemniscate", "back and forth", {{"amplitude_m", fmt::format("{:.6g}", 0.9 * size)}, {"period_s", fmt::format("{:.6g}", 5.5 * pace)}, {"center_m", center}, {"ramp_s", "2.0"}}},
-          {"multisine", "turning in yaw", {{"amplitude_m", numbers({0.35 * size, 0.35 * size, 0.2 * size})}, {"frequencies_x_hz", numbers(x)}, {"frequencies_y_hz", numbers(y)},
-                                           {"frequencies_z_hz", numbers(z)}, {"center_m", center}, {"yaw_amplitude_rad", "1.2"}, {"yaw_frequency_hz", fmt::format("{:.6g}", 0.25 / pace)}}},
-          {"spiral", "climbing", {{"radius_m", fmt::format("{:.6g}", radius_m)}, {"turns", "3"}, {"length_s", fmt::format("{:.6g}", flight_s * pace)}, {"climb_m", fmt::format("{:.6g}", 3.0 * size)},
-                                  {"center_m", center}, {"ramp_s", "2.0"}}},
-          {"waypoints", "a staircase of heights down to the ground", {{"points_m", numbers(stairs)}, {"times_s", numbers(times)}}}};
+  return {circle("slowly", 0.5),
+          circle("fast", 1.8),
+          {"lemniscate",
+           "back and forth",
+           {{"amplitude_m", fmt::format("{:.6g}", 0.9 * size)},
+            {"period_s", fmt::format("{:.6g}", 5.5 * pace)},
+            {"center_m", center},
+            {"ramp_s", "2.0"}}},
+          {"multisine",
+           "turning in yaw",
+           {{"amplitude_m", numbers({0.35 * size, 0.35 * size, 0.2 * size})},
+            {"frequencies_x_hz", numbers(x)},
+            {"frequencies_y_hz", numbers(y)},
+            {"frequencies_z_hz", numbers(z)},
+            {"center_m", center},
+            {"yaw_amplitude_rad", "1.2"},
+            {"yaw_frequency_hz", fmt::format("{:.6g}", 0.25 / pace)}}},
+          {"spiral",
+           "climbing",
+           {{"radius_m", fmt::format("{:.6g}", radius_m)},
+            {"turns", "3"},
+            {"length_s", fmt::format("{:.6g}", flight_s * pace)},
+            {"climb_m", fmt::format("{:.6g}", 3.0 * size)},
+            {"center_m", center},
+            {"ramp_s", "2.0"}}},
+          {"waypoints",
+           "a staircase of heights down to the ground",
+           {{"points_m", numbers(stairs)}, {"times_s", numbers(times)}}}};
 }
 
 unsigned channels_of(const FlightData& flight) {
@@ -70,12 +96,14 @@ unsigned channels_of(const FlightData& flight) {
 }
 
 // one flight of the library, as these sensors would have recorded it; nothing when it does not come to its end
-std::optional<FlightData> simulate(const Candidate& candidate, const FlightData& like, const std::vector<EffectSpec>& effects) {
+std::optional<FlightData> simulate(const Candidate& candidate, const FlightData& like,
+                                   const std::vector<EffectSpec>& effects) {
   Experiment experiment;
   experiment.name = "next";
   experiment.vehicle = like.vehicle;
   experiment.effects = effects;
-  experiment.trajectories = {{candidate.trajectory, {candidate.trajectory, candidate.parameters, candidate.trajectory, {}}}};
+  experiment.trajectories = {
+      {candidate.trajectory, {candidate.trajectory, candidate.parameters, candidate.trajectory, {}}}};
   experiment.controllers = {{"geometric", {"geometric", {}, "geometric", {}}}};
   experiment.flight.duration_s = flight_s * std::sqrt(like.vehicle.arm_m() / crazyflie_arm_m);
   FlightLog log;
@@ -89,11 +117,13 @@ std::optional<FlightData> simulate(const Candidate& candidate, const FlightData&
     if (fly(flight, error, &recorder).outcome != Outcome::completed) return std::nullopt;
     log = recorder.take();
   } catch (const ConfigError&) {
-    return std::nullopt;   // no controller for such a vehicle
+    return std::nullopt;  // no controller for such a vehicle
   }
   const unsigned seen = channels_of(like);
   std::erase_if(log.columns, [&](const LogColumn& c) {
-    const auto is = [&](std::initializer_list<std::string_view> names) { return std::find(names.begin(), names.end(), c.name) != names.end(); };
+    const auto is = [&](std::initializer_list<std::string_view> names) {
+      return std::find(names.begin(), names.end(), c.name) != names.end();
+    };
     if (is({"px", "py", "pz"})) return !(seen & has_position);
     if (is({"vx", "vy", "vz"})) return !(seen & has_velocity);
     if (is({"qw", "qx", "qy", "qz"})) return !(seen & has_attitude);
@@ -106,7 +136,8 @@ std::optional<FlightData> simulate(const Candidate& candidate, const FlightData&
   // a battery that empties as batteries do
   if (like.has_voltage && like.vehicle.nominal_voltage_V > 0.0) {
     log.columns.push_back({"vbat", {}});
-    for (const double t : log.time_s) log.columns.back().values.push_back(like.vehicle.nominal_voltage_V * (1.0 - 0.05 * t / log.time_s.back()));
+    for (const double t : log.time_s)
+      log.columns.back().values.push_back(like.vehicle.nominal_voltage_V * (1.0 - 0.05 * t / log.time_s.back()));
   }
   ReadingOptions reading;
   reading.max_rate_hz = 100.0;
@@ -116,13 +147,16 @@ std::optional<FlightData> simulate(const Candidate& candidate, const FlightData&
 }
 
 // what is left of a change `value` of some columns after `free` ones were fitted to it, squared standard deviations
-double unmatched(const Eigen::MatrixXd& gram, const std::vector<int>& columns, const Eigen::VectorXd& value, const std::vector<int>& free) {
+double unmatched(const Eigen::MatrixXd& gram, const std::vector<int>& columns, const Eigen::VectorXd& value,
+                 const std::vector<int>& free) {
   Eigen::MatrixXd with = gram;
   const Eigen::Index last = gram.cols() - 1;
   with.col(last).setZero();
-  for (std::size_t i = 0; i < columns.size(); ++i) with.col(last) += value[static_cast<Eigen::Index>(i)] * gram.col(columns[i]);
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    with.col(last) += value[static_cast<Eigen::Index>(i)] * gram.col(columns[i]);
   double square = 0.0;
-  for (std::size_t i = 0; i < columns.size(); ++i) square += value[static_cast<Eigen::Index>(i)] * with(columns[i], last);
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    square += value[static_cast<Eigen::Index>(i)] * with(columns[i], last);
   with(last, last) = square;
   with.row(last).head(last) = with.col(last).head(last).transpose();
   return std::max(0.0, solve(with, free).loss);
@@ -153,7 +187,8 @@ std::string in_words(const std::vector<std::string>& names, std::size_t most) {
 }  // namespace
 
 void suggest_flight(const Session& session, const Selection& selection, int jobs, Diagnosis& out) {
-  const bool ambiguous = std::any_of(out.effects.begin(), out.effects.end(), [](const EffectFinding& e) { return e.classmates.size() > 1; });
+  const bool ambiguous = std::any_of(out.effects.begin(), out.effects.end(),
+                                     [](const EffectFinding& e) { return e.classmates.size() > 1; });
   const FlightData& like = session.flights().front();
   std::vector<std::string> unseen;
   for (const NotIdentifiable& n : out.not_identifiable)
@@ -165,7 +200,8 @@ void suggest_flight(const Session& session, const Selection& selection, int jobs
   config::Table found = config::Table::parse(augmented_toml(out), "augmented.toml");
   effects = config::merge_effects(effects, config::read_effects(found));
   std::erase_if(effects, [](const EffectSpec& e) { return find_effect(e.type)->external; });
-  const std::vector<Candidate> candidates = library(session.vehicle(), like.vehicle.environment.ground_z_m.value_or(0.0));
+  const std::vector<Candidate> candidates =
+      library(session.vehicle(), like.vehicle.environment.ground_z_m.value_or(0.0));
   std::vector<std::optional<FlightData>> flown(candidates.size());
   parallel_for(static_cast<std::int64_t>(candidates.size()), jobs, [&](std::int64_t i) {
     flown[static_cast<std::size_t>(i)] = simulate(candidates[static_cast<std::size_t>(i)], like, effects);
@@ -195,7 +231,9 @@ void suggest_flight(const Session& session, const Selection& selection, int jobs
     const int g = there.find(group.label);
     if (g < 0) continue;
     chosen.push_back(g);
-    const auto named = std::find_if(out.effects.begin(), out.effects.end(), [&](const EffectFinding& e) { return std::find(e.classmates.begin(), e.classmates.end(), group.row->name) != e.classmates.end(); });
+    const auto named = std::find_if(out.effects.begin(), out.effects.end(), [&](const EffectFinding& e) {
+      return std::find(e.classmates.begin(), e.classmates.end(), group.row->name) != e.classmates.end();
+    });
     if (named == out.effects.end()) continue;
     for (const std::string& other : named->classmates)
       if (other != group.row->name)

@@ -23,16 +23,17 @@ constexpr std::size_t most_terms = 6;
 constexpr double materiality = 0.001, relative_materiality = 0.1;
 // share of the held-out error above noise that must be closed in one quantity, and how much no quantity may lose
 constexpr double least_closed = 0.1, most_lost = 0.05;
-constexpr std::array<std::string_view, 6> channel_name = {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
+constexpr std::array<std::string_view, 6> channel_name = {"force_x",  "force_y",  "force_z",
+                                                          "torque_x", "torque_y", "torque_z"};
 
 // one column: a term that pushes along, or turns about, one axis
 struct Column {
   FeatureTerm term;
-  int channel;   // 0–2 force, 3–5 torque
+  int channel;  // 0–2 force, 3–5 torque
 };
 
 struct Library {
-  bool world = false;   // axes of the force
+  bool world = false;  // axes of the force
   std::vector<Column> columns;
 };
 
@@ -96,7 +97,7 @@ BasisFamily family_of(const Session& session, const Library& library) {
 
 struct Sparse {
   const Library* library = nullptr;
-  std::vector<int> chosen;           // of the library's columns, in the order of what they gain
+  std::vector<int> chosen;  // of the library's columns, in the order of what they gain
   std::vector<double> coefficient;
   double loss = 0.0;
 };
@@ -111,7 +112,8 @@ Sparse regress(const Eigen::MatrixXd& gram, int beside, const Library& library, 
   sparse.loss = before;
   while (sparse.chosen.size() < most_terms) {
     int best = -1;
-    double least = sparse.loss - std::max(materiality * std::max(rows, before), relative_materiality * (before - sparse.loss));
+    double least =
+        sparse.loss - std::max(materiality * std::max(rows, before), relative_materiality * (before - sparse.loss));
     for (int j = 0; j < static_cast<int>(library.columns.size()); ++j) {
       if (std::find(sparse.chosen.begin(), sparse.chosen.end(), j) != sparse.chosen.end()) continue;
       columns.push_back(beside + j);
@@ -159,8 +161,10 @@ void write(const Sparse& sparse, const VehicleModel& vehicle, std::string& toml,
     for (const double number : numbers) texts.push_back(config::shortest(number));
     return fmt::format("[{}]", fmt::join(texts, ", "));
   };
-  toml = fmt::format("\n[[effect]]  # without a name: a description of what is left, in SI units\ntype = \"sindy_residual\"\nframe = \"{}\"\nterms = [\"{}\"]\n",
-                     sparse.library->world ? "world" : "body", fmt::join(names, "\", \""));
+  toml = fmt::format(
+      "\n[[effect]]  # without a name: a description of what is left, in SI units\ntype = \"sindy_residual\"\nframe = "
+      "\"{}\"\nterms = [\"{}\"]\n",
+      sparse.library->world ? "world" : "body", fmt::join(names, "\", \""));
   constexpr std::array<const char*, 6> key = {"fx", "fy", "fz", "tx", "ty", "tz"};
   for (std::size_t c = 0; c < 6; ++c)
     if (c < 3 || std::any_of(value[c].begin(), value[c].end(), [](double v) { return v != 0.0; }))
@@ -175,7 +179,8 @@ struct Proof {
 std::vector<Proof> compare(const nlohmann::ordered_json& without, const nlohmann::ordered_json& with) {
   std::vector<Proof> proofs;
   for (const std::string_view name : fit_quantity_names) {
-    const double before = half_a_second_ahead(without, name, "after"), after = half_a_second_ahead(with, name, "after"), noise = half_a_second_ahead(without, name, "noise");
+    const double before = half_a_second_ahead(without, name, "after"), after = half_a_second_ahead(with, name, "after"),
+                 noise = half_a_second_ahead(without, name, "noise");
     if (before > 1.05 * noise) proofs.push_back({name, before, after, (before - after) / (before - noise)});
   }
   std::stable_sort(proofs.begin(), proofs.end(), [](const Proof& a, const Proof& b) { return a.closed > b.closed; });
@@ -184,8 +189,8 @@ std::vector<Proof> compare(const nlohmann::ordered_json& without, const nlohmann
 
 }  // namespace
 
-void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout,
-                    int jobs, Diagnosis& out) {
+void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout, int jobs,
+                    Diagnosis& out) {
   if (out.fit.is_null()) return;
   // what stays beside it: the effects that are written into the augmented vehicle
   const Catalogue& catalogue = session.catalogue();
@@ -205,16 +210,20 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   // the noise that was learnt took what is sought here for chance: a calm room is not disturbed as much
   session.noise = selection.noise_selected;
   const auto floor = reference_floor(session.vehicle());
-  for (std::size_t g = 0; g < disturbance_groups; ++g) session.noise.variance[g] = std::min(session.noise.variance[g], floor[g] * floor[g]);
+  for (std::size_t g = 0; g < disturbance_groups; ++g)
+    session.noise.variance[g] = std::min(session.noise.variance[g], floor[g] * floor[g]);
   session.linearise(value, beside);
   std::erase_if(beside, [&](int c) {
-    return std::none_of(session.linear().begin(), session.linear().end(), [&](const LinearFlight& f) { return std::find(f.columns.begin(), f.columns.end(), c) != f.columns.end(); });
+    return std::none_of(session.linear().begin(), session.linear().end(), [&](const LinearFlight& f) {
+      return std::find(f.columns.begin(), f.columns.end(), c) != f.columns.end();
+    });
   });
 
   const std::vector<Library> all = libraries();
   Sparse best;
   for (const Library& library : all) {
-    Sparse found = regress(grams_with(session, family_of(session, library), beside).total(), static_cast<int>(beside.size()), library, selection.degrees_of_freedom);
+    Sparse found = regress(grams_with(session, family_of(session, library), beside).total(),
+                           static_cast<int>(beside.size()), library, selection.degrees_of_freedom);
     if (!found.chosen.empty() && (best.chosen.empty() || found.loss < best.loss)) best = std::move(found);
   }
 
@@ -236,13 +245,16 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   Verification with = flown(toml);
   const std::vector<Proof> proofs = compare(without.fit, with.fit);
   if (proofs.empty() || !(proofs.front().closed > least_closed) || !(proofs.back().closed > -most_lost)) {
-    out.notes.push_back(fmt::format("a sparse model of the rest in {} terms is not offered: it does not predict the held-out flights better", best.chosen.size()));
+    out.notes.push_back(fmt::format(
+        "a sparse model of the rest in {} terms is not offered: it does not predict the held-out flights better",
+        best.chosen.size()));
     return show(std::move(without));
   }
   const Proof& most = proofs.front();
   std::string quantity(most.quantity.substr(0, most.quantity.rfind('_')));
   std::replace(quantity.begin(), quantity.end(), '_', ' ');
-  json["says"] = fmt::format("it closes {:.0f} % of the held-out error in {} half a second ahead", 100.0 * most.closed, quantity);
+  json["says"] =
+      fmt::format("it closes {:.0f} % of the held-out error in {} half a second ahead", 100.0 * most.closed, quantity);
   json["share_closed"] = nlohmann::ordered_json::object();
   for (const Proof& proof : proofs) json["share_closed"][std::string(proof.quantity)] = proof.closed;
   out.residual_model = std::move(json);

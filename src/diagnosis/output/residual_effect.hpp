@@ -11,7 +11,7 @@ namespace gustlab::diagnosis {
 // innovations of the fit flights, beside the effects of `out` (named and calibration). Variables that react to a
 // disturbance (commands, tilt, rates) never enter: they would explain clean closed-loop flights. When open-loop rollouts on `holdout` become better, fills
 // residual_model and residual_toml of `out`; the `fit` block is then that of the model with it. Linearises the session.
-void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout,
-                    int jobs, Diagnosis& out);
+void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout, int jobs,
+                    Diagnosis& out);
 
 }  // namespace gustlab::diagnosis

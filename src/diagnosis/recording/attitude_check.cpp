@@ -42,7 +42,8 @@ std::vector<const std::vector<double>*> columns_of(const FlightLog& log, std::in
 }
 
 // The columns that drive the rotors; none where they have no map to thrust.
-ActuatorKind inputs_of(const FlightLog& log, const VehicleModel& vehicle, std::vector<const std::vector<double>*>& inputs) {
+ActuatorKind inputs_of(const FlightLog& log, const VehicleModel& vehicle,
+                       std::vector<const std::vector<double>*>& inputs) {
   for (const auto& [prefix, kind] : {std::pair{"rotor", ActuatorKind::rotor_speed}, {"u", log.meta.actuator}}) {
     inputs.clear();
     const int wanted = kind == ActuatorKind::collective_thrust ? 1 : vehicle.rotor_count;
@@ -55,12 +56,14 @@ ActuatorKind inputs_of(const FlightLog& log, const VehicleModel& vehicle, std::v
 }
 
 // Thrust per mass that a row's inputs ask for; NaN where it has none, gravity where no input says.
-double push_mps2(const VehicleModel& vehicle, const std::vector<const std::vector<double>*>& inputs, ActuatorKind kind, std::size_t row) {
+double push_mps2(const VehicleModel& vehicle, const std::vector<const std::vector<double>*>& inputs, ActuatorKind kind,
+                 std::size_t row) {
   if (inputs.empty()) return gravity_mps2;
   double thrust = 0.0;
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
     const Rotor& rotor = vehicle.rotors[i];
-    thrust += rotor.thrust_coefficient_Ns2 * std::pow(rotor_speed_radps(vehicle, rotor, kind, (*inputs[std::min(i, inputs.size() - 1)])[row]), 2);
+    thrust += rotor.thrust_coefficient_Ns2 *
+              std::pow(rotor_speed_radps(vehicle, rotor, kind, (*inputs[std::min(i, inputs.size() - 1)])[row]), 2);
   }
   return thrust / vehicle.mass_kg;
 }
@@ -87,7 +90,8 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
     std::size_t from = log.rows(), to = log.rows();
     double count = 0.0;
     for (last = first; last < log.rows() && log.time_s[last] - log.time_s[first] < window_s; ++last) {
-      if (std::isfinite((*v[0])[last]) && std::isfinite((*v[1])[last])) from = from == log.rows() ? last : from, to = last;
+      if (std::isfinite((*v[0])[last]) && std::isfinite((*v[1])[last]))
+        from = from == log.rows() ? last : from, to = last;
       if (const double now = push_mps2(vehicle, inputs, kind, last); std::isfinite(now)) push = now;
       const double c[4] = {(*q[0])[last], (*q[1])[last], (*q[2])[last], (*q[3])[last]};
       if (!std::isfinite(c[0] + c[1] + c[2] + c[3])) continue;
@@ -95,7 +99,8 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
       count += 1.0;
     }
     if (count == 0.0 || from == to || log.time_s[to] - log.time_s[from] < 0.5 * window_s) continue;
-    acceleration.emplace_back(Vector2((*v[0])[to] - (*v[0])[from], (*v[1])[to] - (*v[1])[from]) / (log.time_s[to] - log.time_s[from]));
+    acceleration.emplace_back(Vector2((*v[0])[to] - (*v[0])[from], (*v[1])[to] - (*v[1])[from]) /
+                              (log.time_s[to] - log.time_s[from]));
     for (std::size_t r = 0; r < std::size(readings); ++r) leaning[r].emplace_back(sum[r] / count);
   }
   if (acceleration.size() < least_windows) return {};
@@ -111,7 +116,9 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
   };
   const double all = mean_square([&](std::size_t k) { return acceleration[k]; });
   if (all < least_acceleration_mps2 * least_acceleration_mps2) return {};
-  const auto left = [&](std::size_t r) { return mean_square([&, r](std::size_t k) -> Vector2 { return acceleration[k] - leaning[r][k]; }) / all; };
+  const auto left = [&](std::size_t r) {
+    return mean_square([&, r](std::size_t k) -> Vector2 { return acceleration[k] - leaning[r][k]; }) / all;
+  };
   const double as_read = left(0);
   std::size_t best = 0;
   for (std::size_t r = 1; r < std::size(readings); ++r)
@@ -119,8 +126,9 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
   if (as_read < too_much || best == 0) return {};
   const std::string file = log.path.substr(log.path.find_last_of('/') + 1);
   return {{file, "qw…qz", "inconsistent", log.time_s.front(), log.time_s.back(),
-           fmt::format("the vehicle does not accelerate as its attitude leans, and would if the quaternion were {}: set aside",
-                       readings[best].says),
+           fmt::format(
+               "the vehicle does not accelerate as its attitude leans, and would if the quaternion were {}: set aside",
+               readings[best].says),
            true, false}};
 }
 

@@ -13,22 +13,22 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-using Pair = Eigen::Vector2d;   // roll and pitch
+using Pair = Eigen::Vector2d;  // roll and pitch
 
 constexpr double stretch_s = 1.25, stretches_per_verdict = 2.0;
 constexpr double most_offset_s = 0.2;
-constexpr double least_jump_s = 0.03;           // a motor lag, seen at other frequencies, varies less
-constexpr double least_jump_gain = 9.0;         // twice the log likelihood per stretch, three standard deviations each
-constexpr double memory_s = 0.1;                // over which the error of a rate from smoothed attitudes is correlated
-constexpr double wander_sd_s = 0.01, cost_of_jump = 8.0;   // from stretch to stretch; of the log likelihood
-constexpr double cost_of_slope = 2.0;           // more than so many standard deviations apart is a jump, not a slope
+constexpr double least_jump_s = 0.03;    // a motor lag, seen at other frequencies, varies less
+constexpr double least_jump_gain = 9.0;  // twice the log likelihood per stretch, three standard deviations each
+constexpr double memory_s = 0.1;         // over which the error of a rate from smoothed attitudes is correlated
+constexpr double wander_sd_s = 0.01, cost_of_jump = 8.0;  // from stretch to stretch; of the log likelihood
+constexpr double cost_of_slope = 2.0;  // more than so many standard deviations apart is a jump, not a slope
 
 // what is compared: how well two streams agree, and how much turning there must be
 struct Demand {
   double agreement, variance;
 };
-constexpr Demand of_gyro = {0.8, 0.05};         // (rad/s)², roll and pitch together: less turning has no time
-constexpr Demand of_commands = {0.5, 1.0};      // (rad/s²)²
+constexpr Demand of_gyro = {0.8, 0.05};     // (rad/s)², roll and pitch together: less turning has no time
+constexpr Demand of_commands = {0.5, 1.0};  // (rad/s²)²
 
 // Log likelihood of every lag of `late` behind `early`, per stretch of the flight that tells; lags are in samples, −most to most.
 struct Likelihood {
@@ -39,7 +39,8 @@ struct Likelihood {
   std::vector<bool> told;
 };
 
-Likelihood likelihood_of(const FlightData& flight, const std::vector<Pair>& early, const std::vector<Pair>& late, const Demand& demand, double length_s) {
+Likelihood likelihood_of(const FlightData& flight, const std::vector<Pair>& early, const std::vector<Pair>& late,
+                         const Demand& demand, double length_s) {
   Likelihood result;
   result.sample_s = flight.sample_s;
   result.most = static_cast<std::int64_t>(std::lround(most_offset_s / flight.sample_s));
@@ -108,7 +109,8 @@ ClockTrack likeliest_track(const Likelihood& of) {
       for (std::ptrdiff_t d = -reach; d <= reach; ++d) {
         const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(l) + d;
         if (from < 0 || from >= static_cast<std::ptrdiff_t>(lags)) continue;
-        const double way = before[static_cast<std::size_t>(from)] - 0.5 * std::pow(static_cast<double>(d) * of.sample_s / wander_sd_s, 2);
+        const double way = before[static_cast<std::size_t>(from)] -
+                           0.5 * std::pow(static_cast<double>(d) * of.sample_s / wander_sd_s, 2);
         if (way > best) best = way, came[s][l] = static_cast<std::size_t>(from);
       }
       value[l] = best + (of.told[s] ? of.over_lags[s][l] : 0.0);
@@ -129,14 +131,17 @@ ClockTrack likeliest_track(const Likelihood& of) {
   return track;
 }
 
-std::optional<ClockTrack> track_of(const FlightData& flight, const std::vector<Pair>& early, const std::vector<Pair>& late, const Demand& demand) {
+std::optional<ClockTrack> track_of(const FlightData& flight, const std::vector<Pair>& early,
+                                   const std::vector<Pair>& late, const Demand& demand) {
   if (!changes(likelihood_of(flight, early, late, demand, stretches_per_verdict * stretch_s))) return std::nullopt;
   return likeliest_track(likelihood_of(flight, early, late, demand, stretch_s));
 }
 
 // value of a column between the rows that have one; NaN outside
-double between(const std::vector<double>& time_s, const std::vector<double>& values, const std::vector<std::size_t>& rows, double at_s, bool held) {
-  const auto next = std::upper_bound(rows.begin(), rows.end(), at_s, [&](double t, std::size_t row) { return t < time_s[row]; });
+double between(const std::vector<double>& time_s, const std::vector<double>& values,
+               const std::vector<std::size_t>& rows, double at_s, bool held) {
+  const auto next =
+      std::upper_bound(rows.begin(), rows.end(), at_s, [&](double t, std::size_t row) { return t < time_s[row]; });
   if (next == rows.begin() || next == rows.end()) return std::numeric_limits<double>::quiet_NaN();
   const std::size_t a = *(next - 1), b = *next;
   const double part = held ? 0.0 : (at_s - time_s[a]) / (time_s[b] - time_s[a]);
@@ -149,7 +154,8 @@ double ClockTrack::at(double at_s) const {
   const auto next = static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at_s) - time_s.begin());
   if (next == 0) return late_s.front();
   if (next == time_s.size()) return late_s.back();
-  const double before = late_s[next - 1], after = late_s[next], part = (at_s - time_s[next - 1]) / (time_s[next] - time_s[next - 1]);
+  const double before = late_s[next - 1], after = late_s[next],
+               part = (at_s - time_s[next - 1]) / (time_s[next] - time_s[next - 1]);
   if (std::abs(after - before) > cost_of_slope * wander_sd_s) return part < 0.5 ? before : after;
   return before + part * (after - before);
 }
@@ -180,23 +186,28 @@ FlightLog laid_on_pose_clock(FlightLog log, const ClockTrack& track) {
     std::vector<std::size_t> rows;
     for (std::size_t k = 0; k < log.rows(); ++k)
       if (std::isfinite(values[k])) rows.push_back(k);
-    for (const std::size_t k : rows) column.values[k] = between(log.time_s, values, rows, log.time_s[k] + track.at(log.time_s[k]), held);
+    for (const std::size_t k : rows)
+      column.values[k] = between(log.time_s, values, rows, log.time_s[k] + track.at(log.time_s[k]), held);
   }
   return log;
 }
 
-bool clocks_apart(const std::vector<FlightData>& flights, const VehicleModel& vehicle, std::vector<LogFinding>& findings) {
+bool clocks_apart(const std::vector<FlightData>& flights, const VehicleModel& vehicle,
+                  std::vector<LogFinding>& findings) {
   bool apart = false;
   for (const FlightData& flight : flights) {
-    const auto finding = std::find_if(findings.begin(), findings.end(), [&](const LogFinding& f) { return f.kind == "delay" && f.file == flight.label; });
+    const auto finding = std::find_if(findings.begin(), findings.end(),
+                                      [&](const LogFinding& f) { return f.kind == "delay" && f.file == flight.label; });
     if (finding == findings.end()) continue;
     const std::optional<ClockTrack> track = command_track(flight, vehicle);
     apart = apart || finding->sets_column_aside;
     if (!track) continue;
     apart = true;
     findings.push_back({flight.label, "u1…uN", "delay", flight.start_s, flight.start_s + flight.duration_s(),
-                        fmt::format("the vehicle turns {:.0f} to {:.0f} ms after its rotors are told to, another time in each stretch of the flight: "
-                                    "inputs and motion are on two clocks, and torques are not judged", 1e3 * track->least_s(), 1e3 * track->most_s()),
+                        fmt::format("the vehicle turns {:.0f} to {:.0f} ms after its rotors are told to, another time "
+                                    "in each stretch of the flight: "
+                                    "inputs and motion are on two clocks, and torques are not judged",
+                                    1e3 * track->least_s(), 1e3 * track->most_s()),
                         false, false});
   }
   return apart;
@@ -209,16 +220,21 @@ FlightLog with_total_thrust(FlightLog log, const VehicleModel& vehicle) {
     for (int i = 1; i <= vehicle.rotor_count; ++i)
       if (column.name == fmt::format("u{}", i)) input.push_back(&column.values);
   }
-  if (input.size() != static_cast<std::size_t>(vehicle.rotor_count) || log.meta.actuator == ActuatorKind::collective_thrust) return log;
+  if (input.size() != static_cast<std::size_t>(vehicle.rotor_count) ||
+      log.meta.actuator == ActuatorKind::collective_thrust)
+    return log;
   std::vector<double> total(log.rows());
   for (std::size_t i = 0; i < input.size(); ++i)
     for (std::size_t k = 0; k < log.rows(); ++k) {
       const Rotor& rotor = vehicle.rotors[i];
-      total[k] += rotor.thrust_coefficient_Ns2 * std::pow(rotor_speed_radps(vehicle, rotor, log.meta.actuator, (*input[i])[k]), 2);
+      total[k] += rotor.thrust_coefficient_Ns2 *
+                  std::pow(rotor_speed_radps(vehicle, rotor, log.meta.actuator, (*input[i])[k]), 2);
     }
   *input.front() = std::move(total);
   log.meta.actuator = ActuatorKind::collective_thrust;
-  std::erase_if(log.columns, [](const LogColumn& column) { return column.name.size() == 2 && column.name[0] == 'u' && column.name[1] != '1'; });
+  std::erase_if(log.columns, [](const LogColumn& column) {
+    return column.name.size() == 2 && column.name[0] == 'u' && column.name[1] != '1';
+  });
   return log;
 }
 

@@ -18,7 +18,8 @@ double command_jitter_share(const FlightData& flight) {
       double sum = 0.0;
       for (int i = 0; i < vehicle.rotor_count; ++i) {
         const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
-        sum += (rotor.position_B_m - vehicle.center_of_mass_B_m).cross(rotor.axis_B)[axis] * std::pow(speed[static_cast<std::size_t>(i)], 2);
+        sum += (rotor.position_B_m - vehicle.center_of_mass_B_m).cross(rotor.axis_B)[axis] *
+               std::pow(speed[static_cast<std::size_t>(i)], 2);
       }
       torque.push_back(sum);
     }

@@ -15,7 +15,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double grouped_s = 0.008;   // over which the fastest logs are averaged
+constexpr double grouped_s = 0.008;  // over which the fastest logs are averaged
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // columns of one log by name; absent columns read as NaN
@@ -65,8 +65,10 @@ struct Stream {
 
   // [first, last) of the samples within half a window of a time, at least `least`
   std::pair<std::size_t, std::size_t> window(double at_s, double half_s, std::size_t least) const {
-    auto first = static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s - half_s) - time_s.begin());
-    auto last = static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at_s + half_s) - time_s.begin());
+    auto first =
+        static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s - half_s) - time_s.begin());
+    auto last =
+        static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at_s + half_s) - time_s.begin());
     while (last - first < least && (first > 0 || last < time_s.size())) {
       const bool left = first > 0 && (last == time_s.size() || at_s - time_s[first - 1] < time_s[last] - at_s);
       left ? --first : ++last;
@@ -77,8 +79,8 @@ struct Stream {
   template <int Degree>
   std::array<Eigen::Vector4d, Degree + 1> fit(double at_s, double half_s) const {
     const auto [first, last] = window(at_s, half_s, Degree + 2);
-    return local_polynomial<Degree>(time_s, [this](std::size_t k) -> const Eigen::Vector4d& { return value[k]; }, first,
-                                    last, at_s, half_s);
+    return local_polynomial<Degree>(
+        time_s, [this](std::size_t k) -> const Eigen::Vector4d& { return value[k]; }, first, last, at_s, half_s);
   }
   bool can_fit(std::size_t least) const { return time_s.size() >= least; }
 };
@@ -153,7 +155,8 @@ double third_difference_noise(const std::vector<double>& y) {
   return median(std::move(d)) / (0.6745 * std::sqrt(20.0));
 }
 
-std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s, const std::vector<double>& values) {
+std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s,
+                                                           const std::vector<double>& values) {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   std::vector<double> steps;
   std::size_t last = values.size();
@@ -171,8 +174,9 @@ CommandRecord::CommandRecord(std::vector<double> time_s, std::vector<RotorArray>
     : time_s_(std::move(time_s)), value_(std::move(speed_radps)), integral_(value_.size()), linear_(linear) {
   for (std::size_t k = 1; k < value_.size(); ++k)
     for (std::size_t i = 0; i < max_rotors; ++i)
-      integral_[k][i] = integral_[k - 1][i] + (time_s_[k] - time_s_[k - 1]) *
-                                                  (linear_ ? 0.5 * (value_[k - 1][i] + value_[k][i]) : value_[k - 1][i]);
+      integral_[k][i] =
+          integral_[k - 1][i] +
+          (time_s_[k] - time_s_[k - 1]) * (linear_ ? 0.5 * (value_[k - 1][i] + value_[k][i]) : value_[k - 1][i]);
 }
 
 RotorArray CommandRecord::integral(double time_s) const {
@@ -200,8 +204,10 @@ RotorArray CommandRecord::mean(double from_s, double to_s) const {
   if (smoothed_s2_ == 0.0) return result;
   // three points have any small variance
   constexpr double apart_s = 0.03;
-  const RotorArray before = plain_mean(from_s - apart_s, to_s - apart_s), after = plain_mean(from_s + apart_s, to_s + apart_s);
-  for (std::size_t i = 0; i < max_rotors; ++i) result[i] += 0.5 * smoothed_s2_ / (apart_s * apart_s) * (before[i] - 2.0 * result[i] + after[i]);
+  const RotorArray before = plain_mean(from_s - apart_s, to_s - apart_s),
+                   after = plain_mean(from_s + apart_s, to_s + apart_s);
+  for (std::size_t i = 0; i < max_rotors; ++i)
+    result[i] += 0.5 * smoothed_s2_ / (apart_s * apart_s) * (before[i] - 2.0 * result[i] + after[i]);
   return result;
 }
 
@@ -212,7 +218,8 @@ RotorArray CommandRecord::plain_mean(double from_s, double to_s) const {
 }
 
 FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
-  const FlightLog smooth = options.common_filter_s > 0.0 ? filtered_alike(original, options.common_filter_s) : FlightLog{};
+  const FlightLog smooth =
+      options.common_filter_s > 0.0 ? filtered_alike(original, options.common_filter_s) : FlightLog{};
   const FlightLog& log = options.common_filter_s > 0.0 ? smooth : original;
   FlightData flight;
   flight.file = log.path;
@@ -226,7 +233,8 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   if (!seen.walls.empty()) flight.vehicle.environment.walls = seen.walls;
   flight.collective_only = options.forces_only || log.meta.actuator == ActuatorKind::collective_thrust;
   flight.hold_known = log.meta.hold == Hold::zoh;
-  const bool linear = log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
+  const bool linear =
+      log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
 
   const auto& time = log.time_s;
   const std::size_t rows = log.rows();
@@ -270,7 +278,8 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   // already changed its commands, and would bias what answers to them. Of the fastest, means over 8 ms take vibration out (over
   // longer ones they would blur what the vehicle did)
   const bool grouped = options.common_filter_s == 0.0 && log_step_s <= 0.0016 && log_step_s * options.max_rate_hz < 0.7;
-  auto stride = static_cast<std::size_t>(std::max(1L, std::lround(grouped ? grouped_s / log_step_s : 1.0 / (log_step_s * options.max_rate_hz))));
+  auto stride = static_cast<std::size_t>(
+      std::max(1L, std::lround(grouped ? grouped_s / log_step_s : 1.0 / (log_step_s * options.max_rate_hz))));
   // an odd number of rows, so that the middle of a group is a row and substeps begin where commands change
   if (grouped && stride % 2 == 0) ++stride;
   const std::size_t group = grouped ? stride : 1;
@@ -313,14 +322,17 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   // where the pose is missing, there is nothing to linearise about
   if (const auto* pose = log.find("px") ? log.find("px") : log.find("qw"))
     for (const auto& [last, next] : pose_gaps(time, *pose))
-      std::erase_if(flight.samples, [from_s = time[last], to_s = time[next]](const Sample& s) { return s.time_s > from_s && s.time_s < to_s; });
+      std::erase_if(flight.samples, [from_s = time[last], to_s = time[next]](const Sample& s) {
+        return s.time_s > from_s && s.time_s < to_s;
+      });
   steps.clear();
   for (std::size_t k = 1; k < flight.samples.size(); ++k)
     steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);
   flight.sample_s = interval_s(steps);
   const double longest_s = longest_interval_s(steps);
   flight.read_slower = stride > 1;
-  flight.substeps = static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / options.substep_s - 1e-6)));
+  flight.substeps =
+      static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / options.substep_s - 1e-6)));
   for (std::size_t k = 0; k < flight.samples.size(); ++k)
     flight.samples[k].starts_segment = k == 0 || steps[k - 1] > longest_s;
   flight.start_s = flight.samples.empty() ? 0.0 : flight.samples.front().time_s;
@@ -337,14 +349,15 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   return flight;
 }
 
-double rate_half_window_s(const FlightData& flight) { return std::max(flight.as_recorded ? 0.0 : 0.045, 2.1 * flight.sample_s); }
+double rate_half_window_s(const FlightData& flight) {
+  return std::max(flight.as_recorded ? 0.0 : 0.045, 2.1 * flight.sample_s);
+}
 
 void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
   const auto& samples = flight.samples;
   flight.motion.assign(samples.size(), Motion{});
   const double pose_half_s = std::max(flight.as_recorded ? 0.0 : 0.095, 2.6 * flight.sample_s),
-               rate_half_s = rate_half_window_s(flight),
-               acceleration_half_s = std::max(0.105, 3.1 * flight.sample_s);
+               rate_half_s = rate_half_window_s(flight), acceleration_half_s = std::max(0.105, 3.1 * flight.sample_s);
 
   for (std::size_t begin = 0; begin < samples.size();) {
     std::size_t end = begin + 1;

@@ -18,8 +18,8 @@ enum Channel : unsigned { has_position = 1, has_velocity = 2, has_attitude = 4, 
 struct Sample {
   double time_s = 0.0;
   unsigned channels = 0;
-  bool starts_segment = false;   // first sample, or first after a gap
-  bool saturated = false;        // a command at its limit in the interval before
+  bool starts_segment = false;  // first sample, or first after a gap
+  bool saturated = false;       // a command at its limit in the interval before
   Vector3 position_W_m = Vector3::Zero();
   Vector3 velocity_W_mps = Vector3::Zero();
   Quaternion attitude_WB = Quaternion::Identity();
@@ -74,52 +74,53 @@ struct SensorLateness {
 // Rotor speeds over one sample interval, in substeps, and at its start.
 struct RotorHistory {
   int substeps = 1;
-  std::vector<RotorArray> mean, acceleration;        // substeps per sample interval
+  std::vector<RotorArray> mean, acceleration;  // substeps per sample interval
   std::vector<RotorArray> at_sample;
 };
 
 struct FlightData {
   std::string file;
-  std::string label;                    // file name without folder
-  VehicleModel vehicle;                 // with the flight's environment
+  std::string label;     // file name without folder
+  VehicleModel vehicle;  // with the flight's environment
   std::vector<Sample> samples;
-  std::vector<Motion> motion;           // per sample
-  CommandRecord commands;               // mapped to rotor speed
-  CommandRecord measured_speed;         // rotor* columns, when there
-  RotorHistory estimated;               // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
-  bool collective_only = false;         // torques unknown, or not to be told
+  std::vector<Motion> motion;    // per sample
+  CommandRecord commands;        // mapped to rotor speed
+  CommandRecord measured_speed;  // rotor* columns, when there
+  RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
+  bool collective_only = false;  // torques unknown, or not to be told
   bool has_voltage = false;
   SensorLateness late;
-  bool hold_known = false;              // interpolated commands were resampled, or sent faster than the log
+  bool hold_known = false;                 // interpolated commands were resampled, or sent faster than the log
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
   // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected
   std::vector<Eigen::Matrix<double, 6, 1>> limit_change;
-  std::vector<Surprise> surprise;          // see command_surprise.hpp, per sample; empty: not known
-  double sample_s = 0.01;               // median interval
-  int substeps = 4;                     // per sample interval, on the instants at which commands were logged
-  bool as_recorded = false;             // the recorded states are the motion
-  bool commands_filtered = false;       // as all else, or not
-  bool read_slower = false;             // than it was logged: neighbouring innovations are then never quite white
+  std::vector<Surprise> surprise;  // see command_surprise.hpp, per sample; empty: not known
+  double sample_s = 0.01;          // median interval
+  int substeps = 4;                // per sample interval, on the instants at which commands were logged
+  bool as_recorded = false;        // the recorded states are the motion
+  bool commands_filtered = false;  // as all else, or not
+  bool read_slower = false;        // than it was logged: neighbouring innovations are then never quite white
   double start_s = 0.0;
   // from the first sample to the last
   double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s - samples.front().time_s; }
 };
 
 struct ReadingOptions {
-  std::optional<bool> linear_hold;      // overrides the log when it does not say
-  double max_rate_hz = 255.0;           // faster logs are read more slowly
-  double substep_s = 0.0025;            // at most
+  std::optional<bool> linear_hold;  // overrides the log when it does not say
+  double max_rate_hz = 255.0;       // faster logs are read more slowly
+  double substep_s = 0.0025;        // at most
   // Logs that were low-pass filtered, each column differently, are filtered once more and all alike (Gaussian of this
   // standard deviation, s; commands too), and then sampled: what is linear between them stays as it was. 0: not.
   double common_filter_s = 0.0;
   // The recorded states are the motion: nothing is smoothed over more than a few samples, a recorded velocity counts.
   bool as_recorded = false;
-  bool forces_only = false;             // torques are not told, and with a pose inertial data are not used
+  bool forces_only = false;  // torques are not told, and with a pose inertial data are not used
   SensorLateness late = {};
 };
 
 // Rows (last with a value, next with one) between which a column has none for more than 0.1 s and five of its intervals.
-std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s, const std::vector<double>& values);
+std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s,
+                                                           const std::vector<double>& values);
 // Throws DataError when the actuator input cannot be mapped by the vehicle.
 FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, const ReadingOptions& options);
 // Smooths pose and rate again, with sensor effects taken out of the samples first.

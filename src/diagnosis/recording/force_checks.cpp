@@ -14,20 +14,20 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double window_s = 0.25;              // over which vibration averages out
+constexpr double window_s = 0.25;  // over which vibration averages out
 constexpr std::size_t least_windows = 8;
-constexpr double most_off = 2.5;               // of a scale, when only the vehicle file says how large a force is
-constexpr double most_off_of_motion = 1.3;     // when the motion does
-constexpr double near = 0.02, not_near = 0.5, clearly_nearer = 0.25;   // shares of squares
+constexpr double most_off = 2.5;            // of a scale, when only the vehicle file says how large a force is
+constexpr double most_off_of_motion = 1.3;  // when the motion does
+constexpr double near = 0.02, not_near = 0.5, clearly_nearer = 0.25;  // shares of squares
 constexpr double least_ratio = 0.5, most_ratio = 2.0, most_of_any_flight = 5.0;
 
 // means over a window, m/s²
 struct Window {
-  Vector3 measured_B = Vector3::Zero();        // by the accelerometer
-  Vector3 needed_B = Vector3::Zero();          // by the motion; without a pose what the inputs push
-  Vector3 needed_W = Vector3::Zero();          // the same in W
-  Vector3 gravity_B = Vector3::Zero(), gravity_W = Vector3::Zero();   // what of it holds the vehicle up
-  double pushed = 0.0;                         // thrust of the inputs per mass
+  Vector3 measured_B = Vector3::Zero();  // by the accelerometer
+  Vector3 needed_B = Vector3::Zero();    // by the motion; without a pose what the inputs push
+  Vector3 needed_W = Vector3::Zero();    // the same in W
+  Vector3 gravity_B = Vector3::Zero(), gravity_W = Vector3::Zero();  // what of it holds the vehicle up
+  double pushed = 0.0;                                               // thrust of the inputs per mass
 };
 
 struct Windows {
@@ -38,7 +38,8 @@ struct Windows {
 double thrust_per_mass(const CommandRecord& record, const VehicleModel& vehicle, double time_s, double interval_s) {
   const RotorArray speed = record.mean(time_s, time_s + interval_s);
   double thrust = 0.0;
-  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) thrust += vehicle.rotors[i].thrust_coefficient_Ns2 * std::pow(speed[i], 2);
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i)
+    thrust += vehicle.rotors[i].thrust_coefficient_Ns2 * std::pow(speed[i], 2);
   return thrust / vehicle.mass_kg;
 }
 
@@ -59,7 +60,8 @@ Windows windows_of(const FlightLog& log, const VehicleModel& vehicle) {
       const Quaternion to_B = motion.attitude_WB.conjugate();
       const double pushed = thrust_per_mass(record, vehicle, sample.time_s, data.sample_s);
       window.pushed += pushed;
-      window.needed_W += result.by_motion ? Vector3(motion.acceleration_W_mps2 + gravity_W) : Vector3(motion.attitude_WB * Vector3(0.0, 0.0, pushed));
+      window.needed_W += result.by_motion ? Vector3(motion.acceleration_W_mps2 + gravity_W)
+                                          : Vector3(motion.attitude_WB * Vector3(0.0, 0.0, pushed));
       window.needed_B += result.by_motion ? to_B * (motion.acceleration_W_mps2 + gravity_W) : Vector3(0.0, 0.0, pushed);
       window.gravity_B += to_B * gravity_W;
       window.gravity_W += gravity_W;
@@ -72,7 +74,8 @@ Windows windows_of(const FlightLog& log, const VehicleModel& vehicle) {
     for (Vector3* sum : {&window.needed_W, &window.needed_B, &window.gravity_B, &window.gravity_W}) *sum /= count;
     window.pushed /= count;
     if (felt > 0.0) window.measured_B /= felt;
-    if (window.needed_B.allFinite() && window.measured_B.allFinite() && std::isfinite(window.pushed)) result.all.push_back(window);
+    if (window.needed_B.allFinite() && window.measured_B.allFinite() && std::isfinite(window.pushed))
+      result.all.push_back(window);
   }
   return result;
 }
@@ -98,11 +101,14 @@ struct Reading {
 std::optional<ForceFault> accelerometer_fault(const Windows& windows, double gravity_mps2) {
   const std::vector<Reading> others = {
       {"unit", "is in g, not in m/s²", false, [&](const Window& w) -> Vector3 { return w.needed_B / gravity_mps2; }},
-      {"sign", "reads downward (a hover reads +9.81 along the body's z axis)", false, [](const Window& w) -> Vector3 { return -w.needed_B; }},
-      {"frame", "is in axes x forward, y right, z down", false, [](const Window& w) { return Vector3(w.needed_B.x(), -w.needed_B.y(), -w.needed_B.z()); }},
+      {"sign", "reads downward (a hover reads +9.81 along the body's z axis)", false,
+       [](const Window& w) -> Vector3 { return -w.needed_B; }},
+      {"frame", "is in axes x forward, y right, z down", false,
+       [](const Window& w) { return Vector3(w.needed_B.x(), -w.needed_B.y(), -w.needed_B.z()); }},
       {"frame", "is in world axes, not in body axes", true, [](const Window& w) { return w.needed_W; }},
       {"inconsistent", "leaves gravity out", true, [](const Window& w) -> Vector3 { return w.needed_B - w.gravity_B; }},
-      {"inconsistent", "is in world axes and leaves gravity out", true, [](const Window& w) -> Vector3 { return w.needed_W - w.gravity_W; }}};
+      {"inconsistent", "is in world axes and leaves gravity out", true,
+       [](const Window& w) -> Vector3 { return w.needed_W - w.gravity_W; }}};
   const double factor = windows.by_motion ? most_off_of_motion : most_off;
   const double as_read = left_by(windows.all, factor, [](const Window& w) { return w.needed_B; });
   double needed = 0.0;
@@ -116,8 +122,11 @@ std::optional<ForceFault> accelerometer_fault(const Windows& windows, double gra
   }
   if (best) return ForceFault{"ax…az", best->kind, fmt::format("the accelerometer {}: not used", best->says), true};
   if (as_read < not_near * needed) return std::nullopt;
-  return ForceFault{"ax…az", "inconsistent", fmt::format("the accelerometer does not show the specific force that the recorded {} needs: not used",
-                                                         windows.by_motion ? "motion" : "thrust"), true};
+  return ForceFault{
+      "ax…az", "inconsistent",
+      fmt::format("the accelerometer does not show the specific force that the recorded {} needs: not used",
+                  windows.by_motion ? "motion" : "thrust"),
+      true};
 }
 
 std::optional<ForceFault> thrust_fault(const Windows& windows, bool accelerometer_is_fine, double gravity_mps2) {
@@ -129,8 +138,11 @@ std::optional<ForceFault> thrust_fault(const Windows& windows, bool acceleromete
   const bool of_any_flight = !windows.by_motion && !accelerometer_is_fine;
   const double ratio = pushed / needed;
   if (ratio > least_ratio && ratio < (of_any_flight ? most_of_any_flight : most_ratio)) return std::nullopt;
-  return ForceFault{"u1…uN", "inconsistent", fmt::format("the inputs mean {:.2f} times the thrust that {} needs: is it the right vehicle and the right unit?",
-                                                         ratio, of_any_flight ? "a hover" : "the recorded motion"), false};
+  return ForceFault{
+      "u1…uN", "inconsistent",
+      fmt::format("the inputs mean {:.2f} times the thrust that {} needs: is it the right vehicle and the right unit?",
+                  ratio, of_any_flight ? "a hover" : "the recorded motion"),
+      false};
 }
 
 }  // namespace

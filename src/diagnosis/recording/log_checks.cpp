@@ -29,7 +29,10 @@ double median_step(const std::vector<double>& time) {
 class Checker {
  public:
   Checker(FlightLog& log, const VehicleModel& vehicle)
-      : log_(log), vehicle_(vehicle), label_(log.path.substr(log.path.find_last_of('/') + 1)), step_s_(median_step(log.time_s)) {}
+      : log_(log),
+        vehicle_(vehicle),
+        label_(log.path.substr(log.path.find_last_of('/') + 1)),
+        step_s_(median_step(log.time_s)) {}
 
   std::vector<LogFinding> run() {
     for (const LogRepair& repair : log_.repairs)
@@ -48,8 +51,8 @@ class Checker {
   }
 
  private:
-  void add(const std::string& column, const std::string& kind, std::size_t first, std::size_t last, const std::string& says,
-           bool flight_aside = false) {
+  void add(const std::string& column, const std::string& kind, std::size_t first, std::size_t last,
+           const std::string& says, bool flight_aside = false) {
     LogFinding f;
     f.file = label_;
     f.column = column;
@@ -74,13 +77,15 @@ class Checker {
   void gaps() {
     for (std::size_t k = 1; k < log_.rows(); ++k) {
       const double step = log_.time_s[k] - log_.time_s[k - 1];
-      if (step > std::max(0.1, 5.0 * step_s_)) add("time_s", "gap", k - 1, k + 1, fmt::format("no sample for {:.2f} s", step));
+      if (step > std::max(0.1, 5.0 * step_s_))
+        add("time_s", "gap", k - 1, k + 1, fmt::format("no sample for {:.2f} s", step));
     }
     const auto* pose = column("px") ? column("px") : column("qw");
     if (!pose) return;
     for (const auto& [last, next] : pose_gaps(log_.time_s, *pose))
       if (log_.time_s[last + 1] < log_.time_s[next])
-        add("px…qz", "gap", last, next + 1, fmt::format("no pose for {:.2f} s: this part is left out", log_.time_s[next] - log_.time_s[last]));
+        add("px…qz", "gap", last, next + 1,
+            fmt::format("no pose for {:.2f} s: this part is left out", log_.time_s[next] - log_.time_s[last]));
   }
 
   std::vector<std::vector<double>*> inputs(const char* prefix) {
@@ -112,10 +117,14 @@ class Checker {
     const bool scale_unknown = !vehicle_.rotor_speed_known && log_.meta.source == "recording";
     if (scale_unknown && !inputs("rotor").empty()) {
       for (auto* c : inputs("rotor")) std::fill(c->begin(), c->end(), nan);
-      add("rotor1…rotorN", "unit", 0, log_.rows(), "measured rotor speeds are not used: the vehicle file has hover in place of a thrust coefficient");
+      add("rotor1…rotorN", "unit", 0, log_.rows(),
+          "measured rotor speeds are not used: the vehicle file has hover in place of a thrust coefficient");
     }
     if (scale_unknown && kind == ActuatorKind::rotor_speed && !u.empty())
-      add("u1…uN", "unit", 0, log_.rows(), "the inputs are rotor speeds, and hover of the vehicle file is another input: write it in rad/s, or a coefficient", true);
+      add("u1…uN", "unit", 0, log_.rows(),
+          "the inputs are rotor speeds, and hover of the vehicle file is another input: write it in rad/s, or a "
+          "coefficient",
+          true);
     if (u.empty()) return;
     std::size_t outside = 0, first = log_.rows(), last = 0;
     for (auto* c : u)
@@ -146,8 +155,9 @@ class Checker {
           fmt::format("{} of {} inputs never change: the flight is set aside", u.size() - moving, u.size()), true);
     } else if (static_cast<double>(longest) * step_s_ > 0.5) {
       add("u1…uN", "inconsistent", end - longest, end + 1,
-          fmt::format("the inputs are a straight line for {:.1f} s (interpolated over lost telemetry): the flight is set aside",
-                      static_cast<double>(longest) * step_s_),
+          fmt::format(
+              "the inputs are a straight line for {:.1f} s (interpolated over lost telemetry): the flight is set aside",
+              static_cast<double>(longest) * step_s_),
           true);
     }
   }
@@ -174,13 +184,17 @@ class Checker {
     for (std::size_t first = 0, last = 0; first < off.size(); first = last) {
       for (last = first; last < off.size() && off[last] == off[first];) ++last;
       const bool inside = first > 0 && last < off.size();
-      if (off[first] && inside && (log_.time_s[last] - log_.time_s[first] < shortest_stop_s || moves(data, log_.time_s[first], log_.time_s[last])))
-        std::fill(off.begin() + static_cast<std::ptrdiff_t>(first), off.begin() + static_cast<std::ptrdiff_t>(last), false);
+      if (off[first] && inside &&
+          (log_.time_s[last] - log_.time_s[first] < shortest_stop_s ||
+           moves(data, log_.time_s[first], log_.time_s[last])))
+        std::fill(off.begin() + static_cast<std::ptrdiff_t>(first), off.begin() + static_cast<std::ptrdiff_t>(last),
+                  false);
       for (std::size_t k = first; k < last; ++k) count += off[k] ? 1 : 0;
     }
     if (count > 0) {
       add("*", "out_of_range", 0, log_.rows(),
-          fmt::format("{:.1f} s with rotors too slow to fly (on the ground) are left out", static_cast<double>(count) * step_s_));
+          fmt::format("{:.1f} s with rotors too slow to fly (on the ground) are left out",
+                      static_cast<double>(count) * step_s_));
       const auto keep = [&](std::vector<double>& v) {
         std::size_t to = 0;
         for (std::size_t k = 0; k < off.size(); ++k)
@@ -229,7 +243,8 @@ class Checker {
     const bool many = leapt * 10 > valid;
     add(name, many ? "unit" : "out_of_range", first, last,
         many ? fmt::format("moves faster than {:g} m/s: is it in metres? The flight is set aside", fastest_mps)
-             : fmt::format("{} samples leap faster than {:g} m/s: they are not used", leapt, fastest_mps), many);
+             : fmt::format("{} samples leap faster than {:g} m/s: they are not used", leapt, fastest_mps),
+        many);
   }
 
   // forward-filled samples are no samples; a column that never moves is none at all
@@ -254,11 +269,13 @@ class Checker {
     }
     const bool stuck = static_cast<double>(longest) * step_s_ > 0.25;
     if (share > 0.25)
-      add(name, "held", 0, c->size(), fmt::format("{:.0f} % of its samples repeat the one before (forward-filled): only new ones are used", 100.0 * share));
+      add(name, "held", 0, c->size(),
+          fmt::format("{:.0f} % of its samples repeat the one before (forward-filled): only new ones are used",
+                      100.0 * share));
     else if (stuck)
-      add(name, "frozen", end - longest, end + 1, fmt::format("stands still for {:.2f} s: not used there", static_cast<double>(longest) * step_s_));
-    else
-      return;
+      add(name, "frozen", end - longest, end + 1,
+          fmt::format("stands still for {:.2f} s: not used there", static_cast<double>(longest) * step_s_));
+    else return;
     double last = nan;
     for (double& value : *c) {
       const double now = value;
@@ -280,7 +297,8 @@ class Checker {
 
   // gyro against attitude, accelerometer and inputs against the motion, velocity against position
   void sensors() {
-    if (column("wx") && column("wy") && column("wz") && column("qw") && column("qx") && column("qy") && column("qz")) gyro();
+    if (column("wx") && column("wy") && column("wz") && column("qw") && column("qx") && column("qy") && column("qz"))
+      gyro();
     if (judge_forces_)
       for (const ForceFault& fault : check_forces(log_, vehicle_)) {
         add(fault.column, fault.kind, 0, log_.rows(), fault.says);
@@ -322,7 +340,8 @@ class Checker {
       const char* name = i == 0 ? "wx" : i == 1 ? "wy" : "wz";
       if (rate_energy[i] / static_cast<double>(log_.rows()) < 0.01) continue;
       if (agreement > 0.6 && slope > 0.5 * degrees_per_radian) {
-        add(name, "unit", 0, log_.rows(), "is in degrees per second: the attitude turns 57 times slower; the gyro is not used");
+        add(name, "unit", 0, log_.rows(),
+            "is in degrees per second: the attitude turns 57 times slower; the gyro is not used");
         wrong = true;
       } else if (agreement < -0.6) {
         add(name, "sign", 0, log_.rows(), "has the opposite sign of the attitude's rate; the gyro is not used");
@@ -337,15 +356,18 @@ class Checker {
   void clocks(const FlightData& data, const std::vector<Vector3>& rates) {
     const std::optional<ClockTrack> track = gyro_track(data, rates);
     if (!track) return;
-    const std::string apart = fmt::format("the gyro is {:.0f} to {:.0f} ms later than the attitude, another time in each stretch of the flight",
-                                          1e3 * track->least_s(), 1e3 * track->most_s());
+    const std::string apart = fmt::format(
+        "the gyro is {:.0f} to {:.0f} ms later than the attitude, another time in each stretch of the flight",
+        1e3 * track->least_s(), 1e3 * track->most_s());
     if (FlightLog laid = laid_on_pose_clock(log_, *track); gyro_track(data, gyro_of(laid, data))) {
-      add("wx…az", "delay", 0, log_.rows(), apart + ": inertial data and pose are on two clocks, and the inertial data are not used");
+      add("wx…az", "delay", 0, log_.rows(),
+          apart + ": inertial data and pose are on two clocks, and the inertial data are not used");
       found_.back().sets_column_aside = true;
       drop("wx", "wy", "wz");
       drop("ax", "ay", "az");
     } else {
-      add("wx…az, u1…uN", "delay", 0, log_.rows(), apart + ": all that was recorded on board is laid on the pose's clock, stretch by stretch");
+      add("wx…az, u1…uN", "delay", 0, log_.rows(),
+          apart + ": all that was recorded on board is laid on the pose's clock, stretch by stretch");
       log_ = std::move(laid);
     }
   }
@@ -365,10 +387,12 @@ class Checker {
     }
     if (energy / static_cast<double>(log_.rows()) < 0.01) return;
     if (body < 0.3 * world && world > 0.05 * energy) {
-      add("vx…vz", "frame", 0, log_.rows(), "velocity is in body axes, not in world axes: the derivative of the position is used instead");
+      add("vx…vz", "frame", 0, log_.rows(),
+          "velocity is in body axes, not in world axes: the derivative of the position is used instead");
       drop("vx", "vy", "vz");
     } else if (world > 0.25 * energy) {
-      add("vx…vz", "inconsistent", 0, log_.rows(), "velocity is not the derivative of the position, which is used instead");
+      add("vx…vz", "inconsistent", 0, log_.rows(),
+          "velocity is not the derivative of the position, which is used instead");
       drop("vx", "vy", "vz");
     }
   }
@@ -378,7 +402,7 @@ class Checker {
   std::string label_;
   double step_s_;
   bool aside_ = false;
-  bool judge_forces_ = false;   // inputs that have a map to rotor speed
+  bool judge_forces_ = false;  // inputs that have a map to rotor speed
   std::vector<LogFinding> found_;
 };
 
@@ -393,7 +417,8 @@ std::vector<LogFinding> check_copies(const std::vector<FlightLog>& logs) {
       if (logs[i].rows() != logs[j].rows() || logs[i].columns.size() != logs[j].columns.size()) continue;
       bool same = true;
       for (std::size_t c = 0; same && c < logs[i].columns.size(); ++c)
-        same = std::equal(logs[i].columns[c].values.begin(), logs[i].columns[c].values.end(), logs[j].columns[c].values.begin(),
+        same = std::equal(logs[i].columns[c].values.begin(), logs[i].columns[c].values.end(),
+                          logs[j].columns[c].values.begin(),
                           [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
       if (!same) continue;
       const auto name = [](const FlightLog& log) { return log.path.substr(log.path.find_last_of('/') + 1); };

@@ -40,11 +40,10 @@ bool all_filtered(const FlightLog& log, Wanted wanted) {
 
 bool motion_filtered(const FlightLog& log) {
   constexpr std::array<std::string_view, 8> motion = {"px", "py", "pz", "qx", "qy", "wx", "wy", "wz"};
-  return all_filtered(log, [&](std::string_view name) { return std::find(motion.begin(), motion.end(), name) != motion.end(); });
+  return all_filtered(
+      log, [&](std::string_view name) { return std::find(motion.begin(), motion.end(), name) != motion.end(); });
 }
 
-bool commands_filtered(const FlightLog& log) {
-  return all_filtered(log, is_rotor_column);
-}
+bool commands_filtered(const FlightLog& log) { return all_filtered(log, is_rotor_column); }
 
 }  // namespace gustlab::diagnosis

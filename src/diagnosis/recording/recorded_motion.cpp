@@ -70,7 +70,8 @@ Samples samples_of(const std::vector<double>& time_s, const std::vector<double>&
 }
 
 // a column at other rows, between its neighbours; none where these are farther apart than its samples usually are
-std::vector<double> between_neighbours(const std::vector<double>& time_s, const Samples& samples, const std::vector<std::size_t>& rows) {
+std::vector<double> between_neighbours(const std::vector<double>& time_s, const Samples& samples,
+                                       const std::vector<std::size_t>& rows) {
   constexpr double least_farthest_s = 0.05;
   const double farthest_s = std::max(least_farthest_s, 1.6 * samples.step_s);
   std::vector<double> result;
@@ -78,7 +79,8 @@ std::vector<double> between_neighbours(const std::vector<double>& time_s, const 
     const auto after = std::lower_bound(samples.rows.begin(), samples.rows.end(), row);
     if (after != samples.rows.end() && *after == row) {
       result.push_back((*samples.column)[row]);
-    } else if (after == samples.rows.begin() || after == samples.rows.end() || time_s[*after] - time_s[*(after - 1)] > farthest_s) {
+    } else if (after == samples.rows.begin() || after == samples.rows.end() ||
+               time_s[*after] - time_s[*(after - 1)] > farthest_s) {
       result.push_back(std::nan(""));
     } else {
       const std::size_t before = *(after - 1);
@@ -117,7 +119,10 @@ FlightLog with_shared_rows(const FlightLog& log) {
   const auto fewer = [](const Samples& a, const Samples& b) { return a.rows.size() < b.rows.size(); };
   const auto slowest = std::min_element(motion.begin(), motion.end(), fewer);
   const auto fastest = std::max_element(motion.begin(), motion.end(), fewer);
-  const auto whole = [&](std::size_t row) { return std::all_of(motion.begin(), motion.end(), [row](const Samples& s) { return std::isfinite((*s.column)[row]); }); };
+  const auto whole = [&](std::size_t row) {
+    return std::all_of(motion.begin(), motion.end(),
+                       [row](const Samples& s) { return std::isfinite((*s.column)[row]); });
+  };
   if (motion.empty() || static_cast<double>(std::count_if(fastest->rows.begin(), fastest->rows.end(), whole)) >=
                             nearly_all * static_cast<double>(fastest->rows.size()))
     return log;
@@ -129,7 +134,8 @@ FlightLog with_shared_rows(const FlightLog& log) {
   const std::vector<std::size_t>& rows = slowest->rows;
   for (const std::size_t row : rows) merged.time_s.push_back(log.time_s[row]);
   for (std::size_t c = 0; c < log.columns.size(); ++c)
-    merged.columns[c].values = between_neighbours(log.time_s, samples_of(log.time_s, continuous.columns[c].values), rows);
+    merged.columns[c].values =
+        between_neighbours(log.time_s, samples_of(log.time_s, continuous.columns[c].values), rows);
   return merged;
 }
 
@@ -143,7 +149,8 @@ RecordedMotion::RecordedMotion(const FlightLog& log)
   const std::vector<Vector3> vector_part = triple(log, {"qx", "qy", "qz"});
   const auto* scalar = log.find("qw");
   if (vector_part.empty() || !scalar)
-    throw DataError(fmt::format("{}: cannot be replayed (a rollout starts from an attitude, and the log has none)", log.path));
+    throw DataError(
+        fmt::format("{}: cannot be replayed (a rollout starts from an attitude, and the log has none)", log.path));
   std::vector<double> steps;
   for (std::size_t row = 0; row < rows(); ++row) {
     const Vector3& v = vector_part[row];
@@ -161,7 +168,8 @@ RecordedMotion::RecordedMotion(const FlightLog& log)
   // increments of the attitude are first differences already: two more make the third
   std::vector<double> turns[3];
   for (std::size_t row = 3; row < rows(); ++row) {
-    const Vector3 a = turn_between(attitude_[row - 3], attitude_[row - 2]), b = turn_between(attitude_[row - 2], attitude_[row - 1]),
+    const Vector3 a = turn_between(attitude_[row - 3], attitude_[row - 2]),
+                  b = turn_between(attitude_[row - 2], attitude_[row - 1]),
                   c = turn_between(attitude_[row - 1], attitude_[row]);
     const Vector3 third = c - 2.0 * b + a;
     for (int axis = 0; axis < 3; ++axis)
@@ -179,7 +187,8 @@ RecordedMotion::RecordedMotion(const FlightLog& log)
 
 std::size_t RecordedMotion::nearest(double time_s) const {
   const double wanted = time_s + time_s_.front();
-  const auto after = static_cast<std::size_t>(std::lower_bound(time_s_.begin(), time_s_.end(), wanted) - time_s_.begin());
+  const auto after =
+      static_cast<std::size_t>(std::lower_bound(time_s_.begin(), time_s_.end(), wanted) - time_s_.begin());
   if (after == 0) return 0;
   if (after == rows()) return rows() - 1;
   return wanted - time_s_[after - 1] <= time_s_[after] - wanted ? after - 1 : after;

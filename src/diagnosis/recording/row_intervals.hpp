@@ -17,7 +17,9 @@ inline double quantile(std::vector<double> values, double share) {
 inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
 // what is longer is a gap: of sensors with rows of their own, most intervals are parts of one
-inline double longest_interval_s(const std::vector<double>& steps_s) { return 1.6 * std::max(median(steps_s), quantile(steps_s, 0.75)); }
+inline double longest_interval_s(const std::vector<double>& steps_s) {
+  return 1.6 * std::max(median(steps_s), quantile(steps_s, 0.75));
+}
 
 // from row to row; the mean where rows are not even
 inline double interval_s(const std::vector<double>& steps_s) {

@@ -9,9 +9,9 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double turn_s = 0.1, way_s = 0.2;         // windows of attitudes and of positions
-constexpr double surely = 5.0;                      // standard errors
-constexpr double least_s = 0.0005, most_s = 0.02;   // a filter's
+constexpr double turn_s = 0.1, way_s = 0.2;        // windows of attitudes and of positions
+constexpr double surely = 5.0;                     // standard errors
+constexpr double least_s = 0.0005, most_s = 0.02;  // a filter's
 
 // y = d x, about each flight's means, which hold the sensor's biases, and beside a scale of the sensor, which would add `scaled` to y
 struct Window {
@@ -41,7 +41,8 @@ class Lateness {
     }
   }
   bool sure(double late_s) const {
-    return xx_ > 0.0 && std::abs(xy_ / xx_ - late_s) > surely * std::sqrt(std::max(0.0, yy_ / xx_ - std::pow(xy_ / xx_, 2)) / count_);
+    return xx_ > 0.0 && std::abs(xy_ / xx_ - late_s) >
+                            surely * std::sqrt(std::max(0.0, yy_ / xx_ - std::pow(xy_ / xx_, 2)) / count_);
   }
   // what it is when it is sure not to be `expected_s`
   double seconds(double expected_s) const {
@@ -65,7 +66,8 @@ std::vector<std::size_t> whole_windows(const FlightData& flight, std::size_t len
   for (std::size_t first = 0; first + length < flight.samples.size(); first += length) {
     bool whole = (flight.samples[first].channels & flight.samples[first + length].channels & pose) == pose;
     for (std::size_t k = first; k <= first + length; ++k)
-      whole = whole && (flight.samples[k].channels & sensor) == sensor && (k == first || !flight.samples[k].starts_segment);
+      whole =
+          whole && (flight.samples[k].channels & sensor) == sensor && (k == first || !flight.samples[k].starts_segment);
     if (whole) windows.push_back(first);
   }
   return windows;
@@ -86,10 +88,12 @@ Lateness rate_lateness(const std::vector<FlightData>& flights) {
       Quaternion by_gyro = from.attitude_WB;
       for (std::size_t k = first + 1; k <= first + length; ++k) {
         const Sample &before = flight.samples[k - 1], &now = flight.samples[k];
-        by_gyro = turned(by_gyro, 0.5 * (now.time_s - before.time_s) * (before.body_rate_B_radps + now.body_rate_B_radps));
+        by_gyro =
+            turned(by_gyro, 0.5 * (now.time_s - before.time_s) * (before.body_rate_B_radps + now.body_rate_B_radps));
       }
-      windows.push_back({to.body_rate_B_radps - to.attitude_WB.conjugate() * (from.attitude_WB * from.body_rate_B_radps),
-                         turn_between(by_gyro, to.attitude_WB)});
+      windows.push_back(
+          {to.body_rate_B_radps - to.attitude_WB.conjugate() * (from.attitude_WB * from.body_rate_B_radps),
+           turn_between(by_gyro, to.attitude_WB)});
     }
     lateness.add(std::move(windows));
   }
@@ -105,7 +109,9 @@ SensorLateness sensor_lateness(const std::vector<FlightData>& flights) {
 
 double rate_lateness_s(const std::vector<FlightData>& flights) { return rate_lateness(flights).seconds(0.0); }
 
-std::optional<double> pose_lateness_s(const std::vector<FlightData>& flights) { return rate_lateness(flights).earlier_s(); }
+std::optional<double> pose_lateness_s(const std::vector<FlightData>& flights) {
+  return rate_lateness(flights).earlier_s();
+}
 
 double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
   Lateness lateness;
@@ -129,7 +135,8 @@ double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
         w.x -= weight_s * triangle_s * turns;
         if (k != first + half) w.x += (k > first + half ? weight_s : -weight_s) * force;
       }
-      w.y = flight.samples[first].position_W_m - 2.0 * middle.position_W_m + flight.samples[first + 2 * half].position_W_m - w.scaled;
+      w.y = flight.samples[first].position_W_m - 2.0 * middle.position_W_m +
+            flight.samples[first + 2 * half].position_W_m - w.scaled;
       windows.push_back(w);
     }
     lateness.add(std::move(windows));

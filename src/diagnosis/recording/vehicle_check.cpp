@@ -21,9 +21,9 @@ constexpr double average_s = 0.09;
 
 // how the vehicle turned after its rotors' speeds changed, what they all did alike left out
 struct Response {
-  Eigen::MatrixXd gram, right;             // rotors × rotors of (Ω/Ω_h)², rotors × 3 with ω̇
-  Vector3 norm = Vector3::Zero();            // of the part of each ω̇ that the speeds explain, rad/s²
-  double explained = 0.0;                  // share of the variance of roll and pitch acceleration
+  Eigen::MatrixXd gram, right;     // rotors × rotors of (Ω/Ω_h)², rotors × 3 with ω̇
+  Vector3 norm = Vector3::Zero();  // of the part of each ω̇ that the speeds explain, rad/s²
+  double explained = 0.0;          // share of the variance of roll and pitch acceleration
 
   // correlation of what these gains (rad/s² per (Ω/Ω_h)²) foretell with what the speeds can explain at all, -1…1: rotors
   // that never moved apart (a mixer of six has four dimensions) count for nothing
@@ -51,7 +51,8 @@ Response measured_response(const std::vector<FlightData>& flights, const Vehicle
     };
     for (std::size_t k = 2 * back; k + back < flight.samples.size(); ++k) {
       const Row x = at(k) - at(k - back);
-      const Vector3 y = flight.motion[k].angular_acceleration_B_radps2 - flight.motion[k - back].angular_acceleration_B_radps2;
+      const Vector3 y =
+          flight.motion[k].angular_acceleration_B_radps2 - flight.motion[k - back].angular_acceleration_B_radps2;
       if (!x.allFinite() || !y.allFinite()) continue;
       gram += x.transpose() * x;
       right += x.transpose() * y.transpose();
@@ -123,7 +124,8 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
       finding.column = "rotor";
       finding.kind = "inconsistent";
       finding.says = fmt::format(
-          "the rotor order of the vehicle file contradicts roll and pitch (agreement {:.2f} of 2); u1…u{} drive the rotors "
+          "the rotor order of the vehicle file contradicts roll and pitch (agreement {:.2f} of 2); u1…u{} drive the "
+          "rotors "
           "that the file lists as {} (agreement {:.2f}): the diagnosis goes on with that order",
           stated, vehicle.rotor_count, order_text(best), level(best));
       findings.push_back(finding);
@@ -163,12 +165,15 @@ TurningSeries turning_series(const FlightData& flight, const VehicleModel& vehic
   for (const Sample& sample : flight.samples) {
     const RotorArray speed = record.mean(sample.time_s - 0.5 * average_s, sample.time_s + 0.5 * average_s);
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (int i = 0; i < vehicle.rotor_count; ++i) sum += gains.col(i).head<2>() * std::pow(speed[static_cast<std::size_t>(i)] / hover, 2);
+    for (int i = 0; i < vehicle.rotor_count; ++i)
+      sum += gains.col(i).head<2>() * std::pow(speed[static_cast<std::size_t>(i)] / hover, 2);
     torque.push_back(sum);
   }
   for (std::size_t k = 2 * back; k + back < count; ++k) {
     series.torque[k] = torque[k] - torque[k - back];
-    series.acceleration[k] = (flight.motion[k].angular_acceleration_B_radps2 - flight.motion[k - back].angular_acceleration_B_radps2).head<2>();
+    series.acceleration[k] =
+        (flight.motion[k].angular_acceleration_B_radps2 - flight.motion[k - back].angular_acceleration_B_radps2)
+            .head<2>();
   }
   return series;
 }
@@ -193,8 +198,9 @@ std::optional<double> torque_delay_s(const FlightData& flight, const VehicleMode
     };
     for (std::size_t k = 2 * lag; k + lag < flight.samples.size(); ++k) {
       const Eigen::Vector2d x = torque(k) - torque(k - lag);
-      const Eigen::Vector2d y = (flight.motion[k].angular_acceleration_B_radps2 -
-                                 flight.motion[k - lag].angular_acceleration_B_radps2).head<2>();
+      const Eigen::Vector2d y =
+          (flight.motion[k].angular_acceleration_B_radps2 - flight.motion[k - lag].angular_acceleration_B_radps2)
+              .head<2>();
       xy += x.dot(y), xx += x.squaredNorm(), yy += y.squaredNorm();
     }
     return xy / std::sqrt(xx * yy + 1e-300);

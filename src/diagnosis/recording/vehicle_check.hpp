@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "diagnosis/result/findings.hpp"
 #include "diagnosis/recording/flight_data.hpp"
+#include "diagnosis/result/findings.hpp"
 
 namespace gustlab::diagnosis {
 

@@ -9,11 +9,15 @@ double Evidence::robust_gain() const {
 }
 
 int Evidence::flights_for() const {
-  return static_cast<int>(std::count_if(flights.begin(), flights.end(), [](const FlightShare& f) { return f.share > 0.5 && f.share > 2.0 * f.deviation; }));
+  return static_cast<int>(std::count_if(flights.begin(), flights.end(), [](const FlightShare& f) {
+    return f.share > 0.5 && f.share > 2.0 * f.deviation;
+  }));
 }
 
 int Evidence::flights_against() const {
-  return static_cast<int>(std::count_if(flights.begin(), flights.end(), [](const FlightShare& f) { return f.share < 0.25 && f.share + 2.0 * f.deviation < 1.0; }));
+  return static_cast<int>(std::count_if(flights.begin(), flights.end(), [](const FlightShare& f) {
+    return f.share < 0.25 && f.share + 2.0 * f.deviation < 1.0;
+  }));
 }
 
 }  // namespace gustlab::diagnosis

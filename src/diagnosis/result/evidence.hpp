@@ -10,50 +10,54 @@ namespace gustlab::diagnosis {
 
 // How much a signature gains by chance: the same one moved along its flight, or mirrored in time (estimation/surrogates.hpp).
 struct SurrogateTest {
-  double inflation = 1.0;   // what a moved signature gains on average (Δχ²), per parameter; 1: innovations are white
-  double p_value = 1.0;     // share of moved signatures that gain at least as much as the true one, itself counted
-  bool movable = true;      // false: a moved signature is the same again (a constant), and the test says nothing
+  double inflation = 1.0;  // what a moved signature gains on average (Δχ²), per parameter; 1: innovations are white
+  double p_value = 1.0;    // share of moved signatures that gain at least as much as the true one, itself counted
+  bool movable = true;     // false: a moved signature is the same again (a constant), and the test says nothing
 };
 
 // How large an effect is in one flight, as a share of its value over all fit flights, everything else as it was fitted.
 struct FlightShare {
   std::string file;
   bool held_out = false;
-  double share = 1.0, deviation = 1.0;   // standard error, robust within a sixth of a flight
+  double share = 1.0, deviation = 1.0;  // standard error, robust within a sixth of a flight
 };
 
 struct Evidence {
-  std::string effect;                 // catalogue name
+  std::string effect;  // catalogue name
   int group = -1;
-  int rotor = 0;                      // of a rotor's own effect: 1 to N
-  bool per_flight = false;            // its values are each flight's own, fitted to the held-out ones as well
-  int parameters = 1;                 // free numbers
-  double gain = 0.0;                  // Δχ² when it is left out and all else is fitted anew
-  double held_out_gain = 0.0;         // Δχ² on the held-out flights, shared values as they were fitted
-  double held_out_expected = 0.0;     // the same if the effect were there just as it was fitted
+  int rotor = 0;                   // of a rotor's own effect: 1 to N
+  bool per_flight = false;         // its values are each flight's own, fitted to the held-out ones as well
+  int parameters = 1;              // free numbers
+  double gain = 0.0;               // Δχ² when it is left out and all else is fitted anew
+  double held_out_gain = 0.0;      // Δχ² on the held-out flights, shared values as they were fitted
+  double held_out_expected = 0.0;  // the same if the effect were there just as it was fitted
   SurrogateTest surrogates;
-  double clustered_inflation = 1.0;   // variance of its size between sixths of flights, over that of white innovations
-  std::vector<FlightShare> flights;   // fit flights, then the held-out ones together
-  double spread_flights = 0.0;        // standard deviation of the shares beyond their errors
-  double spread_regimes = 0.0;        // the same between low, middling and high speed, height, thrust …; 1: cannot be said
-  double size_in_tolerances = 0.0;    // largest parameter over its reporting tolerance; infinite where none is declared
-  double inclusion = 0.0;             // share of half samples that select it
-  double rival_gain = 0.0, rival_z = 0.0;  // of the nearest rival that is told from it: how much worse (Δχ²), in standard errors
-  double unpredicted_commands = 0.0;  // Δχ² of what the log does not hold of the commands, where only they can show the effect
+  double clustered_inflation = 1.0;  // variance of its size between sixths of flights, over that of white innovations
+  std::vector<FlightShare> flights;  // fit flights, then the held-out ones together
+  double spread_flights = 0.0;       // standard deviation of the shares beyond their errors
+  double spread_regimes = 0.0;  // the same between low, middling and high speed, height, thrust …; 1: cannot be said
+  double size_in_tolerances = 0.0;  // largest parameter over its reporting tolerance; infinite where none is declared
+  double inclusion = 0.0;           // share of half samples that select it
+  double rival_gain = 0.0,
+         rival_z = 0.0;  // of the nearest rival that is told from it: how much worse (Δχ²), in standard errors
+  double unpredicted_commands =
+      0.0;  // Δχ² of what the log does not hold of the commands, where only they can show the effect
   double force_excess = 0.0, force_excess_sd = 0.0;  // its force over what its moment predicts, less one
-  double sensors_share = 1.0;         // of a late pose, the share of its delay that gyro and attitudes show by themselves; 1 where they cannot
-  double unexplained_gain = 0.0;      // Δχ² of the generic family that still finds most
-  bool at_bound = false;              // a value ran into its bound
+  double sensors_share =
+      1.0;  // of a late pose, the share of its delay that gyro and attitudes show by themselves; 1 where they cannot
+  double unexplained_gain = 0.0;  // Δχ² of the generic family that still finds most
+  bool at_bound = false;          // a value ran into its bound
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
   // over its standard error; per horizon, the better of (position, velocity) and (attitude, body rate)
   std::vector<double> horizon_s, recovered, recovered_z;
-  std::vector<std::pair<std::string_view, double>> features;   // what the judge looked at, each from 0 (against) to 1 (for)
-  double probability = 0.0;           // that the name is right, by the judge
+  std::vector<std::pair<std::string_view, double>>
+      features;              // what the judge looked at, each from 0 (against) to 1 (for)
+  double probability = 0.0;  // that the name is right, by the judge
 
   // Δχ² in units that chance gives here: over the larger of both inflations.
   double robust_gain() const;
-  int flights_for() const;            // in which it is clearly there: more than half of its size and two errors
-  int flights_against() const;        // in which it is clearly not: less than a quarter, two errors below one
+  int flights_for() const;      // in which it is clearly there: more than half of its size and two errors
+  int flights_against() const;  // in which it is clearly not: less than a quarter, two errors below one
 };
 
 }  // namespace gustlab::diagnosis

@@ -18,13 +18,18 @@ struct Wording {
 };
 
 Wording wording_of(const std::string& text) {
-  const auto digit = [&](std::size_t i) { return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i])) != 0; };
-  const auto letter = [&](std::size_t i) { return i < text.size() && std::isalpha(static_cast<unsigned char>(text[i])) != 0; };
+  const auto digit = [&](std::size_t i) {
+    return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i])) != 0;
+  };
+  const auto letter = [&](std::size_t i) {
+    return i < text.size() && std::isalpha(static_cast<unsigned char>(text[i])) != 0;
+  };
   Wording wording;
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t first = i;
     // m/s² and u1 are words
-    const bool number = (digit(i) || (text[i] == '-' && digit(i + 1))) && (i == 0 || (!letter(i - 1) && !digit(i - 1) && text[i - 1] != '.'));
+    const bool number = (digit(i) || (text[i] == '-' && digit(i + 1))) &&
+                        (i == 0 || (!letter(i - 1) && !digit(i - 1) && text[i - 1] != '.'));
     if (!number) {
       wording.words.back() += text[i++];
       continue;
@@ -41,7 +46,7 @@ struct Line {
   std::string kind, column;
   std::vector<std::string> files;
   Wording wording;
-  std::vector<std::pair<std::string, std::string>> range;   // per number: least and most
+  std::vector<std::pair<std::string, std::string>> range;  // per number: least and most
 
   bool is_of(const LogFinding& finding, const Wording& said) const {
     return kind == finding.kind && column == finding.column && wording.words == said.words;
@@ -60,7 +65,9 @@ struct Line {
       const auto& [least, most] = range[i];
       says += (least == most ? least : fmt::format("{}…{}", least, most)) + wording.words[i + 1];
     }
-    const std::string where = files.size() == 1 ? files.front() : fmt::format("{} of {} flights", files.size(), std::max(flights, files.size()));
+    const std::string where = files.size() == 1
+                                  ? files.front()
+                                  : fmt::format("{} of {} flights", files.size(), std::max(flights, files.size()));
     return fmt::format("{}: {}{}", where, column == "*" || column.empty() ? "" : column + " ", says);
   }
 };

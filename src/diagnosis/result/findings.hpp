@@ -11,7 +11,8 @@ namespace gustlab::diagnosis {
 struct LogFinding {
   std::string file;
   std::string column;
-  std::string kind;   // gap | duplicate | frozen | held | out_of_range | unit | frame | sign | inconsistent | delay | filtered
+  std::string
+      kind;  // gap | duplicate | frozen | held | out_of_range | unit | frame | sign | inconsistent | delay | filtered
   double from_s = 0.0, to_s = 0.0;
   std::string says;
   bool sets_flight_aside = false;
@@ -33,23 +34,24 @@ struct ConfusableEffect {
 // parts hold equally much information about it.
 struct Regimes {
   std::string variable;
-  std::vector<double> share, deviation;   // 1: as over all flights; standard errors, robust within clusters
-  double spread = 0.0;                    // standard deviation between the parts beyond their errors
-  double chi_squared = 0.0;               // of the parts against their mean, in standard errors; degrees of freedom: parts − 1
+  std::vector<double> share, deviation;  // 1: as over all flights; standard errors, robust within clusters
+  double spread = 0.0;                   // standard deviation between the parts beyond their errors
+  double chi_squared = 0.0;  // of the parts against their mean, in standard errors; degrees of freedom: parts − 1
 };
 
 struct EffectFinding {
-  std::string effect;      // catalogue name
+  std::string effect;  // catalogue name
   std::string place;
   std::string says;
   double confidence = 0.0;
   std::vector<NamedValue> parameters;
-  std::vector<NamedValue> total;   // against the vehicle file, where `parameters` is a change against reference flights; empty: the same
-  std::vector<std::pair<std::string, std::vector<NamedValue>>> per_flight;   // file → values
-  std::vector<std::string> classmates;   // itself included
+  std::vector<NamedValue>
+      total;  // against the vehicle file, where `parameters` is a change against reference flights; empty: the same
+  std::vector<std::pair<std::string, std::vector<NamedValue>>> per_flight;  // file → values
+  std::vector<std::string> classmates;                                      // itself included
   std::vector<ConfusableEffect> confusable;
-  double gain = 0.0;       // rise of the score when it is removed
-  Regimes least_even;      // where its size varies most
+  double gain = 0.0;   // rise of the score when it is removed
+  Regimes least_even;  // where its size varies most
 };
 
 struct Rejected {
@@ -65,8 +67,8 @@ struct NotIdentifiable {
 // Where in the state space a mismatch sits.
 struct Region {
   std::string variable;
-  double above = 0.0;   // |variable| above which most of it is found
-  double share = 0.0;   // of its energy
+  double above = 0.0;  // |variable| above which most of it is found
+  double share = 0.0;  // of its energy
 };
 
 struct Mismatch {
@@ -80,14 +82,14 @@ struct Mismatch {
 
 // A reason to believe that something is left.
 struct Alarm {
-  std::string kind;     // omnibus | whiteness | floor | heteroscedastic
+  std::string kind;  // omnibus | whiteness | floor | heteroscedastic
   std::string says;
-  double size = 0.0;    // gain per degree of freedom, or ratio
+  double size = 0.0;                  // gain per degree of freedom, or ratio
   std::vector<std::string> channels;  // where
 };
 
 struct Disturbance {
-  std::string group;       // force_xy | force_z | torque_xy | torque_z
+  std::string group;  // force_xy | force_z | torque_xy | torque_z
   double before = 0.0, after = 0.0;
   std::string unit;
   double correlation_time_s = 0.0;

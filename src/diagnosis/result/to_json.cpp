@@ -24,7 +24,8 @@ ordered_json values(const std::vector<NamedValue>& named) {
 ordered_json effects(const std::vector<EffectFinding>& findings) {
   ordered_json result = ordered_json::array();
   for (const EffectFinding& f : findings) {
-    ordered_json one = {{"effect", f.effect}, {"place", f.place}, {"confidence", number(f.confidence)}, {"says", f.says}};
+    ordered_json one = {
+        {"effect", f.effect}, {"place", f.place}, {"confidence", number(f.confidence)}, {"says", f.says}};
     one["parameters"] = values(f.parameters);
     if (!f.total.empty()) one["total"] = values(f.total);
     if (!f.per_flight.empty()) {
@@ -35,9 +36,13 @@ ordered_json effects(const std::vector<EffectFinding>& findings) {
     one["delta_score"] = number(f.gain);
     one["confusable_with"] = ordered_json::array();
     for (const ConfusableEffect& c : f.confusable)
-      one["confusable_with"].push_back({{"effect", c.effect}, {"equivalent", c.equivalent}, {"z", number(c.z)}, {"delta_score", number(c.delta_score)}});
+      one["confusable_with"].push_back({{"effect", c.effect},
+                                        {"equivalent", c.equivalent},
+                                        {"z", number(c.z)},
+                                        {"delta_score", number(c.delta_score)}});
     if (!f.least_even.variable.empty())
-      one["least_even"] = {{"variable", f.least_even.variable}, {"share", f.least_even.share}, {"std", f.least_even.deviation}};
+      one["least_even"] = {
+          {"variable", f.least_even.variable}, {"share", f.least_even.share}, {"std", f.least_even.deviation}};
     result.push_back(one);
   }
   return result;
@@ -46,20 +51,39 @@ ordered_json effects(const std::vector<EffectFinding>& findings) {
 ordered_json records(const std::vector<Evidence>& evidence) {
   ordered_json result = ordered_json::array();
   for (const Evidence& e : evidence) {
-    ordered_json one = {{"effect", e.effect}, {"probability", number(e.probability)}, {"parameters", e.parameters}, {"delta_chi2", number(e.gain)},
-                        {"robust_delta_chi2", number(e.robust_gain())}, {"surrogate_inflation", number(e.surrogates.movable ? e.surrogates.inflation : NAN)},
-                        {"surrogate_p", number(e.surrogates.movable ? e.surrogates.p_value : NAN)}, {"clustered_inflation", number(e.clustered_inflation)},
-                        {"held_out_delta_chi2", number(e.held_out_gain)}, {"held_out_expected", number(e.held_out_expected)},
-                        {"flights_for", e.flights_for()}, {"flights_against", e.flights_against()}, {"spread_flights", number(e.spread_flights)},
-                        {"spread_regimes", number(e.spread_regimes)}, {"size_in_tolerances", number(e.size_in_tolerances)}, {"inclusion", number(e.inclusion)},
-                        {"rival_delta_chi2", number(e.rival_gain)}, {"rival_z", number(e.rival_z)}, {"unpredicted_commands", number(e.unpredicted_commands)},
-                        {"force_excess", number(e.force_excess)}, {"force_excess_std", number(e.force_excess_sd)},
-                        {"unexplained_delta_chi2", number(e.unexplained_gain)}, {"sensors_share", number(e.sensors_share)}, {"at_bound", e.at_bound},
-                        {"horizon_s", e.horizon_s}, {"recovered", e.recovered}, {"recovered_z", e.recovered_z}};
+    ordered_json one = {{"effect", e.effect},
+                        {"probability", number(e.probability)},
+                        {"parameters", e.parameters},
+                        {"delta_chi2", number(e.gain)},
+                        {"robust_delta_chi2", number(e.robust_gain())},
+                        {"surrogate_inflation", number(e.surrogates.movable ? e.surrogates.inflation : NAN)},
+                        {"surrogate_p", number(e.surrogates.movable ? e.surrogates.p_value : NAN)},
+                        {"clustered_inflation", number(e.clustered_inflation)},
+                        {"held_out_delta_chi2", number(e.held_out_gain)},
+                        {"held_out_expected", number(e.held_out_expected)},
+                        {"flights_for", e.flights_for()},
+                        {"flights_against", e.flights_against()},
+                        {"spread_flights", number(e.spread_flights)},
+                        {"spread_regimes", number(e.spread_regimes)},
+                        {"size_in_tolerances", number(e.size_in_tolerances)},
+                        {"inclusion", number(e.inclusion)},
+                        {"rival_delta_chi2", number(e.rival_gain)},
+                        {"rival_z", number(e.rival_z)},
+                        {"unpredicted_commands", number(e.unpredicted_commands)},
+                        {"force_excess", number(e.force_excess)},
+                        {"force_excess_std", number(e.force_excess_sd)},
+                        {"unexplained_delta_chi2", number(e.unexplained_gain)},
+                        {"sensors_share", number(e.sensors_share)},
+                        {"at_bound", e.at_bound},
+                        {"horizon_s", e.horizon_s},
+                        {"recovered", e.recovered},
+                        {"recovered_z", e.recovered_z}};
     if (e.rotor > 0) one["rotor"] = e.rotor;
     for (const auto& [name, value] : e.features) one["features"][std::string(name)] = number(value);
     one["flights"] = ordered_json::array();
-    for (const FlightShare& f : e.flights) one["flights"].push_back({{"file", f.file}, {"held_out", f.held_out}, {"share", number(f.share)}, {"std", number(f.deviation)}});
+    for (const FlightShare& f : e.flights)
+      one["flights"].push_back(
+          {{"file", f.file}, {"held_out", f.held_out}, {"share", number(f.share)}, {"std", number(f.deviation)}});
     result.push_back(one);
   }
   return result;
@@ -69,11 +93,16 @@ ordered_json records(const std::vector<Evidence>& evidence) {
 
 std::string_view to_string(Verdict verdict) {
   switch (verdict) {
-    case Verdict::consistent: return "consistent";
-    case Verdict::explained: return "explained";
-    case Verdict::partly_explained: return "partly_explained";
-    case Verdict::unexplained: return "unexplained";
-    case Verdict::insufficient_data: return "insufficient_data";
+    case Verdict::consistent:
+      return "consistent";
+    case Verdict::explained:
+      return "explained";
+    case Verdict::partly_explained:
+      return "partly_explained";
+    case Verdict::unexplained:
+      return "unexplained";
+    case Verdict::insufficient_data:
+      return "insufficient_data";
   }
   return "?";
 }
@@ -82,13 +111,20 @@ ordered_json to_json(const Diagnosis& d) {
   ordered_json out = {{"format", "gustlab-diagnosis/1"}, {"verdict", to_string(d.verdict)}, {"vehicle", d.vehicle}};
   out["flights"] = ordered_json::array();
   for (const FlightUse& f : d.flights)
-    out["flights"].push_back({{"file", f.file}, {"role", f.role}, {"duration_s", f.duration_s}, {"time_offset_s", f.time_offset_s}});
+    out["flights"].push_back(
+        {{"file", f.file}, {"role", f.role}, {"duration_s", f.duration_s}, {"time_offset_s", f.time_offset_s}});
   out["mismatch"] = ordered_json::array();
   for (const Mismatch& m : d.mismatch) {
     ordered_json where = ordered_json::array();
-    for (const Region& r : m.where) where.push_back({{"variable", r.variable}, {"above", number(r.above)}, {"share", number(r.share)}});
-    out["mismatch"].push_back({{"channel", m.channel}, {"significant", m.significant}, {"p_value", number(m.p_value)},
-                               {"rms", number(m.rms)}, {"noise_rms", number(m.noise_rms)}, {"unit", m.unit}, {"where", where}});
+    for (const Region& r : m.where)
+      where.push_back({{"variable", r.variable}, {"above", number(r.above)}, {"share", number(r.share)}});
+    out["mismatch"].push_back({{"channel", m.channel},
+                               {"significant", m.significant},
+                               {"p_value", number(m.p_value)},
+                               {"rms", number(m.rms)},
+                               {"noise_rms", number(m.noise_rms)},
+                               {"unit", m.unit},
+                               {"where", where}});
   }
   out["effects"] = effects(d.effects);
   if (!d.reference_effects.empty()) out["reference_effects"] = effects(d.reference_effects);
@@ -99,29 +135,44 @@ ordered_json to_json(const Diagnosis& d) {
   out["evidence"] = records(d.evidence);
   out["disturbance"] = ordered_json::array();
   for (const Disturbance& g : d.disturbance)
-    out["disturbance"].push_back({{"group", g.group}, {"before", number(g.before)}, {"after", number(g.after)}, {"unit", g.unit},
+    out["disturbance"].push_back({{"group", g.group},
+                                  {"before", number(g.before)},
+                                  {"after", number(g.after)},
+                                  {"unit", g.unit},
                                   {"correlation_time_s", number(g.correlation_time_s)}});
-  out["air"] = {{"force_mps2", number(d.air.force_mps2)}, {"torque_radps2", number(d.air.torque_radps2)}, {"calm_force_mps2", number(d.air.calm_force_mps2)},
-                {"calm_torque_radps2", number(d.air.calm_torque_radps2)}, {"predictable_share", number(d.air.predictable_share.value_or(NAN))}};
+  out["air"] = {{"force_mps2", number(d.air.force_mps2)},
+                {"torque_radps2", number(d.air.torque_radps2)},
+                {"calm_force_mps2", number(d.air.calm_force_mps2)},
+                {"calm_torque_radps2", number(d.air.calm_torque_radps2)},
+                {"predictable_share", number(d.air.predictable_share.value_or(NAN))}};
   out["log_findings"] = ordered_json::array();
   for (const LogFinding& f : d.log_findings)
-    out["log_findings"].push_back({{"file", f.file}, {"column", f.column}, {"kind", f.kind}, {"from_s", f.from_s}, {"to_s", f.to_s}, {"says", f.says}});
+    out["log_findings"].push_back({{"file", f.file},
+                                   {"column", f.column},
+                                   {"kind", f.kind},
+                                   {"from_s", f.from_s},
+                                   {"to_s", f.to_s},
+                                   {"says", f.says}});
   out["log_findings_in_short"] = ordered_json::array();
-  for (const auto& [kind, says] : finding_lines(d.log_findings, d.flights.size())) out["log_findings_in_short"].push_back({{"kind", kind}, {"says", says}});
+  for (const auto& [kind, says] : finding_lines(d.log_findings, d.flights.size()))
+    out["log_findings_in_short"].push_back({{"kind", kind}, {"says", says}});
   out["rejected"] = ordered_json::array();
   for (const Rejected& r : d.rejected)
     out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.delta_score)}, {"why", r.why}});
   out["not_identifiable"] = ordered_json::array();
-  for (const NotIdentifiable& n : d.not_identifiable) out["not_identifiable"].push_back({{"effect", n.effect}, {"why", n.why}});
+  for (const NotIdentifiable& n : d.not_identifiable)
+    out["not_identifiable"].push_back({{"effect", n.effect}, {"why", n.why}});
   out["alarms"] = ordered_json::array();
-  for (const Alarm& a : d.alarms) out["alarms"].push_back({{"kind", a.kind}, {"says", a.says}, {"size", number(a.size)}, {"channels", a.channels}});
+  for (const Alarm& a : d.alarms)
+    out["alarms"].push_back({{"kind", a.kind}, {"says", a.says}, {"size", number(a.size)}, {"channels", a.channels}});
   out["unexplained_share"] = number(d.unexplained_share);
   out["notes"] = d.notes;
   out["fit"] = d.fit;
   if (!d.next_trajectory.empty()) {
     out["next_flight"] = {{"trajectory", d.next_trajectory}, {"why", d.next_why}};
     // numbers, lists of numbers and plain texts are the same in TOML and JSON
-    for (const auto& [name, literal] : d.next_parameters) out["next_flight"]["parameters"][name] = ordered_json::parse(literal);
+    for (const auto& [name, literal] : d.next_parameters)
+      out["next_flight"]["parameters"][name] = ordered_json::parse(literal);
   }
   out["augmented_model"] = "augmented.toml";
   return out;

@@ -13,7 +13,8 @@ namespace gustlab::diagnosis {
 namespace {
 
 constexpr double rollout_s = 0.5;
-constexpr double step_share = 0.1;  // of a parameter's natural size: far above rounding, small for what is nearly linear
+constexpr double step_share =
+    0.1;  // of a parameter's natural size: far above rounding, small for what is nearly linear
 constexpr double prior = step_share * step_share;  // 1/variance of a change, in steps, when it is of natural size
 
 // every number of an effect: its value, and its natural size on this vehicle
@@ -110,7 +111,8 @@ PerFlightFit::PerFlightFit(const Recording& recording, const std::vector<EffectS
     if (std::find(finite.begin(), finite.end(), 0) != finite.end()) continue;
     Eigen::Matrix3Xd slope(3, count);
     for (Eigen::Index p = 0; p < count; ++p) slope.col(p) = end[static_cast<std::size_t>(p) + 1] - end[0];
-    const Vector3 aim = (by_velocity ? motion.velocity_W_mps(segment.last) : motion.position_W_m(segment.last)) - end[0] + slope * about;
+    const Vector3 aim = (by_velocity ? motion.velocity_W_mps(segment.last) : motion.position_W_m(segment.last)) -
+                        end[0] + slope * about;
     gram += slope.transpose() * slope;
     right += slope.transpose() * aim;
     square += aim.squaredNorm();

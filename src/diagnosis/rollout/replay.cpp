@@ -51,7 +51,9 @@ std::vector<Window> find_windows(const RecordedMotion& motion, const ReplayOptio
              std::abs(motion.time_s(target) - t - horizon) <= 0.75 * motion.sample_s();
       window.targets.push_back(target);
     }
-    const std::size_t stride = options.stride > 0 ? static_cast<std::size_t>(options.stride) : good ? window.targets.back() - row : 1;
+    const std::size_t stride = options.stride > 0 ? static_cast<std::size_t>(options.stride)
+                               : good             ? window.targets.back() - row
+                                                  : 1;
     if (good) windows.push_back(std::move(window));
     row += stride;
   }
@@ -66,7 +68,9 @@ Measured noisy(const Measured& exact, const std::array<double, 4>& deviation, st
     const auto four = stream.normal4(row, 3 * lane + part);
     std::copy(four.begin(), four.end(), n.begin() + 4 * part);
   }
-  const auto draw = [&](std::size_t quantity) { return Vector3(deviation[quantity] * Vector3(n.data() + 3 * quantity)); };
+  const auto draw = [&](std::size_t quantity) {
+    return Vector3(deviation[quantity] * Vector3(n.data() + 3 * quantity));
+  };
   Measured result = exact;
   result.position_W_m += draw(0);
   result.velocity_W_mps += draw(1);
@@ -77,7 +81,8 @@ Measured noisy(const Measured& exact, const std::array<double, 4>& deviation, st
 
 class Replayer {
  public:
-  Replayer(const Recording& recording, const ReplayOptions& options, const std::vector<Window>& windows, FitErrors& errors)
+  Replayer(const Recording& recording, const ReplayOptions& options, const std::vector<Window>& windows,
+           FitErrors& errors)
       : recording_(recording), options_(options), windows_(windows), errors_(errors) {}
 
   void replay(Rollout& rollout, const std::vector<RotorArray>& rotor_speeds, std::size_t index) {
@@ -98,8 +103,9 @@ class Replayer {
     if (!options_.with_noise) return;
 
     // the same rollout from a start as wrong as the sensors are, seen with their noise
-    const Measured shaken = noisy({start.position_W_m, start.velocity_W_mps, start.attitude_WB, start.body_rate_B_radps, {}},
-                                  motion.noise(), window.row, 0);
+    const Measured shaken =
+        noisy({start.position_W_m, start.velocity_W_mps, start.attitude_WB, start.body_rate_B_radps, {}},
+              motion.noise(), window.row, 0);
     start.position_W_m = shaken.position_W_m;
     start.velocity_W_mps = shaken.velocity_W_mps;
     start.attitude_WB = shaken.attitude_WB;
@@ -174,12 +180,14 @@ nlohmann::ordered_json fit_block(const std::vector<FitErrors>& before, const std
   const std::vector<double>& horizon_s = before.front().horizon_s;
   std::size_t windows = 0;
   for (const FitErrors& flight : before) windows += flight.windows();
-  const auto means = [&](const std::vector<FitErrors>& flights, std::size_t q, std::vector<double> FitErrors::Quantity::*kind) {
+  const auto means = [&](const std::vector<FitErrors>& flights, std::size_t q,
+                         std::vector<double> FitErrors::Quantity::*kind) {
     ordered_json result = ordered_json::array();
     for (std::size_t h = 0; h < horizon_s.size(); ++h) {
       double sum = 0.0;
       for (const FitErrors& flight : flights)
-        for (std::size_t i = 0; i < flight.windows(); ++i) sum += (flight.quantities[q].*kind)[i * horizon_s.size() + h];
+        for (std::size_t i = 0; i < flight.windows(); ++i)
+          sum += (flight.quantities[q].*kind)[i * horizon_s.size() + h];
       const double mean = sum / static_cast<double>(windows);
       result.push_back(std::isfinite(mean) ? ordered_json(mean) : ordered_json(nullptr));
     }

@@ -94,14 +94,16 @@ VehicleState Rollout::start(std::size_t row) const {
   wanted.body_rate_B_radps = pose_delay_s_ > 0.0 ? motion.body_rate_at(time_s) : motion.body_rate_B_radps(row);
 
   // sensor effects are small and smooth: what they add is taken out until the sensors say what was recorded
-  VehicleState state{time_s, wanted.position_W_m, wanted.velocity_W_mps, wanted.attitude_WB, wanted.body_rate_B_radps, {}};
+  VehicleState state{time_s, wanted.position_W_m, wanted.velocity_W_mps, wanted.attitude_WB, wanted.body_rate_B_radps,
+                     {}};
   for (int repeat = 0; repeat < 4; ++repeat) {
     Still past;
     past.state = state;
     MeasurementContext context;
     context.time_s = time_s;
     context.past = &past;
-    Measured said{state.position_W_m, state.velocity_W_mps, state.attitude_WB, state.body_rate_B_radps, Vector3::Zero()};
+    Measured said{state.position_W_m, state.velocity_W_mps, state.attitude_WB, state.body_rate_B_radps,
+                  Vector3::Zero()};
     plant_.forces().measure(context, said);
     state.position_W_m += wanted.position_W_m - said.position_W_m;
     state.velocity_W_mps += wanted.velocity_W_mps - said.velocity_W_mps;

@@ -12,9 +12,9 @@ namespace gustlab::diagnosis {
 
 // What every rollout on one recording shares.
 struct Recording {
-  FlightLog log;                  // whose rows tell the whole motion
+  FlightLog log;  // whose rows tell the whole motion
   RecordedMotion motion;
-  VehicleModel vehicle;           // with the flight's surroundings, and nothing that touches the ground
+  VehicleModel vehicle;  // with the flight's surroundings, and nothing that touches the ground
   CommandRecord inputs;
   bool speed_is_measured = false;
   bool collective_only = false;   // the attitude is taken as recorded

@@ -24,7 +24,8 @@ constexpr double window_s = 4.0;
 double recovered_share(const nlohmann::ordered_json& fit) {
   double closed = 0.0, open = 0.0;
   for (const std::string_view name : fit_quantity_names) {
-    const double before = half_a_second_ahead(fit, name, "before"), after = half_a_second_ahead(fit, name, "after"), noise = half_a_second_ahead(fit, name, "noise");
+    const double before = half_a_second_ahead(fit, name, "before"), after = half_a_second_ahead(fit, name, "after"),
+                 noise = half_a_second_ahead(fit, name, "noise");
     if (!(before > 1.05 * noise)) continue;
     const double unit = std::max(noise, 1e-9), recoverable = std::min((before - noise) / unit, most_noises);
     closed += recoverable * std::clamp((before - after) / (before - noise), -1.0, 1.0);
@@ -36,13 +37,18 @@ double recovered_share(const nlohmann::ordered_json& fit) {
 // heading, and the tilt of the body's z axis toward x and y of the world
 std::array<double, 6> picture(const Vector3& position, const Quaternion& q) {
   const Matrix3 R = q.toRotationMatrix();
-  return {position.x(), position.y(), position.z(), std::atan2(R(2, 1), R(2, 2)), -std::asin(std::clamp(R(2, 0), -1.0, 1.0)),
+  return {position.x(),
+          position.y(),
+          position.z(),
+          std::atan2(R(2, 1), R(2, 2)),
+          -std::asin(std::clamp(R(2, 0), -1.0, 1.0)),
           std::atan2(R(1, 0), R(0, 0))};
 }
 
 // the middle of a flight, predicted again and again from recorded states
-std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& vehicle, const std::vector<EffectSpec>& before,
-                                   const std::vector<EffectSpec>& after, int jobs) {
+std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& vehicle,
+                                   const std::vector<EffectSpec>& before, const std::vector<EffectSpec>& after,
+                                   int jobs) {
   const Recording recording(log, vehicle, ReplayOptions{});
   const RecordedMotion& motion = recording.motion;
   const char* names[] = {"position x", "position y", "position z", "roll", "pitch", "yaw"};
@@ -99,7 +105,8 @@ FlightLog with_later_inputs(const FlightLog& log, double by_s) {
       if (std::isfinite(from[k])) rows.push_back(k);
     for (const std::size_t k : rows) {
       const double t = log.time_s[k] - by_s;
-      const auto next = std::upper_bound(rows.begin(), rows.end(), t, [&](double at_s, std::size_t row) { return at_s < log.time_s[row]; });
+      const auto next = std::upper_bound(rows.begin(), rows.end(), t,
+                                         [&](double at_s, std::size_t row) { return at_s < log.time_s[row]; });
       if (next == rows.begin() || next == rows.end()) {
         later.columns[c].values[k] = from[next == rows.begin() ? rows.front() : rows.back()];
         continue;
@@ -112,7 +119,8 @@ FlightLog with_later_inputs(const FlightLog& log, double by_s) {
   return later;
 }
 
-Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& vehicle, const std::vector<EffectSpec>& found, int jobs) {
+Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& vehicle,
+                    const std::vector<EffectSpec>& found, int jobs) {
   Verification result;
   std::vector<FitErrors> before, after;
   ReplayOptions options;

@@ -20,17 +20,21 @@ double with_model_form(double deviation, double value, double nominal) {
 
 }  // namespace
 
-std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group, int flight) {
+std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group,
+                                  int flight) {
   std::vector<NamedValue> values;
   if (group.rotor > 0) values.push_back({"rotor", "-", static_cast<double>(group.rotor), 0.0});
-  if (group.row->name == "slung_load") values.push_back({"length", "m", group.swing.length_m, std::hypot(group.swing.length_deviation_m, cable_form * group.swing.length_m)});
+  if (group.row->name == "slung_load")
+    values.push_back({"length", "m", group.swing.length_m,
+                      std::hypot(group.swing.length_deviation_m, cable_form * group.swing.length_m)});
   if (group.row->name == "saturation") return {{"max_speed", "rad/s", group.limit_radps, 0.01 * group.limit_radps}};
   // mean over flights of values per flight
   std::vector<std::pair<int, std::vector<int>>> by_parameter;
   for (const int c : group.columns) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
     if (flight >= 0 && column.flight != flight) continue;
-    auto at = std::find_if(by_parameter.begin(), by_parameter.end(), [&](const auto& p) { return p.first == column.parameter; });
+    auto at = std::find_if(by_parameter.begin(), by_parameter.end(),
+                           [&](const auto& p) { return p.first == column.parameter; });
     if (at == by_parameter.end()) at = by_parameter.insert(at, {column.parameter, {}});
     at->second.push_back(c);
   }
@@ -58,7 +62,8 @@ std::vector<EffectSpec> effects_found(const Catalogue& catalogue, const Selectio
     EffectSpec& spec = specs.emplace_back();
     spec.type = group.row->name;
     for (const NamedValue& value : values_of(catalogue, selection, group, -1))
-      spec.values.emplace_back(value.name, value.name == "rotor" ? fmt::format("{:.0f}", value.value) : config::shortest(value.value));
+      spec.values.emplace_back(
+          value.name, value.name == "rotor" ? fmt::format("{:.0f}", value.value) : config::shortest(value.value));
   }
   return specs;
 }

@@ -9,7 +9,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double fewest_samples = 10.0, least_strength = 0.2;   // 1 when the limit is the true one
+constexpr double fewest_samples = 10.0, least_strength = 0.2;  // 1 when the limit is the true one
 
 // limits at the upper quantiles of what was commanded
 std::vector<double> limits_to_try(const Session& session) {
@@ -32,7 +32,8 @@ std::vector<double> limits_to_try(const Session& session) {
 }
 
 // the best of some limits
-LimitScan best_of(const Session& session, const std::vector<int>& columns, const Eigen::VectorXd& coefficient, const std::vector<double>& limits) {
+LimitScan best_of(const Session& session, const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
+                  const std::vector<double>& limits) {
   LimitScan best;
   const auto count = static_cast<Eigen::Index>(limits.size());
   std::vector<std::vector<Pushes>> change(session.flights().size());
@@ -46,7 +47,8 @@ LimitScan best_of(const Session& session, const std::vector<int>& columns, const
   std::vector<double> samples(limits.size(), 0.0);
   for (const auto& flight : change)
     for (const Pushes& push : flight)
-      for (std::size_t i = 0; i < limits.size(); ++i) samples[i] += push.col(static_cast<Eigen::Index>(i)).isZero(0.0) ? 0.0 : 1.0;
+      for (std::size_t i = 0; i < limits.size(); ++i)
+        samples[i] += push.col(static_cast<Eigen::Index>(i)).isZero(0.0) ? 0.0 : 1.0;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count + 1, count + 1);
   for (const Whitened& w : session.innovations(columns, coefficient, &change))
     for (Eigen::Index r = 0; r < w.rows.rows(); ++r)
@@ -70,9 +72,11 @@ LimitScan scan_limit(const Session& session, const std::vector<int>& columns) {
   if (coarse.gain == 0.0) return coarse;
   // and between its neighbours
   const auto at = std::find(limits.begin(), limits.end(), coarse.limit_radps);
-  const double above = at == limits.begin() ? session.vehicle().max_speed_radps : at[-1], below = at + 1 == limits.end() ? *at : at[1];
+  const double above = at == limits.begin() ? session.vehicle().max_speed_radps : at[-1],
+               below = at + 1 == limits.end() ? *at : at[1];
   std::vector<double> between;
-  for (const double share : {0.2, 0.4, 0.6, 0.8}) between.push_back(*at + share * (above - *at)), between.push_back(*at + share * (below - *at));
+  for (const double share : {0.2, 0.4, 0.6, 0.8})
+    between.push_back(*at + share * (above - *at)), between.push_back(*at + share * (below - *at));
   const LimitScan fine = best_of(session, columns, coefficient, between);
   return fine.gain > coarse.gain ? fine : coarse;
 }

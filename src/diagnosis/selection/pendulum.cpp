@@ -19,7 +19,7 @@ constexpr double least_damping = 0.003, most_damping = 0.15;
 // lateral pendulum in an accelerated frame: driven part (from rest) and its two free swings, as horizontal force per kg
 struct SwingForce {
   std::vector<Eigen::Vector2d> driven;
-  std::vector<double> free_position, free_rate;   // alike in x and y
+  std::vector<double> free_position, free_rate;  // alike in x and y
 };
 
 SwingForce swing_force(const FlightData& flight, const Swing& swing, double gravity) {
@@ -27,8 +27,9 @@ SwingForce swing_force(const FlightData& flight, const Swing& swing, double grav
   SwingForce result;
   result.driven.resize(n), result.free_position.resize(n), result.free_rate.resize(n);
   Eigen::Vector2d r = Eigen::Vector2d::Zero(), rate = r;
-  Eigen::Vector2d h(1.0, 0.0), dh(0.0, 1.0);   // two free solutions
-  const double length_m = swing.length_m, natural = std::sqrt(gravity / length_m), damping_ps = 2.0 * swing.damping * natural;
+  Eigen::Vector2d h(1.0, 0.0), dh(0.0, 1.0);  // two free solutions
+  const double length_m = swing.length_m, natural = std::sqrt(gravity / length_m),
+               damping_ps = 2.0 * swing.damping * natural;
   for (std::size_t k = 0; k < n; ++k) {
     const Vector3& a = flight.motion[k].acceleration_W_mps2;
     const double stiffness = (gravity + a.z()) / length_m;
@@ -50,9 +51,10 @@ struct Regression {
   Eigen::MatrixXd X;
   Eigen::VectorXd y;
 };
-constexpr int shared = 2, own = 6;   // load, drag | trim x y, swing x (2) y (2)
+constexpr int shared = 2, own = 6;  // load, drag | trim x y, swing x (2) y (2)
 
-Regression regression(const FlightData& flight, const Smoothed& smoothed, double mass_kg, double gravity, const Swing& swing) {
+Regression regression(const FlightData& flight, const Smoothed& smoothed, double mass_kg, double gravity,
+                      const Swing& swing) {
   const SwingForce s = swing_force(flight, swing, gravity);
   const std::size_t bin = bin_of(flight);
   const std::size_t bins = flight.samples.size() / bin;
@@ -129,7 +131,8 @@ SwingStart start_of(const Eigen::Matrix<double, own, 1>& c, double load_kg, cons
 std::vector<Regression> regressions(const Session& session, const Swing& swing) {
   std::vector<Regression> flights;
   for (std::size_t f = 0; f < session.flights().size(); ++f)
-    flights.push_back(regression(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, session.vehicle().gravity_mps2, swing));
+    flights.push_back(regression(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg,
+                                 session.vehicle().gravity_mps2, swing));
   return flights;
 }
 
@@ -151,8 +154,10 @@ PendulumScan swung_out(const Session& session, const PendulumScan& small, double
     SwingingLoad load{swing, std::max(fit.coefficient[0], 0.5 * small.mass_kg), fit.coefficient[1]};
     std::vector<SwingStart> starts;
     for (std::size_t f = 0; f < flights.size(); ++f)
-      starts.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), load.mass_kg, swing, session.vehicle().gravity_mps2));
-    const double share = 1.0 - fit_swing(flights, smoothed, session.vehicle().mass_kg, load, starts, true) / (squares + 1e-300);
+      starts.push_back(start_of(fit.coefficient.segment<own>(shared + own * static_cast<Eigen::Index>(f)), load.mass_kg,
+                                swing, session.vehicle().gravity_mps2));
+    const double share =
+        1.0 - fit_swing(flights, smoothed, session.vehicle().mass_kg, load, starts, true) / (squares + 1e-300);
     swung[at] = {load.swing, share, load.mass_kg, starts};
   });
   PendulumScan best = small;
@@ -176,12 +181,15 @@ PendulumScan scan_pendulum(const Session& session) {
     parallel_for(std::ssize(swings), session.jobs(), [&](std::int64_t i) {
       const auto at = static_cast<std::size_t>(i);
       const Swing& swing = swings[at];
-      if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping || swing.damping > most_damping) return;
+      if (swing.length_m < shortest_m || swing.length_m > longest_m || swing.damping < least_damping ||
+          swing.damping > most_damping)
+        return;
       const std::vector<Regression> flights = regressions(session, swing);
       const Solution fit = solve_all(flights, true);
       const double load_kg = fit.coefficient[0];
       if (load_kg <= 1e-3 * vehicle.mass_kg || swing_rms(flights, fit) > widest_swing * gravity * load_kg) return;
-      scans[at] = {{swing.length_m, swing.damping, 0.03 * swing.length_m}, 1.0 - fit.left / (squares + 1e-300), load_kg, {}};
+      scans[at] = {
+          {swing.length_m, swing.damping, 0.03 * swing.length_m}, 1.0 - fit.left / (squares + 1e-300), load_kg, {}};
     });
     bool found = false;
     for (std::size_t i = 0; i < scans.size(); ++i)
@@ -214,8 +222,11 @@ std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& sm
   Eigen::MatrixXd gram = X.transpose() * X;
   gram.diagonal().array() += 1e-9 * gram.diagonal().maxCoeff();
   // where a load swings wide the linear start may lead astray: at rest is another, and a third of the way out to each side
-  std::vector<SwingStart> starts{start_of(gram.ldlt().solve(X.transpose() * y).tail<own>(), load_kg, swing, flight.vehicle.gravity_mps2), {}};
-  for (const Eigen::Vector2d& side : {Eigen::Vector2d(0.3, 0.0), Eigen::Vector2d(-0.3, 0.0), Eigen::Vector2d(0.0, 0.3), Eigen::Vector2d(0.0, -0.3)}) starts.push_back({.cable_W = side});
+  std::vector<SwingStart> starts{
+      start_of(gram.ldlt().solve(X.transpose() * y).tail<own>(), load_kg, swing, flight.vehicle.gravity_mps2), {}};
+  for (const Eigen::Vector2d& side :
+       {Eigen::Vector2d(0.3, 0.0), Eigen::Vector2d(-0.3, 0.0), Eigen::Vector2d(0.0, 0.3), Eigen::Vector2d(0.0, -0.3)})
+    starts.push_back({.cable_W = side});
   std::vector<SwingStart> start(1);
   double least = std::numeric_limits<double>::infinity();
   for (const SwingStart& from : starts) {
@@ -226,7 +237,8 @@ std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& sm
   }
   std::vector<Vector3> force = swinging_force(flight, swing, start.front());
   // a load too light for its force whirls out of all bounds
-  if (!std::all_of(force.begin(), force.end(), [](const Vector3& f) { return f.allFinite(); })) force.assign(force.size(), Vector3::Zero());
+  if (!std::all_of(force.begin(), force.end(), [](const Vector3& f) { return f.allFinite(); }))
+    force.assign(force.size(), Vector3::Zero());
   return force;
 }
 

@@ -9,7 +9,7 @@ namespace gustlab::diagnosis {
 
 struct PendulumScan {
   Swing swing;
-  double share = 0.0;        // of the horizontal disturbance that the load explains, beyond drag
+  double share = 0.0;  // of the horizontal disturbance that the load explains, beyond drag
   double mass_kg = 0.0;
   std::vector<SwingStart> starts;  // per flight, where the swing was fitted at any angle
 };

@@ -6,7 +6,8 @@
 
 namespace gustlab::diagnosis {
 
-ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::vector<FlightData>& own_rate, const VehicleModel& vehicle, int jobs) {
+ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::vector<FlightData>& own_rate,
+                           const VehicleModel& vehicle, int jobs) {
   Session session(flights, vehicle, jobs, own_rate);
   const Selection selection = select_effects(session, {});
   const Catalogue& catalogue = session.catalogue();

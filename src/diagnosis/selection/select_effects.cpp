@@ -17,7 +17,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr std::size_t most_changes = 8;   // of a set that was found, before it is taken as it is
+constexpr std::size_t most_changes = 8;  // of a set that was found, before it is taken as it is
 
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
@@ -78,7 +78,8 @@ class Selector {
     std::vector<int> chosen;
     Eigen::VectorXd value = catalogue_.nominal();
     for (const Finding& finding : before.findings)
-      if (std::find(withdrawn.begin(), withdrawn.end(), finding.group) == withdrawn.end()) chosen.push_back(finding.group);
+      if (std::find(withdrawn.begin(), withdrawn.end(), finding.group) == withdrawn.end())
+        chosen.push_back(finding.group);
     drop_unfelt(chosen);
     for (const int c : s_.with_biases(chosen)) value[c] = before.value[c];
     finish(result, chosen, refine(chosen, value));
@@ -97,7 +98,8 @@ class Selector {
   // second-order error that could be taken for another
   double material(double rows, double total_gain) const {
     const double relative = options_.relative_materiality * total_gain;
-    return std::max(options_.materiality * rows, anew_ && !s_.shoots() ? std::min(relative, options_.most_materiality * rows) : relative);
+    return std::max(options_.materiality * rows,
+                    anew_ && !s_.shoots() ? std::min(relative, options_.most_materiality * rows) : relative);
   }
 
   std::vector<int> search(const Grams& grams) const {
@@ -108,7 +110,8 @@ class Selector {
       double least = by_size[0].front().loss;
       for (const auto& subsets : by_size)
         for (const Subset& subset : subsets) least = std::min(least, subset.loss);
-      const std::vector<int> groups = SubsetSearch::choose(by_size, material(grams.rows, by_size[0].front().loss - least)).groups;
+      const std::vector<int> groups =
+          SubsetSearch::choose(by_size, material(grams.rows, by_size[0].front().loss - least)).groups;
       // real vehicles may differ in more ways than a search begins with
       if (static_cast<int>(groups.size()) < most || most > options_.most_effects) return groups;
     }
@@ -130,7 +133,8 @@ class Selector {
     if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
       const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
       if (s_.value()[d] == 0.0 && value[d] > 0.1 * natural_[d])
-        for (const int c : catalogue_.groups()[static_cast<std::size_t>(wind)].columns) value[c] *= natural_[d] / value[d];
+        for (const int c : catalogue_.groups()[static_cast<std::size_t>(wind)].columns)
+          value[c] *= natural_[d] / value[d];
     }
     catalogue_.clamp(value);
     return value;
@@ -138,7 +142,8 @@ class Selector {
 
   bool possible(const Eigen::VectorXd& value, int group) const {
     const std::vector<int> columns = columns_of(catalogue_, {group});
-    return std::all_of(columns.begin(), columns.end(), [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].admits(value[c]); });
+    return std::all_of(columns.begin(), columns.end(),
+                       [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].admits(value[c]); });
   }
 
   // Gauss–Newton in the nonlinear model, at most three steps
@@ -150,7 +155,8 @@ class Selector {
       const Fit fit = solve(s_.grams().total(), columns);
       const Eigen::VectorXd before = value;
       for (std::size_t i = 0; i < columns.size(); ++i)
-        value[columns[i]] += std::clamp(fit.coefficient[static_cast<Eigen::Index>(i)], -20.0, 20.0) * natural_[columns[i]];
+        value[columns[i]] +=
+            std::clamp(fit.coefficient[static_cast<Eigen::Index>(i)], -20.0, 20.0) * natural_[columns[i]];
       catalogue_.clamp(value);
       // a value at its bound has nowhere to go
       if ((value - before).cwiseQuotient(natural_).cwiseAbs().maxCoeff() < 2e-2) break;
@@ -182,7 +188,8 @@ class Selector {
   Eigen::VectorXd likelier_lateness(std::vector<int>& chosen, const Eigen::VectorXd& value) {
     const std::array<int, 2> late = {catalogue_.find("motor_lag"), catalogue_.find("actuation_delay")};
     for (const auto& [from, to] : {std::pair{late[0], late[1]}, {late[1], late[0]}}) {
-      const bool chosen_alone = std::count(chosen.begin(), chosen.end(), from) > 0 && std::count(chosen.begin(), chosen.end(), to) == 0;
+      const bool chosen_alone =
+          std::count(chosen.begin(), chosen.end(), from) > 0 && std::count(chosen.begin(), chosen.end(), to) == 0;
       if (to < 0 || !chosen_alone || below_tolerance(s_, value, from)) continue;
       std::vector<int> other = chosen;
       std::replace(other.begin(), other.end(), from, to);
@@ -211,14 +218,15 @@ class Selector {
       result.loss_nominal = solve(total, s_.biases()).loss;
       const std::size_t before = chosen.size();
       prune(result, chosen, total, result.loss_nominal);
-      settled = chosen.size() == before || chosen.empty();   // what stays takes over what went
+      settled = chosen.size() == before || chosen.empty();  // what stays takes over what went
       // what seemed not to pay beside the others may do so once they, and the noise, are right (and may be pruned to the same set
       // again and again)
       if (settled && !withdrawing_ && visited.size() < most_changes && changes++ < 2 * most_changes) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, s_.with_biases(chosen)).loss;
         visited.insert(chosen);
-        const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited, material(result.grams.rows, result.loss_nominal - loss));
+        const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited,
+                                                        material(result.grams.rows, result.loss_nominal - loss));
         settled = better.empty();
         if (!settled) chosen = better;
       }
@@ -244,7 +252,9 @@ class Selector {
     result.value = value_at(columns, fit);
     result.deviation = Eigen::VectorXd::Zero(catalogue_.size());
     for (std::size_t i = 0; i < columns.size(); ++i)
-      result.deviation[columns[i]] = std::sqrt(std::max(0.0, covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)))) * natural_[columns[i]];
+      result.deviation[columns[i]] =
+          std::sqrt(std::max(0.0, covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)))) *
+          natural_[columns[i]];
     catalogue_.clamp(result.value);
     for (const int g : chosen) {
       Finding finding;
@@ -263,13 +273,16 @@ class Selector {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
       std::vector<int> more = chosen;
       more.push_back(g);
-      result.alone.emplace_back(g, fit.loss - solve(total, s_.with_biases(more)).loss - std::log(result.grams.rows) * static_cast<double>(columns_of(catalogue_, {g}).size()));
+      result.alone.emplace_back(
+          g, fit.loss - solve(total, s_.with_biases(more)).loss -
+                 std::log(result.grams.rows) * static_cast<double>(columns_of(catalogue_, {g}).size()));
     }
   }
 
   // a wind is felt only with a drag
   void drop_unfelt(std::vector<int>& chosen) const {
-    if (!SubsetSearch(catalogue_, s_.vehicle(), 0.0).allowed(chosen)) std::erase(chosen, catalogue_.find("steady_wind"));
+    if (!SubsetSearch(catalogue_, s_.vehicle(), 0.0).allowed(chosen))
+      std::erase(chosen, catalogue_.find("steady_wind"));
   }
 
   // One effect exchanged for another, and the set to compare that with: a trim is at work beside the effect as well, and only
@@ -277,13 +290,14 @@ class Selector {
   struct Exchange {
     std::vector<int> groups, kept;
     Fit fit = {}, kept_fit = {};
-    bool trim = false;   // the other is below its tolerance
+    bool trim = false;  // the other is below its tolerance
   };
-  std::optional<Exchange> exchange(const Eigen::MatrixXd& total, const SubsetSearch& search, const std::vector<int>& chosen,
-                                   const Fit& fit, int group, int other) const {
+  std::optional<Exchange> exchange(const Eigen::MatrixXd& total, const SubsetSearch& search,
+                                   const std::vector<int>& chosen, const Fit& fit, int group, int other) const {
     Exchange e{.groups = chosen, .kept = chosen};
     std::replace(e.groups.begin(), e.groups.end(), group, other);
-    if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(e.groups)) return std::nullopt;
+    if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(e.groups))
+      return std::nullopt;
     e.fit = solve(total, s_.with_biases(e.groups));
     const Eigen::VectorXd value = value_at(s_.with_biases(e.groups), e.fit);
     if (!possible(value, other)) return std::nullopt;
@@ -336,8 +350,10 @@ class Selector {
         Eigen::MatrixXd block = covariance.block(at, at, size, size);
         block.diagonal().array() += 1e-18;
         const double wald = b.dot(block.ldlt().solve(b));
-        const double p = boost::math::cdf(boost::math::complement(boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
-        const bool bad = gain < needed || !(s_.shoots() || possible(value, g)) || !(p < options_.wald_p / static_cast<double>(catalogue_.groups().size()));
+        const double p = boost::math::cdf(
+            boost::math::complement(boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
+        const bool bad = gain < needed || !(s_.shoots() || possible(value, g)) ||
+                         !(p < options_.wald_p / static_cast<double>(catalogue_.groups().size()));
         if (bad && (worst < 0 || gain < worst_gain)) worst = g, worst_gain = gain;
         at += size;
       }
@@ -356,17 +372,20 @@ class Selector {
       for (const int other : search.candidates) {
         const std::optional<Exchange> e = exchange(total, search, chosen, fit, finding.group, other);
         if (!e) continue;
-        const Eigen::VectorXd difference = block_losses(result.grams, s_.with_biases(e->groups), e->fit.coefficient) -
-                                           (e->trim ? block_losses(result.grams, s_.with_biases(e->kept), e->kept_fit.coefficient) : own);
+        const Eigen::VectorXd difference =
+            block_losses(result.grams, s_.with_biases(e->groups), e->fit.coefficient) -
+            (e->trim ? block_losses(result.grams, s_.with_biases(e->kept), e->kept_fit.coefficient) : own);
         Eigen::VectorXd sums = Eigen::VectorXd::Zero(result.grams.clusters);
         for (Eigen::Index b = 0; b < difference.size(); ++b)
           sums[result.grams.cluster[static_cast<std::size_t>(b)]] += difference[b];
         const double mean = sums.mean();
-        const double sd = std::sqrt((sums.array() - mean).square().sum() / std::max(1.0, static_cast<double>(sums.size()) - 1.0));
+        const double sd =
+            std::sqrt((sums.array() - mean).square().sum() / std::max(1.0, static_cast<double>(sums.size()) - 1.0));
         finding.rivals.push_back({other, sums.sum() / (std::sqrt(static_cast<double>(sums.size())) * sd + 1e-9),
                                   e->fit.loss - e->kept_fit.loss, e->trim});
       }
-      std::stable_sort(finding.rivals.begin(), finding.rivals.end(), [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });
+      std::stable_sort(finding.rivals.begin(), finding.rivals.end(),
+                       [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });
       if (finding.rivals.size() > 4) finding.rivals.resize(4);
     }
   }
@@ -383,7 +402,8 @@ class Selector {
 
 Selection select_effects(Session& session, const SelectionOptions& options) { return Selector(session, options).run(); }
 
-Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before, const std::vector<int>& groups) {
+Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
+                   const std::vector<int>& groups) {
   return Selector(session, options).without(before, groups);
 }
 

@@ -9,6 +9,7 @@ namespace gustlab::diagnosis {
 
 Selection select_effects(Session& session, const SelectionOptions& options);
 // The same without some groups that did not prove themselves, fitted anew.
-Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before, const std::vector<int>& groups);
+Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
+                   const std::vector<int>& groups);
 
 }  // namespace gustlab::diagnosis

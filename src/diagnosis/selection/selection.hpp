@@ -11,42 +11,42 @@ namespace gustlab::diagnosis {
 struct SelectionOptions {
   int most_effects = 8;
   int beam = 25;
-  double materiality = 0.0006;        // of the degrees of freedom, per further effect
-  double relative_materiality = 1e-4; // of the whole gain
-  double most_materiality = 0.003;   // of the degrees of freedom, about what was found
-  double wald_p = 0.001;              // over the number of groups
+  double materiality = 0.0006;         // of the degrees of freedom, per further effect
+  double relative_materiality = 1e-4;  // of the whole gain
+  double most_materiality = 0.003;     // of the degrees of freedom, about what was found
+  double wald_p = 0.001;               // over the number of groups
   int half_samples = 40;
-  double trim_share = 0.25;           // calibration scatter (sd) as a share of a reporting tolerance
-  double trim_cost = 9.0;             // what scatter would cost to imitate an effect that is named
+  double trim_share = 0.25;  // calibration scatter (sd) as a share of a reporting tolerance
+  double trim_cost = 9.0;    // what scatter would cost to imitate an effect that is named
 };
 
 // Another name for a selected effect, and how much worse it does.
 struct Rival {
   int group = -1;
-  double z = 0.0;            // paired block differences
+  double z = 0.0;  // paired block differences
   double delta_score = 0.0;
-  bool below_tolerance = false;   // in its place it would be a trim
+  bool below_tolerance = false;  // in its place it would be a trim
 };
 
 struct Finding {
   int group = -1;
-  double gain = 0.0;               // rise of the loss when it is removed
-  double inclusion = 0.0;          // share of half samples that select it
-  bool calibration = false;        // below its reporting tolerance: a trim, not missing physics
-  std::vector<Rival> rivals;       // best first
+  double gain = 0.0;          // rise of the loss when it is removed
+  double inclusion = 0.0;     // share of half samples that select it
+  bool calibration = false;   // below its reporting tolerance: a trim, not missing physics
+  std::vector<Rival> rivals;  // best first
 };
 
 struct Selection {
-  std::vector<Finding> findings;   // in catalogue order
-  Eigen::VectorXd value;           // SI, all columns
-  Eigen::VectorXd deviation;       // standard errors, all columns
+  std::vector<Finding> findings;  // in catalogue order
+  Eigen::VectorXd value;          // SI, all columns
+  Eigen::VectorXd deviation;      // standard errors, all columns
   NoiseModel noise_nominal, noise_selected;
   double degrees_of_freedom = 0.0;
   double loss_nominal = 0.0, loss_selected = 0.0;
-  double unforetold_gain = 0.0;    // of the coefficients of unforetold commands
-  Grams grams;                     // at the end, coefficients counted from the nominal vehicle
+  double unforetold_gain = 0.0;  // of the coefficients of unforetold commands
+  Grams grams;                   // at the end, coefficients counted from the nominal vehicle
   std::vector<Smoothed> smoothed_nominal, smoothed_selected;
-  std::vector<std::pair<int, double>> alone;   // every group: gain when it is added to the selection
+  std::vector<std::pair<int, double>> alone;  // every group: gain when it is added to the selection
   void nominal_from(const Session& session) { noise_nominal = session.noise, smoothed_nominal = session.smoothed; }
   std::vector<int> groups() const;
   const Finding* find(int group) const;

@@ -8,7 +8,8 @@
 
 namespace gustlab::diagnosis {
 
-std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen, const SelectionOptions& options) {
+std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen,
+                              const SelectionOptions& options) {
   std::vector<double> share(session.catalogue().groups().size(), 0.0);
   if (chosen.empty()) return share;
   const SubsetSearch search(session.catalogue(), session.vehicle(), std::log(grams.rows));

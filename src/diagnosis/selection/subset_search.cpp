@@ -30,7 +30,8 @@ bool SubsetSearch::allowed(const std::vector<int>& groups) const {
     if (in && group.row->name == "steady_wind") wind = true;
     if (in && group.row->name == "mass") mass = true;
     if (in && group.row->name == "thrust_scale") thrust = true;
-    if ((in || group.nominal) && std::find(std::begin(air_relative), std::end(air_relative), group.row->name) != std::end(air_relative))
+    if ((in || group.nominal) &&
+        std::find(std::begin(air_relative), std::end(air_relative), group.row->name) != std::end(air_relative))
       air = true;
   }
   // mass, inertia and thrust together have one exact scale alias
@@ -73,7 +74,8 @@ std::vector<std::vector<Subset>> SubsetSearch::run(const Eigen::MatrixXd& gram, 
     std::stable_sort(found.begin(), found.end(), [](const Subset& a, const Subset& b) { return a.score < b.score; });
     // every single is a base of the next round, even one that needs a companion
     bases.clear();
-    const std::size_t kept = size == 1 ? found.size() : std::min<std::size_t>(found.size(), static_cast<std::size_t>(beam));
+    const std::size_t kept =
+        size == 1 ? found.size() : std::min<std::size_t>(found.size(), static_cast<std::size_t>(beam));
     for (std::size_t i = 0; i < kept; ++i) bases.push_back(found[i].groups);
     std::erase_if(found, [this](const Subset& s) { return !allowed(s.groups); });
     if (found.size() > static_cast<std::size_t>(beam)) found.resize(static_cast<std::size_t>(beam));
@@ -83,8 +85,8 @@ std::vector<std::vector<Subset>> SubsetSearch::run(const Eigen::MatrixXd& gram, 
   return by_size;
 }
 
-std::vector<int> SubsetSearch::improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::set<std::vector<int>>& visited,
-                                        double material) const {
+std::vector<int> SubsetSearch::improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups,
+                                        const std::set<std::vector<int>>& visited, double material) const {
   double best = evaluate(gram, groups).score - material;
   std::vector<int> better;
   const auto try_groups = [&](std::vector<int> changed) {

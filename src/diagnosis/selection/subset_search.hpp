@@ -12,7 +12,7 @@ namespace gustlab::diagnosis {
 struct Subset {
   std::vector<int> groups;  // sorted
   double loss = 0.0;
-  double score = 0.0;       // loss + parameters × log(dof)
+  double score = 0.0;  // loss + parameters × log(dof)
 };
 
 struct SubsetSearch {
@@ -25,8 +25,8 @@ struct SubsetSearch {
   // Loss of one subset; infinite when a coefficient leaves its bounds or a group needs another that is missing.
   Subset evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const;
   // One group more, or one for another, where that pays most: at least what a further effect must gain. Empty: nothing does.
-  std::vector<int> improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups, const std::set<std::vector<int>>& visited,
-                            double material) const;
+  std::vector<int> improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups,
+                            const std::set<std::vector<int>>& visited, double material) const;
   bool allowed(const std::vector<int>& groups) const;
 
   const Catalogue& catalogue;

@@ -34,8 +34,9 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
     std::vector<std::vector<Vector3>> force(session.flights().size());
     session.for_each_flight([&](std::size_t f) {
       const FlightData& flight = session.flights()[f];
-      force[f] = load.starts.empty() ? pendulum_force(flight, session.smoothed[f], session.vehicle().mass_kg, load.swing, load.mass_kg)
-                                     : swinging_force(flight, load.swing, load.starts[f]);
+      force[f] = load.starts.empty()
+                     ? pendulum_force(flight, session.smoothed[f], session.vehicle().mass_kg, load.swing, load.mass_kg)
+                     : swinging_force(flight, load.swing, load.starts[f]);
     });
     session.suspect_load(load.swing, std::move(force));
     stale = true;

@@ -9,9 +9,10 @@ namespace gustlab::diagnosis {
 namespace {
 
 constexpr double bin_s = 0.1, longest_step_s = 0.012;
-constexpr int shared = 4, own = 6;                    // log length, log damping, log mass, drag | cable, rate, trim
+constexpr int shared = 4, own = 6;  // log length, log damping, log mass, drag | cable, rate, trim
 constexpr int most_steps = 25, most_attempts = 8;
-constexpr double correlated = 2.0;  // standard errors of means that depend on their neighbours, over those of independent ones
+constexpr double correlated =
+    2.0;  // standard errors of means that depend on their neighbours, over those of independent ones
 
 using Own = Eigen::Matrix<double, own, 1>;
 using Shared = Eigen::Matrix<double, shared, 1>;
@@ -33,20 +34,22 @@ std::size_t samples_of(const FlightData& flight, double part) {
 }
 
 // what a load's force leaves of the horizontal disturbance where that force is given, N, as means
-Eigen::VectorXd left_over(const FlightData& flight, const Smoothed& smoothed, double mass_kg, const SwingingLoad& load, const SwingStart& start,
-                          const std::vector<Vector3>& force) {
+Eigen::VectorXd left_over(const FlightData& flight, const Smoothed& smoothed, double mass_kg, const SwingingLoad& load,
+                          const SwingStart& start, const std::vector<Vector3>& force) {
   const std::size_t bin = bin_of(flight);
   Eigen::VectorXd left = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * (force.size() / bin)));
   for (std::size_t k = 0; k < force.size(); ++k)
     left.segment<2>(static_cast<Eigen::Index>(2 * (k / bin))) +=
         (mass_kg * smoothed.disturbance[k].head<2>() - load.mass_kg * force[k].head<2>() -
-         load.drag_kgps * flight.motion[k].velocity_W_mps.head<2>() - start.trim_N) / static_cast<double>(bin);
+         load.drag_kgps * flight.motion[k].velocity_W_mps.head<2>() - start.trim_N) /
+        static_cast<double>(bin);
   return left;
 }
 
 // the same on the first part of the flights
-double fit_part(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed, double vehicle_mass_kg,
-                SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free, double part) {
+double fit_part(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed,
+                double vehicle_mass_kg, SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free,
+                double part) {
   const auto count = static_cast<Eigen::Index>(flights.size());
   const Eigen::Index first = load_free ? shared : 0, width = first + own * count;
   const auto force_of = [&](std::size_t f, const Shared& p, const Own& o) {
@@ -117,7 +120,9 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
   load = unpack(at);
   if (load_free) {
     const Eigen::VectorXd column = normal.ldlt().solve(Eigen::VectorXd::Unit(width, 0));
-    load.swing.length_deviation_m = correlated * load.swing.length_m * std::sqrt(std::max(0.0, column[0]) * best / std::max(1.0, rows - static_cast<double>(width)));
+    load.swing.length_deviation_m =
+        correlated * load.swing.length_m *
+        std::sqrt(std::max(0.0, column[0]) * best / std::max(1.0, rows - static_cast<double>(width)));
   }
   for (std::size_t f = 0; f < starts.size(); ++f) starts[f] = unpack(at_own[f]);
   return best;
@@ -125,12 +130,16 @@ double fit_part(const std::vector<const FlightData*>& flights, const std::vector
 
 }  // namespace
 
-std::size_t bin_of(const FlightData& flight) { return static_cast<std::size_t>(std::max(1.0, std::round(bin_s / flight.sample_s))); }
+std::size_t bin_of(const FlightData& flight) {
+  return static_cast<std::size_t>(std::max(1.0, std::round(bin_s / flight.sample_s)));
+}
 
-std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing, const SwingStart& start, std::size_t samples) {
+std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing, const SwingStart& start,
+                                    std::size_t samples) {
   const double gravity = flight.vehicle.gravity_mps2, length_m = swing.length_m;
   const double damping_ps = 2.0 * swing.damping * std::sqrt(gravity / length_m);
-  const Eigen::Vector2d level = start.cable_W.norm() < 0.98 ? start.cable_W : Eigen::Vector2d(0.98 * start.cable_W.normalized());
+  const Eigen::Vector2d level =
+      start.cable_W.norm() < 0.98 ? start.cable_W : Eigen::Vector2d(0.98 * start.cable_W.normalized());
   Vector3 n(level.x(), level.y(), -std::sqrt(1.0 - level.squaredNorm()));
   // no faster than a fall from above the vehicle
   const double fastest_radps = 2.0 * std::sqrt(gravity / length_m), rate_radps = start.rate_W_radps.norm();
@@ -161,8 +170,8 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
   return force;
 }
 
-double fit_swing(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed, double vehicle_mass_kg,
-                 SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free) {
+double fit_swing(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed,
+                 double vehicle_mass_kg, SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free) {
   // a swing that starts a little wrong is out of step later on
   for (const double part : {0.2, 0.5}) fit_part(flights, smoothed, vehicle_mass_kg, load, starts, load_free, part);
   return fit_part(flights, smoothed, vehicle_mass_kg, load, starts, load_free, 1.0);

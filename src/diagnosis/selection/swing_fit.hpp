@@ -12,11 +12,12 @@ namespace gustlab::diagnosis {
 struct SwingingLoad {
   Swing swing;
   double mass_kg = 0.0;
-  double drag_kgps = 0.0;                     // of the vehicle, beside the load
+  double drag_kgps = 0.0;  // of the vehicle, beside the load
 };
 struct SwingStart {
-  Eigen::Vector2d cable_W = Eigen::Vector2d::Zero(), rate_W_radps = Eigen::Vector2d::Zero();  // horizontal parts of the cable's direction and its rate
-  Eigen::Vector2d trim_N = Eigen::Vector2d::Zero();                                           // constant horizontal force
+  Eigen::Vector2d cable_W = Eigen::Vector2d::Zero(),
+                  rate_W_radps = Eigen::Vector2d::Zero();  // horizontal parts of the cable's direction and its rate
+  Eigen::Vector2d trim_N = Eigen::Vector2d::Zero();        // constant horizontal force
 };
 
 // Samples of a flight whose means are compared: 0.1 s.
@@ -30,7 +31,7 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
 
 // Gauss–Newton on the horizontal disturbance (0.1 s means), from the given values: of the starts, and of the load too when
 // `load_free`. Returns the squares that are left, N²; not finite when the given swing is out of all bounds.
-double fit_swing(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed, double vehicle_mass_kg,
-                 SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free);
+double fit_swing(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed,
+                 double vehicle_mass_kg, SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free);
 
 }  // namespace gustlab::diagnosis

@@ -22,7 +22,8 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
     const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
     double tolerance = column.tolerance;
     // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
-    if (column.unit == "s" && tolerance > 0.0 && !told) tolerance = std::max(tolerance, unknown_hold_samples * session.logged_sample_s());
+    if (column.unit == "s" && tolerance > 0.0 && !told)
+      tolerance = std::max(tolerance, unknown_hold_samples * session.logged_sample_s());
     if (session.noise.errors_last()) tolerance = std::max(tolerance, column.estimate_tolerance);
     if (tolerance == 0.0) return std::numeric_limits<double>::infinity();
     largest = std::max(largest, std::abs(value[c] - column.nominal) / tolerance);
@@ -44,8 +45,8 @@ std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& c
   return trims;
 }
 
-bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen, int group,
-                         const SelectionOptions& options) {
+bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen,
+                         int group, const SelectionOptions& options) {
   const Catalogue& catalogue = session.catalogue();
   const std::vector<int>& own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
   if (catalogue.columns()[static_cast<std::size_t>(own.front())].tolerance == 0.0) return false;

@@ -14,8 +14,8 @@ bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int g
 
 // Could trims of everything beside the chosen groups, small beforehand, look like this one of them? `total`: Gram matrix with
 // coefficients counted from the nominal vehicle.
-bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen, int group,
-                         const SelectionOptions& options);
+bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen,
+                         int group, const SelectionOptions& options);
 
 // build scatter (sd) as a share of a reporting tolerance
 inline constexpr double scatter_share = 0.5;

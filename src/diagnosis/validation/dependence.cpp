@@ -13,14 +13,15 @@ namespace {
 
 using decisions::block_s;
 constexpr Eigen::Index fewest_blocks = 30, first_shift = 4;
-constexpr double ridge = 30.0;   // of columns with unit deviation, in blocks
+constexpr double ridge = 30.0;  // of columns with unit deviation, in blocks
 
 // how well a basis tells y (two axes): −log of the share of its squares that is left
 struct Projection {
   Eigen::MatrixXd basis;
   Eigen::LDLT<Eigen::MatrixXd> normal;
 
-  explicit Projection(const std::vector<Eigen::VectorXd>& rows) : basis(static_cast<Eigen::Index>(rows.size()), rows.front().size() + 1) {
+  explicit Projection(const std::vector<Eigen::VectorXd>& rows)
+      : basis(static_cast<Eigen::Index>(rows.size()), rows.front().size() + 1) {
     for (Eigen::Index i = 0; i < basis.rows(); ++i) basis.row(i) << 0.0, rows[static_cast<std::size_t>(i)].transpose();
     for (Eigen::Index c = 1; c < basis.cols(); ++c) {
       basis.col(c).array() -= basis.col(c).mean();

@@ -10,11 +10,11 @@ namespace {
 
 // what a basis function may look at, per sample
 struct Look {
-  Place place;           // functions of where it is
-  Vector3 velocity_B;    // m/s
-  double time;           // 0 … 1
-  RotorArray past;       // mean command one to two samples ago over hover − 1
-  RotorArray change;     // its last change over hover
+  Place place;         // functions of where it is
+  Vector3 velocity_B;  // m/s
+  double time;         // 0 … 1
+  RotorArray past;     // mean command one to two samples ago over hover − 1
+  RotorArray change;   // its last change over hover
 };
 
 std::vector<Look> looks(const FlightData& flight, const FlownVolume& volume, double hover) {
@@ -39,7 +39,8 @@ std::vector<Look> looks(const FlightData& flight, const FlownVolume& volume, dou
 std::vector<std::vector<Look>> looks(const Session& session) {
   const FlownVolume volume(session);
   std::vector<std::vector<Look>> result;
-  for (const FlightData& flight : session.flights()) result.push_back(looks(flight, volume, session.vehicle().hover_speed_radps()));
+  for (const FlightData& flight : session.flights())
+    result.push_back(looks(flight, volume, session.vehicle().hover_speed_radps()));
   return result;
 }
 
@@ -47,7 +48,7 @@ std::vector<std::vector<Look>> looks(const Session& session) {
 struct Term {
   enum Kind { force_W, force_B, torque_B } kind;
   int axis;
-  double size;   // m/s² or rad/s² per unit of the function
+  double size;  // m/s² or rad/s² per unit of the function
   std::function<double(const Look&)> function;
 };
 
@@ -91,7 +92,8 @@ FlownVolume::FlownVolume(const Session& session) {
 Place FlownVolume::functions(const Vector3& position_W_m) const {
   const Vector3 p = (position_W_m - middle_W_m_).cwiseQuotient(half_m_);
   Place place;
-  place.head<near_ground + 1>() << p, p.cwiseProduct(p), p.x() * p.y(), 0.0025 / std::pow(std::max(position_W_m.z() - lowest_m_, 0.0) + 0.05, 2);
+  place.head<near_ground + 1>() << p, p.cwiseProduct(p), p.x() * p.y(),
+      0.0025 / std::pow(std::max(position_W_m.z() - lowest_m_, 0.0) + 0.05, 2);
   int at = near_ground;
   for (const double x : {-0.7, 0.0, 0.7})
     for (const double y : {-0.7, 0.0, 0.7})
@@ -106,18 +108,21 @@ std::vector<BasisFamily> omnibus_bases(const Session& session) {
 
   std::vector<Term> position, velocity, time, command;
   for (int i = 0; i < Place::RowsAtCompileTime; ++i)
-    for (int axis = 0; axis < 3; ++axis) position.push_back({Term::force_W, axis, 1.0, [i](const Look& l) { return l.place[i]; }});
+    for (int axis = 0; axis < 3; ++axis)
+      position.push_back({Term::force_W, axis, 1.0, [i](const Look& l) { return l.place[i]; }});
 
   for (int i = 0; i < 3; ++i)
     for (int axis = 0; axis < 3; ++axis) {
       velocity.push_back({Term::force_B, axis, 1.0, [i](const Look& l) { return l.velocity_B[i]; }});
-      velocity.push_back({Term::force_B, axis, 1.0, [i](const Look& l) { return l.velocity_B.norm() * l.velocity_B[i]; }});
+      velocity.push_back(
+          {Term::force_B, axis, 1.0, [i](const Look& l) { return l.velocity_B.norm() * l.velocity_B[i]; }});
       velocity.push_back({Term::force_B, axis, 1.0, [i](const Look& l) { return l.velocity_B[i] * l.velocity_B[i]; }});
       velocity.push_back({Term::torque_B, axis, turn, [i](const Look& l) { return l.velocity_B[i]; }});
     }
   const std::vector<std::function<double(const Look&)>> clock = {
       [](const Look& l) { return l.time; }, [](const Look& l) { return l.time * l.time; },
-      [](const Look& l) { return std::sin(2.0 * pi * l.time); }, [](const Look& l) { return std::cos(2.0 * pi * l.time); }};
+      [](const Look& l) { return std::sin(2.0 * pi * l.time); },
+      [](const Look& l) { return std::cos(2.0 * pi * l.time); }};
   for (const auto& f : clock)
     for (int axis = 0; axis < 3; ++axis) {
       time.push_back({Term::force_W, axis, 1.0, f});
@@ -142,10 +147,10 @@ std::vector<BasisFamily> channel_bases(const Session& session) {
     for (std::size_t i = 0; i < rotors; ++i) sum += l.past[i] / static_cast<double>(rotors);
     return sum;
   };
-  std::vector<std::function<double(const Look&)>> state = {
-      [](const Look&) { return 1.0; }, [](const Look& l) { return l.time; },
-      [](const Look& l) { return l.place[near_ground]; }, total,
-      [total](const Look& l) { return total(l) * total(l); }};
+  std::vector<std::function<double(const Look&)>> state = {[](const Look&) { return 1.0; },
+                                                           [](const Look& l) { return l.time; },
+                                                           [](const Look& l) { return l.place[near_ground]; }, total,
+                                                           [total](const Look& l) { return total(l) * total(l); }};
   for (int i = 0; i < 3; ++i) {
     state.emplace_back([i](const Look& l) { return l.velocity_B[i]; });
     state.emplace_back([i](const Look& l) { return l.velocity_B.norm() * l.velocity_B[i]; });
@@ -167,7 +172,8 @@ Grams grams_with(const Session& session, const BasisFamily& family, const std::v
   session.for_each_flight([&](std::size_t f) {
     const LinearFlight linear = only(session.linear()[f], columns);
     std::vector<int> to;
-    for (const int c : linear.columns) to.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
+    for (const int c : linear.columns)
+      to.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
     for (int j = 0; j < family.size; ++j) to.push_back(static_cast<int>(columns.size()) + j);
     accumulate(whiten(session.flights()[f], linear, session.noise, &family.columns[f]), to, static_cast<int>(f),
                static_cast<int>(columns.size()) + family.size, of_flight[f]);
@@ -184,8 +190,8 @@ void keep_small(const std::vector<Trim>& trims, std::size_t first, Eigen::Matrix
   }
 }
 
-std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families, const std::vector<int>& columns,
-                           const std::vector<Trim>& trims) {
+std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families,
+                           const std::vector<int>& columns, const std::vector<Trim>& trims) {
   // one pass of the filter for all
   BasisFamily together;
   together.columns.resize(session.flights().size());
@@ -221,7 +227,8 @@ std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily
     for (std::size_t c = 0; c < gain.channel.size(); ++c) {
       const std::vector<int> own = with(static_cast<int>(c));
       gain.size[c] = static_cast<int>(own.size() - known.size());
-      if (gain.size[c] > 0) gain.channel[c] = gain.size[c] == family.size ? gain.all : before - solve(gram, own, 1e-6).loss;
+      if (gain.size[c] > 0)
+        gain.channel[c] = gain.size[c] == family.size ? gain.all : before - solve(gram, own, 1e-6).loss;
     }
     gains.push_back(gain);
     first += family.size;

@@ -25,8 +25,8 @@ class FlownVolume {
 // A family of columns per flight: m pushes per sample, to be appended to the filter's own.
 struct BasisFamily {
   std::string name;
-  std::vector<std::vector<Pushes>> columns;   // [flight][sample]
-  std::vector<int> channel;                   // per column: force x y z (or along W), torque x y z
+  std::vector<std::vector<Pushes>> columns;  // [flight][sample]
+  std::vector<int> channel;                  // per column: force x y z (or along W), torque x y z
   int size = 0;
 };
 // force of position, force and torque of body velocity, of time, and torque of past commands
@@ -46,7 +46,7 @@ struct Gain {
   std::array<double, 6> channel{};
   std::array<int, 6> size{};  // terms on the channel
 };
-std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families, const std::vector<int>& columns,
-                           const std::vector<Trim>& trims = {});
+std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families,
+                           const std::vector<int>& columns, const std::vector<Trim>& trims = {});
 
 }  // namespace gustlab::diagnosis

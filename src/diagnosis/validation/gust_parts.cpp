@@ -13,7 +13,7 @@ namespace gustlab::diagnosis {
 namespace {
 
 using decisions::surely_a_line, decisions::surely_no_mean;
-constexpr double slowest_periods = 2.0;      // in a flight, of the slowest line that is sought
+constexpr double slowest_periods = 2.0;  // in a flight, of the slowest line that is sought
 constexpr double fastest_radps = 20.0;
 constexpr double bins_apart = 1.5, bins_beside = 8.0;
 
@@ -57,7 +57,8 @@ void find_line(const Session& session, const std::vector<Smoothed>& left, GustPa
     }
     if (beside.size() < 8) continue;
     const double background = median(std::move(beside)) / median_of_mean;
-    const double p = boost::math::cdf(boost::math::complement(boost::math::chi_squared(2.0 * axes), 2.0 * axes * spectrum[i] / background));
+    const double p = boost::math::cdf(
+        boost::math::complement(boost::math::chi_squared(2.0 * axes), 2.0 * axes * spectrum[i] / background));
     if (!(p < least)) continue;
     least = p;
     // the top of the parabola through the three
@@ -80,7 +81,8 @@ GustParts gust_parts(const Session& session, const std::vector<Smoothed>& left) 
     double sum = 0.0, count = 0.0;
     for (const Smoothed& flight : left)
       for (std::size_t k = shift; k < flight.disturbance.size(); ++k)
-        for (int axis = first; axis < last; ++axis, count += 1.0) sum += flight.disturbance[k][axis] * flight.disturbance[k - shift][axis];
+        for (int axis = first; axis < last; ++axis, count += 1.0)
+          sum += flight.disturbance[k][axis] * flight.disturbance[k - shift][axis];
     const double line = 0.5 * parts.line_mps2 * parts.line_mps2 * std::cos(parts.line_radps * lag);
     return sum / std::max(1.0, count) - (last <= 2 ? line : 0.0);
   };
@@ -101,7 +103,8 @@ GustParts gust_parts(const Session& session, const std::vector<Smoothed>& left) 
   }
   parts.time_s = -1.0 / slope;
   parts.horizontal_mps2 = std::sqrt(std::exp((y - slope * x) / w));
-  parts.vertical_mps2 = std::sqrt(std::max(0.0, covariance(lag_s.front(), 2, 3)) * std::exp(lag_s.front() / parts.time_s));
+  parts.vertical_mps2 =
+      std::sqrt(std::max(0.0, covariance(lag_s.front(), 2, 3)) * std::exp(lag_s.front() / parts.time_s));
   return parts;
 }
 
@@ -114,7 +117,8 @@ std::vector<int> means_of_gust(const Session& session, const Selection& selectio
     for (const int c : group.columns) {
       const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
       // variance of the mean of an exponentially correlated series
-      const double duration_s = session.flights()[static_cast<std::size_t>(column.flight)].duration_s(), x = gust.time_s / duration_s;
+      const double duration_s = session.flights()[static_cast<std::size_t>(column.flight)].duration_s(),
+                   x = gust.time_s / duration_s;
       const double sigma_mps2 = column.parameter < 2 ? gust.horizontal_mps2 : gust.vertical_mps2;
       const double variance = 2.0 * sigma_mps2 * sigma_mps2 * x * (1.0 - x * (1.0 - std::exp(-1.0 / x)));
       chi_squared += std::pow(selection.value[c] / session.vehicle().mass_kg, 2) /

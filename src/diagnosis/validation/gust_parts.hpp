@@ -10,7 +10,7 @@ namespace gustlab::diagnosis {
 // Forces per mass, m/s². Standard deviations of the slow part, horizontal per axis (0: there is none) and vertical, and its correlation time; the
 // amplitude of a horizontal sinusoid per axis (0: there is none), its angular frequency, and their standard errors.
 struct GustParts {
-  double slow_mps2 = 0.0;   // of the horizontal disturbance, what still is there half a second later
+  double slow_mps2 = 0.0;  // of the horizontal disturbance, what still is there half a second later
   double horizontal_mps2 = 0.0, vertical_mps2 = 0.0, time_s = 0.0;
   double line_mps2 = 0.0, line_radps = 0.0, line_deviation_mps2 = 0.0, line_deviation_radps = 0.0;
 };

@@ -54,7 +54,8 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
     session.noise = selection.noise_selected;
     std::vector<std::vector<Vector3>> force;
     for (std::size_t f = 0; f < session.flights().size(); ++f)
-      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, group.swing, selection.value[group.columns.front()]));
+      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, group.swing,
+                                     selection.value[group.columns.front()]));
     session.suspect_load(group.swing, std::move(force));
   }
   const int limit = fitted.catalogue().find("saturation");

@@ -87,8 +87,19 @@ Region region(const std::string& variable, const Eigen::VectorXd& x, const Eigen
 
 Blocks blocks(const Session& session, const std::vector<Smoothed>& smoothed) {
   Blocks result;
-  result.variable = {"forward_speed_mps", "left_speed_mps", "vertical_speed_mps", "airspeed_mps", "height_m", "x_m",
-                     "y_m", "time_s", "voltage_V", "thrust_ratio", "forward_tilt_rad", "left_tilt_rad", "yaw_rate_radps"};
+  result.variable = {"forward_speed_mps",
+                     "left_speed_mps",
+                     "vertical_speed_mps",
+                     "airspeed_mps",
+                     "height_m",
+                     "x_m",
+                     "y_m",
+                     "time_s",
+                     "voltage_V",
+                     "thrust_ratio",
+                     "forward_tilt_rad",
+                     "left_tilt_rad",
+                     "yaw_rate_radps"};
   const VehicleModel& vehicle = session.vehicle();
   const double hover = vehicle.hover_speed_radps();
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
@@ -107,7 +118,8 @@ Blocks blocks(const Session& session, const std::vector<Smoothed>& smoothed) {
         wrench.head<3>() += vehicle.mass_kg * (R.transpose() * d.head<3>());
         wrench.tail<3>() += vehicle.inertia_B_kgm2 * d.tail<3>();
         const Vector3 v = R.transpose() * m.velocity_W_mps;
-        const RotorArray speed = record.mean(flight.samples[k - length].time_s - flight.sample_s, flight.samples[k - length].time_s);
+        const RotorArray speed =
+            record.mean(flight.samples[k - length].time_s - flight.sample_s, flight.samples[k - length].time_s);
         double thrust = 0.0;
         for (int i = 0; i < vehicle.rotor_count; ++i)
           thrust += std::pow(speed[static_cast<std::size_t>(i)] / hover, 2) / vehicle.rotor_count;
@@ -138,7 +150,8 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection, const
   const std::vector<Gain> gains = gains_of(session, families, session.biases());
   double largest = 0.0;
   for (const Gain& gain : gains) largest = std::max(largest, gain.all);
-  const Blocks before = blocks(session, selection.smoothed_nominal), after = blocks(session, selection.smoothed_selected);
+  const Blocks before = blocks(session, selection.smoothed_nominal),
+               after = blocks(session, selection.smoothed_selected);
   const auto rms = [](const Blocks& b, int c) {
     double sum = 0.0;
     for (const auto& w : b.wrench) sum += w[c] * w[c];
@@ -167,7 +180,8 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection, const
     std::vector<Eigen::VectorXd> x;
     for (std::size_t v = 0; v < before.variable.size(); ++v) {
       Eigen::VectorXd column(count);
-      for (Eigen::Index i = 0; i < count; ++i) column[i] = before.value[static_cast<std::size_t>(i)][static_cast<Eigen::Index>(v)];
+      for (Eigen::Index i = 0; i < count; ++i)
+        column[i] = before.value[static_cast<std::size_t>(i)][static_cast<Eigen::Index>(v)];
       x.push_back(column);
       predictors.emplace_back(column, fold);
     }
@@ -193,7 +207,8 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection, const
       const Eigen::VectorXd y = series(c, 0);
       std::vector<std::pair<double, std::size_t>> explained;
       for (std::size_t v = 0; v < predictors.size(); ++v) explained.emplace_back(predictors[v].explained(y), v);
-      std::stable_sort(explained.begin(), explained.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+      std::stable_sort(explained.begin(), explained.end(),
+                       [](const auto& a, const auto& b) { return a.first > b.first; });
       for (const auto& [share, v] : explained)
         if (share > threshold && result[static_cast<std::size_t>(c)].where.size() < 2)
           result[static_cast<std::size_t>(c)].where.push_back(region(before.variable[v], x[v], y));

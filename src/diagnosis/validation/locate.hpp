@@ -16,7 +16,7 @@ struct Blocks {
   std::vector<int> flight;
   std::vector<Eigen::Matrix<double, 6, 1>> wrench;
   std::vector<std::string> variable;
-  std::vector<Eigen::VectorXd> value;       // per block, one number per variable
+  std::vector<Eigen::VectorXd> value;  // per block, one number per variable
 };
 Blocks blocks(const Session& session, const std::vector<Smoothed>& smoothed);
 

@@ -13,7 +13,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double least_seen = 25.0;   // χ² of a push that is not there, with everything else free
+constexpr double least_seen = 25.0;  // χ² of a push that is not there, with everything else free
 constexpr double mostly = 0.5;
 
 }  // namespace
@@ -21,7 +21,9 @@ constexpr double mostly = 0.5;
 std::vector<Parts> parts(const Session& session, const Selection& selection) {
   std::vector<Parts> result(selection.findings.size());
   const auto turns = [](const LinearFlight& flight) { return flight.torque_known && !flight.forces_alone; };
-  if (session.shoots() || selection.findings.empty() || !std::all_of(session.linear().begin(), session.linear().end(), turns)) return result;
+  if (session.shoots() || selection.findings.empty() ||
+      !std::all_of(session.linear().begin(), session.linear().end(), turns))
+    return result;
   const Catalogue& catalogue = session.catalogue();
   // a gust moves the vehicle along its own push, and lasts longer than what the filter allows for: then pushes to the side are free
   const bool gusty = session.noise.rms(0) > most_of_floor * reference_floor(session.vehicle())[0];
@@ -41,7 +43,8 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
         for (std::size_t j = 0; j < flight.columns.size(); ++j) {
           const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
           if (column.group != selection.findings[i].group) continue;
-          moved += (selection.value[flight.columns[j]] - column.nominal) / column.natural / flight.interval_s[k] * flight.B[k].col(static_cast<Eigen::Index>(j));
+          moved += (selection.value[flight.columns[j]] - column.nominal) / column.natural / flight.interval_s[k] *
+                   flight.B[k].col(static_cast<Eigen::Index>(j));
         }
         const auto at = static_cast<Eigen::Index>(i);
         of_flight[k].block<3, 1>(0, at) = moved.segment<3>(3);
@@ -61,7 +64,8 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   keep_small(trims, own, gram);
   std::vector<int> known(beside.size());
   std::iota(known.begin(), known.end(), 0);
-  for (Eigen::Index i = tested; i < pushes.size; ++i) known.push_back(static_cast<int>(static_cast<Eigen::Index>(beside.size()) + i));
+  for (Eigen::Index i = tested; i < pushes.size; ++i)
+    known.push_back(static_cast<int>(static_cast<Eigen::Index>(beside.size()) + i));
   const Eigen::MatrixXd projected = project_out(gram, known);
   // what is left of a column, the known ones fitted to it
   const auto left_of = [&](Eigen::Index column) {
@@ -81,7 +85,9 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
     const Eigen::VectorXd pattern = left_of(at);
     const double excess = projected(at, projected.cols() - 1) / seen;
     const bool damps = (with_rate[i].square() / rates.max(1e-12)).sum() > mostly * turning[i].sum();
-    result[i] = {excess, std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern))), damps};
+    result[i] = {excess,
+                 std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern))),
+                 damps};
   }
   return result;
 }

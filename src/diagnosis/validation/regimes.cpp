@@ -16,7 +16,8 @@ constexpr int parts = 3;
 constexpr double few = 4.0, untold = 1.0;  // clusters; a deviation
 
 struct Variables {
-  std::vector<std::string> name = {"speed", "vertical speed", "height", "x", "y", "tilt", "thrust", "command activity", "time"};
+  std::vector<std::string> name = {"speed", "vertical speed", "height",           "x",   "y",
+                                   "tilt",  "thrust",         "command activity", "time"};
   std::vector<std::vector<double>> value;  // per variable, per block
 };
 
@@ -27,17 +28,26 @@ Variables variables_of(const Session& session, const Grams& grams) {
     const FlightData& flight = session.flights()[static_cast<std::size_t>(grams.flight[b])];
     const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
     const auto first = std::lower_bound(flight.samples.begin(), flight.samples.end(), grams.time_s[b],
-                                        [](const Sample& s, double t) { return s.time_s < t; }) - flight.samples.begin();
+                                        [](const Sample& s, double t) { return s.time_s < t; }) -
+                       flight.samples.begin();
     std::array<double, 9> sum{};
     double count = 0.0;
-    for (auto k = static_cast<std::size_t>(first); k < flight.samples.size() && flight.samples[k].time_s < grams.time_s[b] + block_s; ++k) {
+    for (auto k = static_cast<std::size_t>(first);
+         k < flight.samples.size() && flight.samples[k].time_s < grams.time_s[b] + block_s; ++k) {
       const Motion& m = flight.motion[k];
       const double t = flight.samples[k].time_s;
       const RotorArray now = record.mean(t, t + flight.sample_s), old = record.mean(t - flight.sample_s, t);
       double thrust = 0.0, change = 0.0;
       for (std::size_t i = 0; i < max_rotors; ++i) thrust += now[i] * now[i], change += std::pow(now[i] - old[i], 2);
-      const std::array<double, 9> here = {m.velocity_W_mps.norm(), m.velocity_W_mps.z(), m.position_W_m.z(), m.position_W_m.x(),
-                                          m.position_W_m.y(), -(m.attitude_WB * Vector3::UnitZ()).z(), thrust, change, t - flight.start_s};
+      const std::array<double, 9> here = {m.velocity_W_mps.norm(),
+                                          m.velocity_W_mps.z(),
+                                          m.position_W_m.z(),
+                                          m.position_W_m.x(),
+                                          m.position_W_m.y(),
+                                          -(m.attitude_WB * Vector3::UnitZ()).z(),
+                                          thrust,
+                                          change,
+                                          t - flight.start_s};
       for (std::size_t v = 0; v < sum.size(); ++v) sum[v] += here[v];
       count += 1.0;
     }
@@ -46,7 +56,8 @@ Variables variables_of(const Session& session, const Grams& grams) {
   return result;
 }
 
-std::vector<Regimes> regimes_of(const Session& session, const Selection& selection, const Finding& finding, const Variables& variables) {
+std::vector<Regimes> regimes_of(const Session& session, const Selection& selection, const Finding& finding,
+                                const Variables& variables) {
   const Catalogue& catalogue = session.catalogue();
   const Grams& grams = selection.grams;
   // the finding's pattern as it was fitted, and what the whole fit leaves
@@ -71,7 +82,8 @@ std::vector<Regimes> regimes_of(const Session& session, const Selection& selecti
   for (std::size_t v = 0; v < variables.name.size(); ++v) {
     std::vector<std::size_t> order(grams.block.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return variables.value[v][a] < variables.value[v][b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return variables.value[v][a] < variables.value[v][b]; });
     Regimes regimes;
     regimes.variable = variables.name[v];
     std::array<double, parts> info{}, score{};
@@ -88,7 +100,8 @@ std::vector<Regimes> regimes_of(const Session& session, const Selection& selecti
       std::vector<double> cluster(static_cast<std::size_t>(grams.clusters), 0.0), clustered = cluster;
       for (std::size_t b = 0; b < part.size(); ++b)
         if (part[b] == static_cast<int>(p)) {
-          cluster[static_cast<std::size_t>(grams.cluster[b])] += remaining[b] - (regimes.share[p] - 1.0) * information[b];
+          cluster[static_cast<std::size_t>(grams.cluster[b])] +=
+              remaining[b] - (regimes.share[p] - 1.0) * information[b];
           clustered[static_cast<std::size_t>(grams.cluster[b])] += information[b];
         }
       double variance = 0.0, squares = 0.0;
@@ -107,7 +120,8 @@ std::vector<Regimes> regimes_of(const Session& session, const Selection& selecti
     regimes.spread = std::sqrt(std::max(0.0, between - expected));
     result.push_back(std::move(regimes));
   }
-  std::stable_sort(result.begin(), result.end(), [](const Regimes& a, const Regimes& b) { return a.spread > b.spread; });
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Regimes& a, const Regimes& b) { return a.spread > b.spread; });
   return result;
 }
 
@@ -117,7 +131,8 @@ std::vector<std::vector<Regimes>> regimes(const Session& session, const Selectio
   std::vector<std::vector<Regimes>> result;
   if (selection.findings.empty()) return result;
   const Variables variables = variables_of(session, selection.grams);
-  for (const Finding& finding : selection.findings) result.push_back(regimes_of(session, selection, finding, variables));
+  for (const Finding& finding : selection.findings)
+    result.push_back(regimes_of(session, selection, finding, variables));
   return result;
 }
 

@@ -14,9 +14,18 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr std::array<const char*, 12> sensor_name = {"position x", "position y", "position z", "roll", "pitch", "yaw",
-                                                     "roll rate", "pitch rate", "yaw rate", "specific force x",
-                                                     "specific force y", "specific force z"};
+constexpr std::array<const char*, 12> sensor_name = {"position x",
+                                                     "position y",
+                                                     "position z",
+                                                     "roll",
+                                                     "pitch",
+                                                     "yaw",
+                                                     "roll rate",
+                                                     "pitch rate",
+                                                     "yaw rate",
+                                                     "specific force x",
+                                                     "specific force y",
+                                                     "specific force z"};
 
 // of the disturbance groups
 const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
@@ -66,13 +75,16 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   const auto floor = reference_floor(session.vehicle());
   const NoiseModel& noise = selection.noise_selected;
   result.gust = gust_parts(session, selection.smoothed_selected);
-  const bool slow = result.gust.slow_mps2 > least_slow_share * floor[0] && result.gust.time_s > fastest_gust_s && result.gust.time_s < slowest_gust_s;
+  const bool slow = result.gust.slow_mps2 > least_slow_share * floor[0] && result.gust.time_s > fastest_gust_s &&
+                    result.gust.time_s < slowest_gust_s;
   // a line below a calm room's disturbance may be the flown figure's own
   const bool line = result.gust.line_mps2 > floor[0];
   if (!line) result.gust.line_mps2 = 0.0;
   if (!slow) result.gust.horizontal_mps2 = 0.0;
   result.depends_on_state = (slow || line) && depends_on_state(session, selection.smoothed_selected);
-  if (result.depends_on_state) result.alarms.push_back({"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
+  if (result.depends_on_state)
+    result.alarms.push_back(
+        {"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
   result.gust_like = !shadow && (slow || line) && !result.depends_on_state;
 
   const std::vector<Trim> trims = trims_beside(session, columns, scatter_share);
@@ -84,16 +96,21 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
     const BasisFamily& family = families[i];
     const bool smooth = family.name.starts_with("smooth");
     // what moves slowly is like any slow function of place and time
-    if (result.gust_like && (smooth ? family.channel.front() < 2 : family.name == "position" || family.name == "time")) continue;
+    if (result.gust_like && (smooth ? family.channel.front() < 2 : family.name == "position" || family.name == "time"))
+      continue;
     if (!beyond_chance(gains[i].all, family.size, rows)) continue;
     worst = std::max(worst, gains[i].all);
     Alarm alarm{"omnibus", fmt::format("the rest depends on {}", family.name), gains[i].all / rows, {}};
     const double most = *std::max_element(gains[i].channel.begin(), gains[i].channel.end());
     for (std::size_t c = 0; c < channel_name.size(); ++c)
-      if (beyond_chance(gains[i].channel[c], gains[i].size[c], rows) && gains[i].channel[c] > 0.25 * most) alarm.channels.emplace_back(channel_name[c]);
+      if (beyond_chance(gains[i].channel[c], gains[i].size[c], rows) && gains[i].channel[c] > 0.25 * most)
+        alarm.channels.emplace_back(channel_name[c]);
     if (smooth) {
       const std::string& where = alarm.channels.front();
-      if (std::any_of(result.alarms.begin(), result.alarms.end(), [&](const Alarm& a) { return std::find(a.channels.begin(), a.channels.end(), where) != a.channels.end(); })) continue;
+      if (std::any_of(result.alarms.begin(), result.alarms.end(), [&](const Alarm& a) {
+            return std::find(a.channels.begin(), a.channels.end(), where) != a.channels.end();
+          }))
+        continue;
       alarm.says = fmt::format("{} still is a smooth function of the state", where);
     }
     result.alarms.push_back(std::move(alarm));
@@ -110,22 +127,30 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   for (std::size_t c = 0; c < row_count; ++c) {
     // a gust is not quite what the filter has for it
     if (std::isnan(correlated[0][c]) || (result.gust_like && (c < 3 || c > 8))) continue;
-    const auto most = std::max_element(correlated.begin(), correlated.end(), [c](const auto& a, const auto& b) { return std::abs(a[c]) < std::abs(b[c]); });
+    const auto most = std::max_element(correlated.begin(), correlated.end(),
+                                       [c](const auto& a, const auto& b) { return std::abs(a[c]) < std::abs(b[c]); });
     const double r = std::abs((*most)[c]);
     const auto lag = most - correlated.begin() + 1;
-    const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(), [](const FlightData& f) { return f.read_slower; });
+    const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(),
+                                       [](const FlightData& f) { return f.read_slower; });
     if (r > (noise.errors_last() ? most_correlation_of_lasting : most_correlation) && own_rate)
-      result.alarms.push_back({"whiteness", fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], lag), 0.01 * r,
+      result.alarms.push_back({"whiteness",
+                               fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], lag),
+                               0.01 * r,
                                {channel_name[c % 3 + (c < 3 || c > 8 ? 0 : 3)]}});
   }
 
   // disturbance above what a calm room leaves
-  constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque", "yaw torque"};
+  constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque",
+                                                     "yaw torque"};
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     // half a second ahead tells what lasts: its spectral density against that of a calm room's air
-    const double lasting = std::sqrt(noise.variance[g] * noise.time_s[g] / calm_memory_s) / floor[g], ratio = std::max(noise.rms(g) / floor[g], lasting);
+    const double lasting = std::sqrt(noise.variance[g] * noise.time_s[g] / calm_memory_s) / floor[g],
+                 ratio = std::max(noise.rms(g) / floor[g], lasting);
     if (ratio > most_of_floor && !(g < 2 && result.gust_like))
-      result.alarms.push_back({"floor", fmt::format("{} is disturbed {:.1f} times as much as in a calm room{}", group_name[g], ratio, ratio == lasting ? ", slowly" : ""),
+      result.alarms.push_back({"floor",
+                               fmt::format("{} is disturbed {:.1f} times as much as in a calm room{}", group_name[g],
+                                           ratio, ratio == lasting ? ", slowly" : ""),
                                0.001 * ratio, channels_of[g]});
   }
 
@@ -141,9 +166,11 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
       double change = 0.0, fast = 0.0, high = 0.0;
       for (std::size_t k = first; k < first + length; ++k) {
         for (std::size_t j = 0; j < 6; ++j)
-          e[static_cast<std::size_t>(disturbance_group[j])] += std::pow(selection.smoothed_selected[f].disturbance[k][static_cast<Eigen::Index>(j)], 2);
+          e[static_cast<std::size_t>(disturbance_group[j])] +=
+              std::pow(selection.smoothed_selected[f].disturbance[k][static_cast<Eigen::Index>(j)], 2);
         const double t = flight.samples[k].time_s;
-        const RotorArray now = record.mean(t - flight.sample_s, t), old = record.mean(t - 2.0 * flight.sample_s, t - flight.sample_s);
+        const RotorArray now = record.mean(t - flight.sample_s, t),
+                         old = record.mean(t - 2.0 * flight.sample_s, t - flight.sample_s);
         for (std::size_t i = 0; i < max_rotors; ++i) change += std::pow(now[i] - old[i], 2);
         fast += flight.motion[k].velocity_W_mps.norm();
         high += flight.motion[k].position_W_m.z();
@@ -157,11 +184,13 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   }
   for (std::size_t g = 0; g < disturbance_groups; ++g)
     for (const auto& [name, x] : {std::pair<const char*, const std::vector<double>*>{"command activity", &activity},
-                                  {"speed", &speed}, {"low height", &height}}) {
+                                  {"speed", &speed},
+                                  {"low height", &height}}) {
       const double r = correlation(ranks(energy[g]), ranks(*x));
       std::vector<std::size_t> order(x->size());
       std::iota(order.begin(), order.end(), std::size_t{0});
-      std::stable_sort(order.begin(), order.end(), [&, values = x](std::size_t a, std::size_t b) { return (*values)[a] < (*values)[b]; });
+      std::stable_sort(order.begin(), order.end(),
+                       [&, values = x](std::size_t a, std::size_t b) { return (*values)[a] < (*values)[b]; });
       const std::size_t quarter = order.size() / 4;
       double low = 1e-300, high = 0.0;
       for (std::size_t i = 0; i < quarter; ++i) {
@@ -171,12 +200,14 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
       // where it is largest it must be more than a calm room's
       if (r > 0.45 && high > 3.0 * low && std::sqrt(high / static_cast<double>(quarter)) > floor[g]) {
         if (g == 0) result.gust_like = false;
-        result.alarms.push_back({"heteroscedastic", fmt::format("{} grows with {}", group_name[g], name), 0.001 * high / low, channels_of[g]});
+        result.alarms.push_back({"heteroscedastic", fmt::format("{} grows with {}", group_name[g], name),
+                                 0.001 * high / low, channels_of[g]});
         break;
       }
     }
   const GustParts& gust = result.gust;
-  result.names_gust = result.gust_like && (line || gust.time_s > longest_of_rough_air_s || gust.horizontal_mps2 > least_sideways * gust.vertical_mps2);
+  result.names_gust = result.gust_like && (line || gust.time_s > longest_of_rough_air_s ||
+                                           gust.horizontal_mps2 > least_sideways * gust.vertical_mps2);
   return result;
 }
 

@@ -11,17 +11,20 @@
 
 namespace gustlab::diagnosis {
 
-inline constexpr std::array<const char*, 6> channel_name = {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
+inline constexpr std::array<const char*, 6> channel_name = {"force_x",  "force_y",  "force_z",
+                                                            "torque_x", "torque_y", "torque_z"};
 
 // times the reference floor: disturbed more than a calm room
 inline constexpr double most_of_floor = 2.5;
 
 struct Remainder {
   std::vector<Alarm> alarms;
-  double omnibus_gain = 0.0;    // χ² of the family that still finds most
-  double omnibus_share = 0.0;   // of all structure, what the omnibus test still finds
-  bool gust_like = false;       // horizontal floor raised and slowly varying, or with a line, and no dependence on the state explains it
-  bool names_gust = false;      // and it is more than rough air: a line, a second of memory, or clearly stronger sideways than up and down
+  double omnibus_gain = 0.0;   // χ² of the family that still finds most
+  double omnibus_share = 0.0;  // of all structure, what the omnibus test still finds
+  bool gust_like =
+      false;  // horizontal floor raised and slowly varying, or with a line, and no dependence on the state explains it
+  bool names_gust =
+      false;  // and it is more than rough air: a line, a second of memory, or clearly stronger sideways than up and down
   bool depends_on_state = false;  // the horizontal force, on where or how fast the vehicle is
   GustParts gust;
 };

@@ -59,7 +59,8 @@ Joint joint(const LinearFlight& flight, const NoiseModel& noise) {
   State P = State::Zero();
   constexpr std::array<double, 4> prior = {4e-6, 4e-3, 4e-4, 4e-2};
   for (int i = 0; i < 12; ++i) P(i, i) = prior[static_cast<std::size_t>(i / 3)];
-  for (int j = 0; j < 6; ++j) P(12 + j, 12 + j) = noise.variance[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])];
+  for (int j = 0; j < 6; ++j)
+    P(12 + j, 12 + j) = noise.variance[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])];
   std::vector<Eigen::Matrix<double, 1, 18>> rows;
   for (std::size_t k = 0; k < samples; ++k) {
     const auto at = 18 * static_cast<Eigen::Index>(k);
@@ -68,7 +69,9 @@ Joint joint(const LinearFlight& flight, const NoiseModel& noise) {
       if (!flight.measured[k][r]) continue;
       Eigen::RowVectorXd h = Eigen::RowVectorXd::Zero(states);
       if (r < 9) h[at + (r < 3 ? r : 3 + r)] = 1.0;
-      else h.segment<9>(at + 3) = flight.force_rows[k].row(r - 9), h.segment<3>(at + 12) = flight.R_WB[k].col(r - 9).transpose();
+      else
+        h.segment<9>(at + 3) = flight.force_rows[k].row(r - 9),
+                          h.segment<3>(at + 12) = flight.R_WB[k].col(r - 9).transpose();
       all.H.conservativeResize(all.H.rows() + 1, states);
       all.H.bottomRows<1>() = h;
       all.R.conservativeResize(all.H.rows()), all.y.conservativeResize(all.H.rows());
@@ -102,7 +105,8 @@ TEST(InnovationFilter, LikelihoodIsThatOfTheJointGaussian) {
   const Eigen::MatrixXd S = all.H * all.covariance * all.H.transpose() + Eigen::MatrixXd(all.R.asDiagonal());
   const Eigen::VectorXd missed = all.y - all.H * all.mean;
   const Eigen::LLT<Eigen::MatrixXd> factor(S);
-  const double expected = 2.0 * Eigen::MatrixXd(factor.matrixL()).diagonal().array().log().sum() + missed.dot(factor.solve(missed));
+  const double expected =
+      2.0 * Eigen::MatrixXd(factor.matrixL()).diagonal().array().log().sum() + missed.dot(factor.solve(missed));
   EXPECT_NEAR(misfit(some_flight(), some_noise()), expected, 1e-7 * std::abs(expected));
   FlightData times;
   times.samples.resize(samples);
@@ -114,7 +118,8 @@ TEST(InnovationFilter, MomentsOfTheSmootherAreThoseOfTheConditionedGaussian) {
   const Eigen::MatrixXd S = all.H * all.covariance * all.H.transpose() + Eigen::MatrixXd(all.R.asDiagonal());
   const Eigen::MatrixXd gain = S.ldlt().solve(all.H * all.covariance).transpose();
   const Eigen::VectorXd mean = all.mean + gain * (all.y - all.H * all.mean), left = all.y - all.H * mean;
-  const Eigen::MatrixXd covariance = all.covariance - gain * all.H * all.covariance, spread = all.H * covariance * all.H.transpose();
+  const Eigen::MatrixXd covariance = all.covariance - gain * all.H * all.covariance,
+                        spread = all.H * covariance * all.H.transpose();
   const Smoothed smoothed = smooth(some_flight(), some_noise());
   for (Eigen::Index j = 0; j < 6; ++j) {
     double second = 0.0, lagged = 0.0;
@@ -126,7 +131,8 @@ TEST(InnovationFilter, MomentsOfTheSmootherAreThoseOfTheConditionedGaussian) {
     EXPECT_NEAR(smoothed.lagged[static_cast<std::size_t>(j)], lagged, 1e-7 * std::abs(lagged));
   }
   std::array<double, noise_groups> residual{};
-  for (Eigen::Index i = 0; i < left.size(); ++i) residual[all.group[static_cast<std::size_t>(i)]] += left[i] * left[i] + spread(i, i);
+  for (Eigen::Index i = 0; i < left.size(); ++i)
+    residual[all.group[static_cast<std::size_t>(i)]] += left[i] * left[i] + spread(i, i);
   for (std::size_t g = 0; g < noise_groups; ++g) EXPECT_NEAR(smoothed.residual[g], residual[g], 1e-6 * residual[g]);
 }
 

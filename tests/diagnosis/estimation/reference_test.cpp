@@ -23,13 +23,15 @@ Grams one_block(const Eigen::MatrixXd& rows) {
   Grams grams;
   grams.columns = static_cast<int>(rows.cols()) - 1;
   grams.block = {rows.transpose() * rows};
-  grams.flight = {0}, grams.time_s = {0.0}, grams.cluster = {0}, grams.clusters = 1, grams.rows = static_cast<double>(rows.rows());
+  grams.flight = {0}, grams.time_s = {0.0}, grams.cluster = {0}, grams.clusters = 1,
+  grams.rows = static_cast<double>(rows.rows());
   return grams;
 }
 
 // z = Φ (change + error), error known from other rows: minimised over the error as well
 TEST(Reference, ChangesAreThoseOfTheJointSolution) {
-  const Catalogue catalogue(read_vehicle("crazyflie"), 1, {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1,
+                            {Need::attitude | Need::motion | Need::torque, false, false, false});
   const int size = catalogue.size();
   const Eigen::MatrixXd here = rows_of(400, size + 1, 1), there = rows_of(300, size + 1, 2);
   const Grams normal = one_block(there);
@@ -59,7 +61,8 @@ TEST(Reference, ChangesAreThoseOfTheJointSolution) {
 }
 
 TEST(Reference, MuchInformationLeavesTheMatricesAsTheyAre) {
-  const Catalogue catalogue(read_vehicle("crazyflie"), 1, {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1,
+                            {Need::attitude | Need::motion | Need::torque, false, false, false});
   const Grams here = one_block(rows_of(400, catalogue.size() + 1, 1));
   Reference reference = reference_of(catalogue, one_block(rows_of(300, catalogue.size() + 1, 2)), {});
   reference.information *= 1e9;

@@ -18,7 +18,8 @@ Eigen::VectorXd slow_series(std::uint32_t replicate, double memory) {
   Eigen::VectorXd x(samples);
   double state = 0.0;
   const double keep = std::exp(-1.0 / memory);
-  for (int k = 0; k < samples; ++k) x[k] = state = keep * state + std::sqrt(1.0 - keep * keep) * random.normal4(static_cast<std::uint64_t>(k))[0];
+  for (int k = 0; k < samples; ++k)
+    x[k] = state = keep * state + std::sqrt(1.0 - keep * keep) * random.normal4(static_cast<std::uint64_t>(k))[0];
   return x;
 }
 
@@ -61,8 +62,9 @@ TEST(Surrogates, AConstantCannotBeMoved) {
 TEST(Surrogates, TheirPValuesAreUniformWhereNothingIsThere) {
   int below = 0;
   constexpr int trials = 60;
-  for (int i = 0; i < trials; ++i) below += test_of(slow_series(100 + 2 * i, 30.0), slow_series(101 + 2 * i, 30.0), 0.0).p_value <= 0.1 ? 1 : 0;
-  EXPECT_LE(below, 14);   // 6 expected; binomial, p < 0.002
+  for (int i = 0; i < trials; ++i)
+    below += test_of(slow_series(100 + 2 * i, 30.0), slow_series(101 + 2 * i, 30.0), 0.0).p_value <= 0.1 ? 1 : 0;
+  EXPECT_LE(below, 14);  // 6 expected; binomial, p < 0.002
 }
 
 }  // namespace

@@ -37,11 +37,15 @@ TEST(Judge, NothingThatSpeaksAgainstRaisesTheProbability) {
       [](Evidence& e) { e.surrogates.inflation = 60.0; },
       [](Evidence& e) { e.surrogates.p_value = 0.5; },
       [](Evidence& e) { e.clustered_inflation = 80.0; },
-      [](Evidence& e) { e.flights[1] = {"b", false, -0.2, 0.1}; },
+      [](Evidence& e) {
+        e.flights[1] = {"b", false, -0.2, 0.1};
+      },
       [](Evidence& e) { e.spread_flights = 0.8; },
       [](Evidence& e) { e.spread_regimes = 0.9; },
       [](Evidence& e) { e.held_out_gain = -300.0; },
-      [](Evidence& e) { e.recovered_z = {-3.0, -3.0, -3.0}; },
+      [](Evidence& e) {
+        e.recovered_z = {-3.0, -3.0, -3.0};
+      },
       [](Evidence& e) { e.size_in_tolerances = 1.3; },
       [](Evidence& e) { e.inclusion = 0.2; },
       [](Evidence& e) { e.unexplained_gain = 20000.0; },

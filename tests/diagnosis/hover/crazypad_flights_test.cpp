@@ -15,7 +15,8 @@ using ::testing::IsEmpty;
 class CrazyPad : public ::testing::Test {
  protected:
   void import(const std::filesystem::path& flights) {
-    std::vector<std::string> command{test::python_program(), (std::filesystem::path(source_directory()) / "scripts" / "import_log.py").string()};
+    std::vector<std::string> command{
+        test::python_program(), (std::filesystem::path(source_directory()) / "scripts" / "import_log.py").string()};
     for (const auto& file : std::filesystem::recursive_directory_iterator(flights / "crazypad"))
       if (file.path().filename().string().starts_with("E")) command.push_back(file.path().string());
     std::sort(command.begin() + 2, command.end());
@@ -23,7 +24,9 @@ class CrazyPad : public ::testing::Test {
     const test::Said said = test::run_program(command);
     ASSERT_EQ(said.exit_code, 0) << said.err;
   }
-  std::string log(const char* condition, const char* flight) const { return folder_.file(std::string(condition) + "-" + flight + "_1.csv"); }
+  std::string log(const char* condition, const char* flight) const {
+    return folder_.file(std::string(condition) + "-" + flight + "_1.csv");
+  }
   static Diagnosis against(const std::string& reference, const std::string& flight) {
     DiagnoseOptions options;
     options.fit = {flight};
@@ -33,7 +36,8 @@ class CrazyPad : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-constexpr const char *normal = "normal_flight", *cut = "cut_propeller_M3_3mm_3mm_41mm", *weight = "add_weight_W3_near_M3";
+constexpr const char *normal = "normal_flight", *cut = "cut_propeller_M3_3mm_3mm_41mm",
+                     *weight = "add_weight_W3_near_M3";
 
 TEST_F(CrazyPad, NamesTheDefectAgainstEachNormalFlightAndNothingElse) {
   GUSTLAB_FLIGHTS_OR_SKIP(flights);
@@ -58,14 +62,16 @@ TEST_F(CrazyPad, NamesTheDefectAgainstEachNormalFlightAndNothingElse) {
   for (const char* reference : normals)
     for (const char* flight : normals) {
       if (reference == flight) continue;
-      EXPECT_THAT(against(log(normal, reference), log(normal, flight)).effects, IsEmpty()) << flight << " against " << reference;
+      EXPECT_THAT(against(log(normal, reference), log(normal, flight)).effects, IsEmpty())
+          << flight << " against " << reference;
     }
 }
 
 TEST_F(CrazyPad, NamesNothingFromDefectFlightsAlone) {
   GUSTLAB_FLIGHTS_OR_SKIP(flights);
   import(flights);
-  for (const auto& both : {std::vector{log(cut, "E8_log00"), log(cut, "E8_log01")}, std::vector{log(weight, "E9_log00"), log(weight, "E9_log02")}})
+  for (const auto& both : {std::vector{log(cut, "E8_log00"), log(cut, "E8_log01")},
+                           std::vector{log(weight, "E9_log00"), log(weight, "E9_log02")}})
     for (const auto& some : {both, std::vector{both[0]}, std::vector{both[1]}}) {
       DiagnoseOptions options;
       options.fit = some;

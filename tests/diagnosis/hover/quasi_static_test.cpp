@@ -1,6 +1,6 @@
 // Logs without attitude and body rate: mean commands of hover against a normal flight of the same vehicle.
-#include "diagnosis/diagnose.hpp"
 #include "diagnosis/hover/quasi_static.hpp"
+#include "diagnosis/diagnose.hpp"
 
 #include <gmock/gmock.h>
 
@@ -16,7 +16,8 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 // a hover with planted [[effect]] tables, of which position, velocity, commands and voltage are kept
-std::string fly(const TemporaryFolder& folder, const std::string& name, const std::string& planted, double voltage_V = 3.8) {
+std::string fly(const TemporaryFolder& folder, const std::string& name, const std::string& planted,
+                double voltage_V = 3.8) {
   const std::string experiment_path = folder.write(name + ".toml", R"(
 format = "gustlab-experiment/1"
 name = "hover"
@@ -50,7 +51,8 @@ rate_sd = 0.01
   return path;
 }
 
-Diagnosis compare(const std::vector<std::string>& fit, const std::vector<std::string>& holdout, const std::vector<std::string>& reference) {
+Diagnosis compare(const std::vector<std::string>& fit, const std::vector<std::string>& holdout,
+                  const std::vector<std::string>& reference) {
   DiagnoseOptions options;
   options.fit = fit;
   options.holdout = holdout;
@@ -90,8 +92,10 @@ TEST(QuasiStatic, NamesTheRotorThatLostThrustAgainstANormalFlight) {
 
 TEST(QuasiStatic, NamesNothingWithoutANormalFlightOrOnOne) {
   const TemporaryFolder folder;
-  const std::string normal = fly(folder, "normal", ""), other = fly(folder, "other", "[[effect]]\ntype = \"mass\"\ndelta = 0.01\n"),
-                    defect = fly(folder, "defect", lost), again = fly(folder, "again", "[[effect]]\ntype = \"rotor_loss\"\nrotor = 3\nloss = 0.29\n");
+  const std::string normal = fly(folder, "normal", ""),
+                    other = fly(folder, "other", "[[effect]]\ntype = \"mass\"\ndelta = 0.01\n"),
+                    defect = fly(folder, "defect", lost),
+                    again = fly(folder, "again", "[[effect]]\ntype = \"rotor_loss\"\nrotor = 3\nloss = 0.29\n");
   EXPECT_EQ(compare({other}, {}, {normal}).verdict, Verdict::consistent);
   for (const auto& flights : {std::vector{defect}, std::vector{defect, again}, std::vector{normal, other}}) {
     const Diagnosis d = compare(flights, {}, {});
@@ -110,7 +114,8 @@ TEST(QuasiStatic, TellsAMovedCentreOfMassAndMoreWeight) {
   // hover alone cannot tell more weight from weaker rotors or a pull from below: all of them are said
   const Diagnosis loaded = compare({fly(folder, "loaded", heavier)}, {}, {normal});
   ASSERT_EQ(loaded.effects.size(), 1u);
-  EXPECT_THAT(loaded.effects[0].classmates, ElementsAre("constant_force", "slung_load", "mass", "thrust_scale", "battery_sag"));
+  EXPECT_THAT(loaded.effects[0].classmates,
+              ElementsAre("constant_force", "slung_load", "mass", "thrust_scale", "battery_sag"));
   EXPECT_NEAR(loaded.effects[0].parameters[2].value, -0.2 * 0.0282 * 9.81, 0.006);
 }
 

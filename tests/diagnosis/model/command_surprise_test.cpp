@@ -13,7 +13,8 @@ namespace {
 
 using ::testing::IsEmpty;
 
-constexpr double gyro_sd_radps = 0.05, gain_ps = 400.0;   // of the controller: commanded speed, rad/s per rad/s of roll rate
+constexpr double gyro_sd_radps = 0.05,
+                 gain_ps = 400.0;  // of the controller: commanded speed, rad/s per rad/s of roll rate
 
 // 30 s at 100 Hz: a roll rate that wanders, its gyro, and rotors that answer this gyro or another one with the same noise
 FlightData flown(bool same_gyro) {
@@ -34,7 +35,8 @@ FlightData flown(bool same_gyro) {
     flight.samples.push_back(sample);
     RotorArray row{};
     for (std::size_t i = 0; i < 4; ++i)
-      row[i] = flight.vehicle.hover_speed_radps() - std::copysign(gain_ps, flight.vehicle.rotors[i].position_B_m.y()) * read;
+      row[i] =
+          flight.vehicle.hover_speed_radps() - std::copysign(gain_ps, flight.vehicle.rotors[i].position_B_m.y()) * read;
     time_s.push_back(sample.time_s);
     speed.push_back(row);
   }

@@ -18,7 +18,8 @@ FlightData turned_by(const Habit& habit) {
     const auto kick = [&](double by) { return std::sin(1.7 * piece * by + by); };
     Motion m;
     m.body_rate_B_radps = Vector3(kick(1.0), kick(2.3), kick(3.1));
-    m.attitude_WB = Quaternion(Eigen::AngleAxisd(0.4 * kick(0.7), Vector3(kick(0.3), kick(1.9), 0.2 * kick(2.9)).normalized()));
+    m.attitude_WB =
+        Quaternion(Eigen::AngleAxisd(0.4 * kick(0.7), Vector3(kick(0.3), kick(1.9), 0.2 * kick(2.9)).normalized()));
     m.velocity_W_mps = Vector3(kick(1.3), kick(2.7), 0.3 * kick(0.9));
     for (int k = 0; k < 70; ++k, time_s += flight.sample_s) {
       Sample sample;
@@ -32,7 +33,8 @@ FlightData turned_by(const Habit& habit) {
       flight.samples.push_back(sample);
       flight.motion.push_back(m);
       const Vector3 turning = habit.transpose() * terms, middle = m.body_rate_B_radps + 0.5 * flight.sample_s * turning;
-      m.attitude_WB = m.attitude_WB * Quaternion(Eigen::AngleAxisd(flight.sample_s * middle.norm(), middle.normalized()));
+      m.attitude_WB =
+          m.attitude_WB * Quaternion(Eigen::AngleAxisd(flight.sample_s * middle.norm(), middle.normalized()));
       m.velocity_W_mps += flight.sample_s * m.acceleration_W_mps2;
       m.body_rate_B_radps += flight.sample_s * turning;
     }
@@ -75,7 +77,8 @@ TEST(Habit, IsOfferedWhereActuatorsForetellNoneAndIsCalledOne) {
       FlightLog log = read_flight_log(path);
       for (LogColumn& column : log.columns)
         if (column.name.starts_with('u') && column.name.size() == 2)
-          for (std::size_t k = 0; k < log.rows(); ++k) column.values[k] *= 1.0 + 0.03 * std::sin(2.0 * log.time_s[k] + 1.9 * (column.name[1] - '0'));
+          for (std::size_t k = 0; k < log.rows(); ++k)
+            column.values[k] *= 1.0 + 0.03 * std::sin(2.0 * log.time_s[k] + 1.9 * (column.name[1] - '0'));
       write_flight_log(log, path);
     }
   const Diagnosis d = diagnose(options);
@@ -85,7 +88,8 @@ TEST(Habit, IsOfferedWhereActuatorsForetellNoneAndIsCalledOne) {
   const auto& with = d.habit.at("fit").at("body_rate_radps");
   EXPECT_LT(with[1].get<double>(), d.fit.at("body_rate_radps").at("hold")[1].get<double>());
   // the fit block stays that of physics
-  EXPECT_GT(d.fit.at("body_rate_radps").at("after")[1].get<double>(), d.fit.at("body_rate_radps").at("hold")[1].get<double>());
+  EXPECT_GT(d.fit.at("body_rate_radps").at("after")[1].get<double>(),
+            d.fit.at("body_rate_radps").at("hold")[1].get<double>());
 }
 
 }  // namespace

@@ -15,8 +15,13 @@ using ::testing::Lt;
 // hovers and slow circles at one heading, and if wanted a flight of many sines with yaw; an attitude offset is concealed
 Diagnosis diagnose_offset(const std::vector<std::string>& fit, bool large = false) {
   const TemporaryFolder folder;
-  return diagnose(test::fly_trial(folder, {.vehicle = large ? "iris" : "crazyflie", .fit = fit, .holdout = {"spiral"}, .duration_s = 12.0,
-                                           .step_s = large ? 0.0025 : 0.002, .air_sd_N = large ? 0.1 : 0.003, .tables = R"(
+  return diagnose(test::fly_trial(folder, {.vehicle = large ? "iris" : "crazyflie",
+                                           .fit = fit,
+                                           .holdout = {"spiral"},
+                                           .duration_s = 12.0,
+                                           .step_s = large ? 0.0025 : 0.002,
+                                           .air_sd_N = large ? 0.1 : 0.003,
+                                           .tables = R"(
 [trajectory.circle]
 period_s = 20.0
 ramp_s = 2
@@ -27,7 +32,8 @@ ramp_s = 2
 center_m = [0, 0, 1.2]
 yaw_amplitude_rad = 1.2
 yaw_frequency_hz = 0.25
-)", .concealed = R"({type = "attitude_offset", x = 0.02})"}));
+)",
+                                           .concealed = R"({type = "attitude_offset", x = 0.02})"}));
 }
 
 TEST(NextFlight, NamesAFlightThatThenSeparatesWhatCouldNotBeTold) {

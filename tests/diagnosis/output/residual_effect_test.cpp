@@ -13,7 +13,9 @@ using ::testing::IsEmpty;
 
 Diagnosis diagnose_trial(const std::string& concealed) {
   const TemporaryFolder folder;
-  return diagnose(test::fly_trial(folder, {.fit = {"lemniscate", "multisine"}, .holdout = {"circle"}, .tables = R"(
+  return diagnose(test::fly_trial(folder, {.fit = {"lemniscate", "multisine"},
+                                           .holdout = {"circle"},
+                                           .tables = R"(
 [trajectory.circle]
 start = "reference"
 ramp_s = 2.0
@@ -22,17 +24,20 @@ period_s = 6.0
 period_s = 6.0
 [trajectory.multisine]
 yaw_amplitude_rad = 0.8
-)", .concealed = concealed}));
+)",
+                                           .concealed = concealed}));
 }
 
 TEST(ResidualEffect, DescribesAForceAcrossTheMotionAndFliesIt) {
-  const Diagnosis d = diagnose_trial(R"({type = "sindy_residual", frame = "body", terms = ["vx_B", "vy_B"], fx = [0, -0.02], fy = [0.02, 0], fz = [0, 0]})");
+  const Diagnosis d = diagnose_trial(
+      R"({type = "sindy_residual", frame = "body", terms = ["vx_B", "vy_B"], fx = [0, -0.02], fy = [0.02, 0], fz = [0, 0]})");
   EXPECT_THAT(d.effects, IsEmpty());
   EXPECT_EQ(d.verdict, Verdict::unexplained);
   ASSERT_FALSE(d.residual_model.is_null()) << to_json(d).dump(1);
   std::map<std::string, double> coefficient;
   for (const auto& term : d.residual_model["terms"])
-    coefficient[term["channel"].get<std::string>() + " " + term["term"].get<std::string>()] = term["coefficient"].get<double>();
+    coefficient[term["channel"].get<std::string>() + " " + term["term"].get<std::string>()] =
+        term["coefficient"].get<double>();
   EXPECT_NEAR(coefficient["force_x vy_B"], -0.02, 0.003);
   EXPECT_NEAR(coefficient["force_y vx_B"], 0.02, 0.003);
   // the held-out flight is predicted better with it, and it is part of the augmented vehicle

@@ -32,9 +32,12 @@ FlightLog hover(double lean_rad, double push_mps2, double yaw_rad, Written writt
     const Quaternion seen = written == Written::world_to_body ? q.conjugate() : q;
     const double right[] = {seen.w(), seen.x(), seen.y(), seen.z()}, last[] = {seen.x(), seen.y(), seen.z(), seen.w()};
     log.time_s.push_back(t);
-    for (std::size_t i = 0; i < 2; ++i) log.columns[i].values.push_back(velocity_W_mps[static_cast<int>(i)] + 0.002 * noise[i]);
-    for (std::size_t i = 0; i < 4; ++i) log.columns[2 + i].values.push_back((written == Written::scalar_last ? last : right)[i]);
-    velocity_W_mps += 0.01 * ((1.0 - cancelled) * 9.81 * (q * Vector3::UnitZ()) + push_mps2 * Vector3(std::sin(0.9 * t), std::cos(1.7 * t), 0.0));
+    for (std::size_t i = 0; i < 2; ++i)
+      log.columns[i].values.push_back(velocity_W_mps[static_cast<int>(i)] + 0.002 * noise[i]);
+    for (std::size_t i = 0; i < 4; ++i)
+      log.columns[2 + i].values.push_back((written == Written::scalar_last ? last : right)[i]);
+    velocity_W_mps += 0.01 * ((1.0 - cancelled) * 9.81 * (q * Vector3::UnitZ()) +
+                              push_mps2 * Vector3(std::sin(0.9 * t), std::cos(1.7 * t), 0.0));
   }
   return log;
 }

@@ -15,13 +15,14 @@ constexpr double step_s = 0.01, duration_s = 25.0;
 
 // roll rate of a recording: sines about a frequency
 double roll_rate_radps(double time_s, double frequency_Hz) {
-  return 0.6 * std::sin(2.0 * pi * frequency_Hz * time_s) + 0.4 * std::sin(2.0 * pi * 1.7 * frequency_Hz * time_s + 1.0);
+  return 0.6 * std::sin(2.0 * pi * frequency_Hz * time_s) +
+         0.4 * std::sin(2.0 * pi * 1.7 * frequency_Hz * time_s + 1.0);
 }
 
 struct Flown {
   FlightData pose;
-  FlightLog log;                 // the gyro and an input that moves with it
-  std::vector<Vector3> gyro;     // as the log has it
+  FlightLog log;              // the gyro and an input that moves with it
+  std::vector<Vector3> gyro;  // as the log has it
 };
 
 // A gyro that is late by some function of time; rates from the attitude have an error that lasts a tenth of a second.
@@ -35,7 +36,8 @@ Flown fly(double frequency_Hz, const std::function<double(double)>& late_s) {
   for (std::uint64_t k = 0; k * step_s < duration_s; ++k) {
     const double t = static_cast<double>(k) * step_s;
     const auto normal = random.normal4(k);
-    for (int axis = 0; axis < 3; ++axis) error[axis] = 0.9 * error[axis] + 0.05 * normal[static_cast<std::size_t>(axis)];
+    for (int axis = 0; axis < 3; ++axis)
+      error[axis] = 0.9 * error[axis] + 0.05 * normal[static_cast<std::size_t>(axis)];
     Sample sample;
     sample.time_s = t;
     flown.pose.samples.push_back(sample);
@@ -44,7 +46,8 @@ Flown fly(double frequency_Hz, const std::function<double(double)>& late_s) {
     flown.pose.motion.push_back(motion);
     flown.gyro.emplace_back(roll_rate_radps(t - late_s(t), frequency_Hz), 0.0, 0.0);
     flown.log.time_s.push_back(t);
-    for (std::size_t c = 0; c < 4; ++c) flown.log.columns[c].values.push_back(c == 1 || c == 2 ? 0.0 : flown.gyro.back().x());
+    for (std::size_t c = 0; c < 4; ++c)
+      flown.log.columns[c].values.push_back(c == 1 || c == 2 ? 0.0 : flown.gyro.back().x());
   }
   return flown;
 }
@@ -68,7 +71,7 @@ TEST(ClockChecks, FollowAClockAndLayTheBoardOnThePose) {
   const std::optional<ClockTrack> found = gyro_track(flown.pose, flown.gyro);
   ASSERT_TRUE(found);
   for (double t = 1.0; t < duration_s - 1.0; t += 0.25) {
-    if (std::abs(t - 9.0) < 1.3) continue;   // the jump is inside a stretch
+    if (std::abs(t - 9.0) < 1.3) continue;  // the jump is inside a stretch
     EXPECT_NEAR(found->at(t), late_s(t), 1.5 * step_s) << t;
   }
   const FlightLog laid = laid_on_pose_clock(flown.log, *found);

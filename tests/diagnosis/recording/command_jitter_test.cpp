@@ -48,7 +48,12 @@ TEST(CommandJitter, IsTheWhiteShareOfTheCommandedTorque) {
 
 // a 500 Hz loop, logged at 100 Hz; the geometric controller's commands change at every tick, those of PID hardly do
 test::TrialSettings sampled_loop(const char* controller, double noise) {
-  return {.controller = controller, .fit = {"multisine"}, .holdout = {"circle"}, .duration_s = 8.0, .log_rate_hz = 100.0, .noise = noise};
+  return {.controller = controller,
+          .fit = {"multisine"},
+          .holdout = {"circle"},
+          .duration_s = 8.0,
+          .log_rate_hz = 100.0,
+          .noise = noise};
 }
 
 // with sidecars that say this of the commands

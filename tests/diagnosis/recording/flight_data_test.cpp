@@ -15,14 +15,18 @@ namespace {
 
 constexpr double spin_radps = 2.0, step_s = 0.004;
 
-Quaternion attitude(double time_s) { return Quaternion(Eigen::AngleAxisd(spin_radps * time_s, Vector3::UnitZ()) * Eigen::AngleAxisd(0.2, Vector3::UnitX())); }
+Quaternion attitude(double time_s) {
+  return Quaternion(Eigen::AngleAxisd(spin_radps * time_s, Vector3::UnitZ()) *
+                    Eigen::AngleAxisd(0.2, Vector3::UnitX()));
+}
 
 // two turns about the vertical, the attitude in every second row, by the sign that makes its scalar positive
 FlightLog spin() {
   FlightLog log;
   log.path = "somewhere/spin.csv";
   log.meta.hold = Hold::zoh;
-  for (const char* name : {"qw", "qx", "qy", "qz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"}) log.columns.push_back({name, {}});
+  for (const char* name : {"qw", "qx", "qy", "qz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"})
+    log.columns.push_back({name, {}});
   const Vector3 rate = attitude(0.0).conjugate() * Vector3(0.0, 0.0, spin_radps);
   for (std::size_t k = 0; k < 1600; ++k) {
     const double t = step_s * static_cast<double>(k);
@@ -66,12 +70,14 @@ FlightLog rows_apart() {
     for (; together.time_s[row] < pose_s; ++row) {
       log.time_s.push_back(together.time_s[row]);
       for (std::size_t c = 0; c < log.columns.size(); ++c)
-        log.columns[c].values.push_back(c < 4 ? std::numeric_limits<double>::quiet_NaN() : together.columns[c].values[row]);
+        log.columns[c].values.push_back(c < 4 ? std::numeric_limits<double>::quiet_NaN()
+                                              : together.columns[c].values[row]);
     }
     log.time_s.push_back(pose_s);
     const Quaternion q = attitude(pose_s);
     const double values[] = {q.w(), q.x(), q.y(), q.z()};
-    for (std::size_t c = 0; c < log.columns.size(); ++c) log.columns[c].values.push_back(c < 4 ? values[c] : std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t c = 0; c < log.columns.size(); ++c)
+      log.columns[c].values.push_back(c < 4 ? values[c] : std::numeric_limits<double>::quiet_NaN());
   }
   return log;
 }
@@ -80,7 +86,8 @@ FlightLog rows_apart() {
 TEST(FlightData, SensorsMayHaveRowsOfTheirOwn) {
   const FlightLog log = rows_apart();
   const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), {});
-  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return s.starts_segment; }), 1);
+  EXPECT_EQ(
+      std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return s.starts_segment; }), 1);
   EXPECT_LT(worst_attitude_rad(flight), 1e-3);
   const FlightLog shared = with_shared_rows(log);
   const RecordedMotion motion(shared);
@@ -97,12 +104,16 @@ TEST(FlightData, RowsThatNearlyMeetAreNoFasterLog) {
   FlightLog log = spin();
   for (std::size_t k = 0; k < log.rows(); ++k) {
     log.time_s[k] = k % 2 == 0 ? 2.0 * step_s * static_cast<double>(k / 2) : log.time_s[k - 1] + 0.0002;
-    for (std::size_t c = 4; c < log.columns.size() && k % 2 == 0; ++c) log.columns[c].values[k] = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t c = 4; c < log.columns.size() && k % 2 == 0; ++c)
+      log.columns[c].values[k] = std::numeric_limits<double>::quiet_NaN();
   }
   const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), {});
   EXPECT_NEAR(flight.sample_s, step_s, 1e-5);
-  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return s.starts_segment; }), 1);
-  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return (s.channels & has_attitude) != 0; }), 800);
+  EXPECT_EQ(
+      std::count_if(flight.samples.begin(), flight.samples.end(), [](const Sample& s) { return s.starts_segment; }), 1);
+  EXPECT_EQ(std::count_if(flight.samples.begin(), flight.samples.end(),
+                          [](const Sample& s) { return (s.channels & has_attitude) != 0; }),
+            800);
 }
 
 // GIVEN an attitude in every second row of the gyro WHEN its motion is read THEN it is whole in the attitude's rows

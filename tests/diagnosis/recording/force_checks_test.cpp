@@ -50,7 +50,8 @@ FlightLog fly(const Path& path, const VehicleModel& vehicle) {
   FlightLog log;
   log.path = "somewhere/flight.csv";
   log.meta.hold = Hold::zoh;
-  for (const char* name : {"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "ax", "ay", "az", "u1", "u2", "u3", "u4"})
+  for (const char* name : {"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz",
+                           "wx", "wy", "wz", "ax", "ay", "az", "u1", "u2", "u3", "u4"})
     log.columns.push_back({name, {}});
   double thrust_N2 = 0.0;
   for (const Rotor& rotor : vehicle.rotors) thrust_N2 += rotor.thrust_coefficient_Ns2;
@@ -59,7 +60,8 @@ FlightLog fly(const Path& path, const VehicleModel& vehicle) {
     const double t = static_cast<double>(k) * step_s;
     const Quaternion now = attitude(path, t, q), next = attitude(path, t + step_s, now);
     const Vector3 rate = 2.0 / step_s * (now.conjugate() * next).vec();
-    const Vector3 velocity = (path(t + 1e-3) - path(t - 1e-3)) / 2e-3, force = now.conjugate() * (acceleration(path, t) + Vector3(0.0, 0.0, gravity_mps2));
+    const Vector3 velocity = (path(t + 1e-3) - path(t - 1e-3)) / 2e-3,
+                  force = now.conjugate() * (acceleration(path, t) + Vector3(0.0, 0.0, gravity_mps2));
     const double speed = std::sqrt(vehicle.mass_kg * force.norm() / thrust_N2);
     const auto noise = [&](std::uint64_t i) { return random.normal4(k, i)[0]; };
     std::uint64_t c = 0;
@@ -77,7 +79,8 @@ FlightLog fly(const Path& path, const VehicleModel& vehicle) {
 }
 
 std::vector<double>& column(FlightLog& log, std::string_view name) {
-  return std::find_if(log.columns.begin(), log.columns.end(), [&](const LogColumn& c) { return c.name == name; })->values;
+  return std::find_if(log.columns.begin(), log.columns.end(), [&](const LogColumn& c) { return c.name == name; })
+      ->values;
 }
 
 std::vector<std::string> says(FlightLog log, const VehicleModel& vehicle) {
@@ -86,7 +89,8 @@ std::vector<std::string> says(FlightLog log, const VehicleModel& vehicle) {
   return texts;
 }
 
-const std::vector<std::pair<const char*, Path>> flights = {{"hover", hover}, {"banked at 4 g", banked}, {"looping", loop}};
+const std::vector<std::pair<const char*, Path>> flights = {
+    {"hover", hover}, {"banked at 4 g", banked}, {"looping", loop}};
 
 TEST(ForceChecks, SayNothingOfARightLogHoweverItIsFlown) {
   for (const auto& [name, path] : flights) EXPECT_THAT(says(fly(path, racer()), racer()), IsEmpty()) << name;
@@ -113,13 +117,15 @@ TEST(ForceChecks, TellAnotherUnitSignOrFrameOfTheAccelerometer) {
       for (double& value : column(log, "az")) value *= by_z;
       return says(log, racer());
     };
-    EXPECT_THAT(changed(1.0 / gravity_mps2, 1.0 / gravity_mps2, 1.0 / gravity_mps2), ElementsAre(HasSubstr("is in g"))) << name;
+    EXPECT_THAT(changed(1.0 / gravity_mps2, 1.0 / gravity_mps2, 1.0 / gravity_mps2), ElementsAre(HasSubstr("is in g")))
+        << name;
     EXPECT_THAT(changed(-1.0, -1.0, -1.0), ElementsAre(HasSubstr("reads downward"))) << name;
     EXPECT_THAT(changed(1000.0, 1000.0, 1000.0), ElementsAre(HasSubstr("does not show the specific force"))) << name;
 
     FlightLog without_gravity = right, in_world = right;
     for (std::size_t k = 0; k < right.rows(); ++k) {
-      const Quaternion q((*right.find("qw"))[k], (*right.find("qx"))[k], (*right.find("qy"))[k], (*right.find("qz"))[k]);
+      const Quaternion q((*right.find("qw"))[k], (*right.find("qx"))[k], (*right.find("qy"))[k],
+                         (*right.find("qz"))[k]);
       const Vector3 force((*right.find("ax"))[k], (*right.find("ay"))[k], (*right.find("az"))[k]);
       const Vector3 in_W = q * force, rest = q.conjugate() * Vector3(in_W - Vector3(0.0, 0.0, gravity_mps2));
       for (int i = 0; i < 3; ++i) {
@@ -138,7 +144,9 @@ TEST(ForceChecks, TellAnotherUnitSignOrFrameOfTheAccelerometer) {
 TEST(ForceChecks, WeighTheInputsAgainstTheMotion) {
   VehicleModel heavy = racer();
   heavy.mass_kg *= 2.5;
-  for (const auto& [name, path] : flights) EXPECT_THAT(says(fly(path, racer()), heavy), ElementsAre(HasSubstr("the inputs mean 0.40 times the thrust"))) << name;
+  for (const auto& [name, path] : flights)
+    EXPECT_THAT(says(fly(path, racer()), heavy), ElementsAre(HasSubstr("the inputs mean 0.40 times the thrust")))
+        << name;
 }
 
 }  // namespace

@@ -21,7 +21,11 @@ constexpr double late_s = 0.003;
 class Sensors : public ::testing::Test {
  protected:
   DiagnoseOptions fly(const std::vector<std::string>& sensors = {"pose", "gyroscope"}, double noise = 0.3) const {
-    return test::fly_trial(folder_, {.fit = {"multisine", "lemniscate"}, .holdout = {"circle"}, .sensors = sensors, .step_s = 0.0005, .noise = noise});
+    return test::fly_trial(folder_, {.fit = {"multisine", "lemniscate"},
+                                     .holdout = {"circle"},
+                                     .sensors = sensors,
+                                     .step_s = 0.0005,
+                                     .noise = noise});
   }
   static std::vector<FlightData> flights_of(const DiagnoseOptions& trial) {
     std::vector<FlightData> flights;
@@ -67,7 +71,8 @@ TEST_F(Sensors, LateAccelerometerIsMeasured) {
 
 // where nothing moves, nothing tells
 TEST_F(Sensors, LateAccelerometerIsGuessedFromTheGyro) {
-  const DiagnoseOptions trial = test::fly_trial(folder_, {.fit = {"hover"}, .holdout = {"circle"}, .sensors = {"pose", "gyroscope", "accelerometer"}});
+  const DiagnoseOptions trial = test::fly_trial(
+      folder_, {.fit = {"hover"}, .holdout = {"circle"}, .sensors = {"pose", "gyroscope", "accelerometer"}});
   EXPECT_EQ(force_lateness_s(flights_of(trial), late_s), late_s);
 }
 
@@ -89,7 +94,8 @@ TEST_F(Sensors, LastingErrorsAreNoMissingPhysics) {
   test::change(trial, test::begins('p'), wander(0.004));
   test::change(trial, test::begins('q'), wander(0.0015));
   const Diagnosis d = diagnose(trial);
-  EXPECT_EQ(d.verdict, Verdict::consistent) << to_json(d)["alarms"].dump() << to_json(d)["disturbance"].dump() << to_json(d)["notes"].dump();
+  EXPECT_EQ(d.verdict, Verdict::consistent)
+      << to_json(d)["alarms"].dump() << to_json(d)["disturbance"].dump() << to_json(d)["notes"].dump();
   EXPECT_THAT(d.effects, IsEmpty());
   EXPECT_THAT(d.notes, Contains(HasSubstr("errors of the sensors last")));
 }

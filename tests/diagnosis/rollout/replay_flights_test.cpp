@@ -41,7 +41,8 @@ void expect_row(const nlohmann::json& ours, const Row& published, double toleran
 TEST(ReplayOfTheNanodroneFlights, PrintsThePublishedNaiveAndPhysicsRows) {
   GUSTLAB_FLIGHTS_OR_SKIP(flights);
   const std::string vehicle =
-      (std::filesystem::path(source_directory()) / "tests/data/crazyflie_brushless_without_torque/vehicle.toml").string();
+      (std::filesystem::path(source_directory()) / "tests/data/crazyflie_brushless_without_torque/vehicle.toml")
+          .string();
   const nlohmann::json fit = replay_test_flights(flights, vehicle);
   EXPECT_EQ(fit["windows"], 3 * (6499 - 50));
   // naive; the published figures have four decimals, of which one step's position has three digits

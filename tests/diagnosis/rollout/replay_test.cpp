@@ -25,8 +25,9 @@ std::vector<EffectSpec> specs(const std::string& text) {
 RotorCommand command_at(const VehicleModel& vehicle, double t) {
   RotorCommand command;
   for (std::size_t i = 0; i < 4; ++i)
-    command.speed_radps[i] = vehicle.hover_speed_radps() *
-                             (1.0 + 0.01 * std::sin(25.0 * t + 1.7 * static_cast<double>(i)) + 0.03 * std::sin(9.0 * t));
+    command.speed_radps[i] =
+        vehicle.hover_speed_radps() *
+        (1.0 + 0.01 * std::sin(25.0 * t + 1.7 * static_cast<double>(i)) + 0.03 * std::sin(9.0 * t));
   return command;
 }
 
@@ -42,17 +43,19 @@ FlightLog fly(const VehicleModel& vehicle, const std::vector<EffectSpec>& effect
   FlightLog log;
   log.path = "shaken.csv";
   log.meta.hold = Hold::zoh;
-  for (const char* name : {"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"})
+  for (const char* name :
+       {"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"})
     log.columns.push_back({name, {}});
   for (int k = 0; k < 300; ++k) {
     const double t = 0.01 * k;
     const RotorCommand command = command_at(vehicle, t);
     const Observation seen = plant.observe(false);
-    const double row[] = {seen.position_W_m.x(), seen.position_W_m.y(), seen.position_W_m.z(),
-                          seen.velocity_W_mps.x(), seen.velocity_W_mps.y(), seen.velocity_W_mps.z(),
-                          seen.attitude_WB.w(), seen.attitude_WB.x(), seen.attitude_WB.y(), seen.attitude_WB.z(),
-                          seen.body_rate_B_radps.x(), seen.body_rate_B_radps.y(), seen.body_rate_B_radps.z(),
-                          command.speed_radps[0], command.speed_radps[1], command.speed_radps[2], command.speed_radps[3]};
+    const double row[] = {seen.position_W_m.x(),      seen.position_W_m.y(),      seen.position_W_m.z(),
+                          seen.velocity_W_mps.x(),    seen.velocity_W_mps.y(),    seen.velocity_W_mps.z(),
+                          seen.attitude_WB.w(),       seen.attitude_WB.x(),       seen.attitude_WB.y(),
+                          seen.attitude_WB.z(),       seen.body_rate_B_radps.x(), seen.body_rate_B_radps.y(),
+                          seen.body_rate_B_radps.z(), command.speed_radps[0],     command.speed_radps[1],
+                          command.speed_radps[2],     command.speed_radps[3]};
     log.time_s.push_back(100.0 + t);
     for (std::size_t c = 0; c < log.columns.size(); ++c) log.columns[c].values.push_back(row[c]);
     for (int step = 0; step < 10; ++step) EXPECT_TRUE(plant.step(command));
@@ -61,7 +64,8 @@ FlightLog fly(const VehicleModel& vehicle, const std::vector<EffectSpec>& effect
 }
 
 void drop(FlightLog& log, std::initializer_list<const char*> names) {
-  std::erase_if(log.columns, [&](const LogColumn& c) { return std::find(names.begin(), names.end(), c.name) != names.end(); });
+  std::erase_if(log.columns,
+                [&](const LogColumn& c) { return std::find(names.begin(), names.end(), c.name) != names.end(); });
 }
 
 double mean(const std::vector<double>& values, std::size_t horizon, std::size_t horizons) {
@@ -97,41 +101,53 @@ TEST_F(Replay, HoldIsTheDistanceFromTheStart) {
   const std::size_t row = errors.start_row.at(3);
   EXPECT_EQ(row, 21u);
   const auto at = [&](const char* name, std::size_t r) { return (*log.find(name))[r]; };
-  const Vector3 moved(at("px", row + 50) - at("px", row), at("py", row + 50) - at("py", row), at("pz", row + 50) - at("pz", row));
+  const Vector3 moved(at("px", row + 50) - at("px", row), at("py", row + 50) - at("py", row),
+                      at("pz", row + 50) - at("pz", row));
   EXPECT_DOUBLE_EQ(errors[FitQuantity::position_m].hold[3 * 3 + 1], moved.norm());
 }
 
 TEST_F(Replay, AMissingEffectShowsAndThePresentOneDoesNot) {
-  const auto without_drag = specs("[[effect]]\ntype = 'motor_lag'\ntime_constant = 0.0125\ntime_constant_down = 0.025\n");
+  const auto without_drag =
+      specs("[[effect]]\ntype = 'motor_lag'\ntime_constant = 0.0125\ntime_constant_down = 0.025\n");
   const FitErrors errors = replay(log, vehicle, without_drag, {});
   EXPECT_GT(model_error(errors, FitQuantity::velocity_mps, 1), 0.05);
-  EXPECT_GT(model_error(errors, FitQuantity::velocity_mps, 1), 100.0 * mean(errors[FitQuantity::velocity_mps].noise, 1, 3));
+  EXPECT_GT(model_error(errors, FitQuantity::velocity_mps, 1),
+            100.0 * mean(errors[FitQuantity::velocity_mps].noise, 1, 3));
 }
 
 TEST_F(Replay, RotorSpeedAtAStartComesFromTheWholeRecordBefore) {
-  const auto slow = specs("[[effect]]\ntype = 'motor_lag'\ntime_constant = 0.3\n[[effect]]\ntype = 'actuation_delay'\ndelay = 0.025\n");
+  const auto slow = specs(
+      "[[effect]]\ntype = 'motor_lag'\ntime_constant = 0.3\n[[effect]]\ntype = 'actuation_delay'\ndelay = 0.025\n");
   const FlightLog late = fly(vehicle, slow);
   const FitErrors errors = replay(late, vehicle, slow, {});
   EXPECT_LT(model_error(errors, FitQuantity::position_m, 2), 1e-8);
 }
 
 TEST_F(Replay, SensorEffectsAreTakenOutOfTheStartAndPutOnThePrediction) {
-  for (const char* sensor : {"[[effect]]\ntype = 'pose_delay'\ndelay = 0.015\n", "[[effect]]\ntype = 'attitude_offset'\nx = 0.03\ny = -0.02\n",
-                             "[[effect]]\ntype = 'yaw_offset'\nz = 0.1\n", "[[effect]]\ntype = 'gyro_scale'\ndelta = 0.05\n"}) {
+  for (const char* sensor :
+       {"[[effect]]\ntype = 'pose_delay'\ndelay = 0.015\n",
+        "[[effect]]\ntype = 'attitude_offset'\nx = 0.03\ny = -0.02\n", "[[effect]]\ntype = 'yaw_offset'\nz = 0.1\n",
+        "[[effect]]\ntype = 'gyro_scale'\ndelta = 0.05\n"}) {
     const auto effects = config::merge_effects(vehicle.effects, specs(sensor));
     const FlightLog seen = fly(vehicle, effects);
     ReplayOptions options;
     options.stride = 10;
-    const FitErrors with = replay(seen, vehicle, effects, options), without = replay(seen, vehicle, vehicle.effects, options);
+    const FitErrors with = replay(seen, vehicle, effects, options),
+                    without = replay(seen, vehicle, vehicle.effects, options);
     // a late pose leaves the interpolation of the body rate over a sample
-    EXPECT_LT(model_error(with, FitQuantity::position_m, 1), 0.02 * model_error(without, FitQuantity::position_m, 1) + 1e-4) << sensor;
-    EXPECT_LT(model_error(with, FitQuantity::attitude_rad, 1), 0.15 * model_error(without, FitQuantity::attitude_rad, 1)) << sensor;
+    EXPECT_LT(model_error(with, FitQuantity::position_m, 1),
+              0.02 * model_error(without, FitQuantity::position_m, 1) + 1e-4)
+        << sensor;
+    EXPECT_LT(model_error(with, FitQuantity::attitude_rad, 1),
+              0.15 * model_error(without, FitQuantity::attitude_rad, 1))
+        << sensor;
   }
 }
 
 TEST_F(Replay, MeasuredRotorSpeedDrivesTheBodyPastTheCommandsWay) {
   FlightLog measured = log;
-  for (int i = 1; i <= 4; ++i) measured.columns.push_back({"rotor" + std::to_string(i), *log.find("u" + std::to_string(i))});
+  for (int i = 1; i <= 4; ++i)
+    measured.columns.push_back({"rotor" + std::to_string(i), *log.find("u" + std::to_string(i))});
   for (int i = 1; i <= 4; ++i)
     for (LogColumn& column : measured.columns)
       if (column.name == "u" + std::to_string(i))
@@ -213,7 +229,8 @@ Vector3 told(const FlightLog& log, const VehicleModel& vehicle, const std::vecto
 }
 
 TEST_F(Replay, AWindThatTheModelDoesNotKnowIsToldFromThePast) {
-  const auto windy = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\nx = 0.5\ny = -0.3\n"));
+  const auto windy =
+      config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\nx = 0.5\ny = -0.3\n"));
   const auto still = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\n"));
   const FlightLog flown = fly(vehicle, windy);
   EXPECT_EQ(told(flown, vehicle, still, 0.4), Vector3(0.0, 0.0, 0.0));  // nothing has ended yet
@@ -229,7 +246,9 @@ TEST_F(Replay, AWindThatTheModelDoesNotKnowIsToldFromThePast) {
 }
 
 TEST_F(Replay, AForceUnderSensorNoiseIsToldAsWellAsTheAttitudeIsKnown) {
-  FlightLog noisy = fly(vehicle, config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'constant_force'\nx = 0.006\ny = -0.004\n")));
+  FlightLog noisy = fly(
+      vehicle,
+      config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'constant_force'\nx = 0.006\ny = -0.004\n")));
   const RandomStream stream(3, 0, "test_noise");
   const double attitude_sd = 0.002;
   for (std::size_t row = 0; row < noisy.rows(); ++row)
@@ -250,7 +269,8 @@ TEST_F(Replay, AForceUnderSensorNoiseIsToldAsWellAsTheAttitudeIsKnown) {
 
 TEST_F(Replay, WhatComesAfterAWindowsStartTellsNothing) {
   const auto still = config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\n"));
-  FlightLog changed = fly(vehicle, config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\nx = 0.5\n")));
+  FlightLog changed =
+      fly(vehicle, config::merge_effects(vehicle.effects, specs("[[effect]]\ntype = 'steady_wind'\nx = 0.5\n")));
   const Vector3 before = told(changed, vehicle, still, 1.55);
   for (std::size_t row = 156; row < changed.rows(); ++row)
     for (std::size_t c = 3; c < 6; ++c) changed.columns[c].values[row] += 0.3;
@@ -272,12 +292,14 @@ TEST_F(Replay, ColumnsMayHaveRatesOfTheirOwn) {
   FlightLog slow = whole;
   make_slow(slow, {"qw", "qx", "qy", "qz"}, 2);
   make_slow(slow, {"px", "py", "pz", "vx", "vy", "vz"}, 5);
-  const FitErrors errors = replay(slow, vehicle, vehicle.effects, {}), exact = replay(whole, vehicle, vehicle.effects, {});
+  const FitErrors errors = replay(slow, vehicle, vehicle.effects, {}),
+                  exact = replay(whole, vehicle, vehicle.effects, {});
   ASSERT_GE(errors.windows(), exact.windows());
   const nlohmann::ordered_json fit = fit_block({errors}, {});
   for (const char* quantity : {"position_m", "velocity_mps", "attitude_rad", "body_rate_radps"})
     for (std::size_t h = 0; h < 2; ++h)
-      EXPECT_LT(fit[quantity]["before"][h].get<double>(), 0.1 * fit[quantity]["hold"][h].get<double>()) << quantity << " at horizon " << h;
+      EXPECT_LT(fit[quantity]["before"][h].get<double>(), 0.1 * fit[quantity]["hold"][h].get<double>())
+          << quantity << " at horizon " << h;
 }
 
 TEST_F(Replay, LaterInputsKeepTheirEmptyCells) {
@@ -287,7 +309,9 @@ TEST_F(Replay, LaterInputsKeepTheirEmptyCells) {
   const auto &before = *slow.find("u1"), &after = *later.find("u1");
   for (std::size_t row = 5; row + 5 < slow.rows(); ++row) {
     ASSERT_EQ(std::isnan(after[row]), row % 5 != 0) << row;
-    if (row % 5 == 0) { EXPECT_NEAR(after[row], 0.6 * before[row] + 0.4 * before[row - 5], 1e-9 * before[row]) << row; }
+    if (row % 5 == 0) {
+      EXPECT_NEAR(after[row], 0.6 * before[row] + 0.4 * before[row - 5], 1e-9 * before[row]) << row;
+    }
   }
 }
 

@@ -10,7 +10,8 @@ namespace {
 
 class History : public ::testing::TestWithParam<bool> {
  protected:
-  static Diagnosis diagnose_concealed(const std::string& concealed, std::vector<std::string> fit = {"lemniscate", "multisine"}) {
+  static Diagnosis diagnose_concealed(const std::string& concealed,
+                                      std::vector<std::string> fit = {"lemniscate", "multisine"}) {
     const TemporaryFolder folder;
     test::TrialSettings trial;
     trial.fit = std::move(fit);
@@ -49,7 +50,8 @@ TEST_P(History, DoesNotHangAWeightlessLoadOnAPeriodicGust) {
   EXPECT_EQ(d.effects[0].effect, "gust");
 }
 
-INSTANTIATE_TEST_SUITE_P(Accelerometer, History, ::testing::Bool(), [](const auto& with) { return with.param ? "with" : "without"; });
+INSTANTIATE_TEST_SUITE_P(Accelerometer, History, ::testing::Bool(),
+                         [](const auto& with) { return with.param ? "with" : "without"; });
 
 // below a vehicle at rest, out to almost level and back for a minute
 TEST(Swing, NeitherGainsNorLosesEnergyByItself) {

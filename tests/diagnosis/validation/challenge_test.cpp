@@ -33,7 +33,8 @@ const NamedValue* find(const Diagnosis& d, const std::string& effect, const std:
 }
 
 TEST(Challenge, DoesNotCallASpringAConstantForce) {
-  const Diagnosis d = diagnose_concealed(R"({type = "sindy_residual", frame = "world", terms = ["1", "px", "py"], fx = [0.02, -0.03, 0], fy = [0, 0, -0.03], fz = [0, 0, 0]})");
+  const Diagnosis d = diagnose_concealed(
+      R"({type = "sindy_residual", frame = "world", terms = ["1", "px", "py"], fx = [0.02, -0.03, 0], fy = [0, 0, -0.03], fz = [0, 0, 0]})");
   EXPECT_THAT(d.effects, Each(Field(&EffectFinding::effect, Not("constant_force")))) << to_json(d).dump(1);
   EXPECT_NE(d.verdict, Verdict::consistent);
 }
@@ -56,7 +57,8 @@ TEST(Challenge, NamesNothingWhereEverythingIsALittleOff) {
 
 TEST(GustParts, TellsTheRandomPartAndTheLine) {
   // 0.3 m/s² of a Crazyflie's 27 g each
-  const Diagnosis d = diagnose_concealed(R"({type = "gust", sigma_xy = 0.008, sigma_z = 0.004, correlation_time = 1.0, line_amplitude = 0.012, line_frequency = 2.2})");
+  const Diagnosis d = diagnose_concealed(
+      R"({type = "gust", sigma_xy = 0.008, sigma_z = 0.004, correlation_time = 1.0, line_amplitude = 0.012, line_frequency = 2.2})");
   const NamedValue* frequency = find(d, "gust", "line_frequency");
   ASSERT_NE(frequency, nullptr) << to_json(d).dump(1);
   EXPECT_NEAR(frequency->value, 2.2, 0.1);

@@ -39,7 +39,8 @@ TEST(Parts, OfAnInflowAgree) {
 
 // it turns the vehicle as an inflow would, and does not push
 TEST(Parts, OfADampingAloneAreNoInflow) {
-  const Diagnosis d = diagnose_concealed(R"({type = "axial_inflow", at_hover = 0.02}, {type = "sindy_residual", frame = "world", terms = ["vz"], fx = [0], fy = [0], fz = [0.02]})");
+  const Diagnosis d = diagnose_concealed(
+      R"({type = "axial_inflow", at_hover = 0.02}, {type = "sindy_residual", frame = "world", terms = ["vz"], fx = [0], fy = [0], fz = [0.02]})");
   EXPECT_THAT(d.effects, Each(Field(&EffectFinding::effect, Not("axial_inflow")))) << to_json(d).dump(1);
 }
 

@@ -19,10 +19,15 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const char* const spring = R"({type = "sindy_residual", frame = "world", terms = ["1", "px", "py"], fx = [0.02, -0.06, 0], fy = [0, 0, -0.06], fz = [0, 0, 0]})";
+const char* const spring =
+    R"({type = "sindy_residual", frame = "world", terms = ["1", "px", "py"], fx = [0.02, -0.06, 0], fy = [0, 0, -0.06], fz = [0, 0, 0]})";
 
 test::TrialSettings settings(const std::string& concealed, double noise = 1.0) {
-  return {.fit = {"lemniscate", "multisine"}, .holdout = {"circle"}, .duration_s = 9.0, .noise = noise, .concealed = concealed};
+  return {.fit = {"lemniscate", "multisine"},
+          .holdout = {"circle"},
+          .duration_s = 9.0,
+          .noise = noise,
+          .concealed = concealed};
 }
 
 // Forward and backward through a filter of first order, twice: what was measured alone, as labs do before they publish. A quiet
@@ -41,7 +46,8 @@ void smooth(const DiagnoseOptions& trial, double time_constant_s) {
 
 TEST(Shadow, LatePoseStandsWhereGyroAndAttitudesTellIt) {
   const TemporaryFolder folder;
-  const Diagnosis d = diagnose(test::fly_trial(folder, settings(std::string(spring) + R"(, {type = "pose_delay", delay = 0.015})")));
+  const Diagnosis d =
+      diagnose(test::fly_trial(folder, settings(std::string(spring) + R"(, {type = "pose_delay", delay = 0.015})")));
   ASSERT_THAT(d.alarms, Not(IsEmpty()));
   ASSERT_THAT(d.effects, ElementsAre(Field(&EffectFinding::effect, "pose_delay"))) << to_json(d).dump(1);
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.015, 0.002);
@@ -68,7 +74,8 @@ TEST(SmoothedLog, IsSaidAndItsDragNamed) {
   EXPECT_THAT(d.log_findings, Contains(Field(&LogFinding::kind, "filtered")));
   ASSERT_THAT(d.effects, ElementsAre(Field(&EffectFinding::effect, "rotor_drag"))) << to_json(d).dump(1);
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.02, 0.003);
-  EXPECT_THAT(d.not_identifiable, Contains(AllOf(Field(&NotIdentifiable::effect, "steady_wind"), Field(&NotIdentifiable::why, HasSubstr("see constant_force")))));
+  EXPECT_THAT(d.not_identifiable, Contains(AllOf(Field(&NotIdentifiable::effect, "steady_wind"),
+                                                 Field(&NotIdentifiable::why, HasSubstr("see constant_force")))));
   EXPECT_THAT(d.notes, Contains(HasSubstr("which the commands did not pass")));
 }
 
