@@ -19,7 +19,6 @@ void add_defaults(CLI::App& app);
 void add_diagnose(CLI::App& app);
 void add_gate(CLI::App& app);
 void add_identify(CLI::App& app);
-void add_import(CLI::App& app);
 void add_list(CLI::App& app);
 void add_merge(CLI::App& app);
 void add_metrics(CLI::App& app);
@@ -27,6 +26,7 @@ void add_replay(CLI::App& app);
 void add_reproduce(CLI::App& app);
 void add_run(CLI::App& app);
 void add_score(CLI::App& app);
+void add_scripts(CLI::App& app);  // import, export, render, view
 void add_sweep(CLI::App& app);
 void add_table(CLI::App& app);
 void add_train(CLI::App& app);

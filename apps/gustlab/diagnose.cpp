@@ -11,12 +11,14 @@
 #include "diagnose.hpp"
 #include "diagnosis/result/finding_lines.hpp"
 #include "gustlab/errors.hpp"
+#include "gustlab/flight_log.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "report/diagnosis_page.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
 #include "util/parallel.hpp"
+#include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
 
@@ -66,7 +68,58 @@ void bin(const std::vector<double>& x, const std::vector<double>& y, std::vector
   }
 }
 
-DiagnosisFigures figures_of(const diagnosis::Diagnosis& result) {
+// what the motors were told over the window, from the log itself
+void add_motors(const FlightLog& log, DiagnosisFigures::Window& window) {
+  constexpr double bin_s = 0.1;  // a command jitters from tick to tick; what lasts is what is seen in flight
+  if (window.traces.empty() || window.traces.front().time_s.empty()) return;
+  const std::vector<double>& shown = window.traces.front().time_s;
+  const auto row_at = [&](double time_s) {
+    return static_cast<std::size_t>(std::lower_bound(log.time_s.begin(), log.time_s.end(), time_s) -
+                                    log.time_s.begin());
+  };
+  const std::size_t first = row_at(shown.front()), last = std::min(row_at(shown.back()) + 1, log.rows());
+  const auto bin_of = [&](std::size_t row) { return std::floor((log.time_s[row] - shown.front()) / bin_s); };
+  const bool speeds = log.count("u") == 0;
+  const char* prefix = speeds ? "rotor" : "u";
+  for (int i = 1; i <= log.count(prefix); ++i) {
+    const std::vector<double>& values = *log.find(fmt::format("{}{}", prefix, i));
+    DiagnosisFigures::Trace motor;
+    double sum_time_s = 0.0, sum = 0.0, n = 0.0;
+    for (std::size_t row = first; row < last; ++row) {
+      if (std::isfinite(values[row])) sum_time_s += log.time_s[row], sum += values[row], ++n;
+      const bool bin_ends = row + 1 == last || bin_of(row + 1) > bin_of(row);
+      if (!bin_ends || n == 0.0) continue;
+      motor.time_s.push_back(sum_time_s / n);
+      motor.measured.push_back(sum / n);
+      sum_time_s = sum = n = 0.0;
+    }
+    window.motors.push_back(std::move(motor));
+  }
+  const ActuatorKind kind = log.meta.actuator;
+  const bool newtons = kind == ActuatorKind::thrust || kind == ActuatorKind::collective_thrust;
+  window.motor_unit = speeds || kind == ActuatorKind::rotor_speed ? "rad/s"
+                      : newtons                                   ? "N"
+                                                                  : std::string(to_string(kind));
+}
+
+// what only the recordings know: motors over the window, and the vehicle's weight
+void add_recorded(const diagnosis::DiagnoseOptions& wanted, DiagnosisFigures& figures) {
+  std::string path = wanted.fit.back();
+  for (const auto* paths : {&wanted.fit, &wanted.holdout})
+    for (const std::string& one : *paths)
+      if (std::filesystem::path(one).filename() == figures.window.file) path = one;
+  try {
+    const FlightLog log = read_flight_log(path);
+    figures.weight_N =
+        (wanted.vehicle ? read_vehicle(*wanted.vehicle) : read_vehicle(log.meta.vehicle, sidecar_path(path)))
+            .weight_N();
+    if (!figures.window.file.empty()) add_motors(log, figures.window);
+  } catch (const UserError&) {
+    // the diagnosis has said what is wrong with this flight; the page goes without
+  }
+}
+
+DiagnosisFigures figures_of(const diagnosis::Diagnosis& result, const diagnosis::DiagnoseOptions& wanted) {
   DiagnosisFigures figures;
   figures.window.file = result.window_file;
   figures.window.restart_s = 0.5;
@@ -83,6 +136,7 @@ DiagnosisFigures figures_of(const diagnosis::Diagnosis& result) {
     bin(plot.x, plot.after, nullptr, r.after_mean, r.after_low, r.after_high);
     figures.residuals.push_back(std::move(r));
   }
+  add_recorded(wanted, figures);
   return figures;
 }
 
@@ -148,7 +202,7 @@ diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::Diag
   replace_folder(out, [&](const std::filesystem::path& fresh) {
     write_file((fresh / "diagnosis.json").string(), document.dump(1) + "\n");
     write_file((fresh / "augmented.toml").string(), result.augmented_toml);
-    write_file((fresh / "report.html").string(), diagnosis_page(document, figures_of(result)));
+    write_file((fresh / "report.html").string(), diagnosis_page(document, figures_of(result, wanted)));
     if (!key.empty()) write_file((fresh / key_file).string(), key);
   });
   return result;

@@ -66,7 +66,7 @@ void add_commands(CLI::App& app) {
   add_bench(app);
   add_list(app);
   add_defaults(app);
-  add_import(app);
+  add_scripts(app);
   add_replay(app);
   add_diagnose(app);
   add_identify(app);

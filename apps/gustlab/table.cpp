@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "commands.hpp"
 #include "gustlab/errors.hpp"
+#include "gustlab/flight_log.hpp"
+#include "report/sweep_page.hpp"
 #include "report/tables.hpp"
 #include "sweep/sweep.hpp"
 
@@ -18,7 +22,63 @@ struct TableArguments {
   TableOptions table;
 };
 
+constexpr std::size_t most_points = 400;  // of a path on the page
+
+std::vector<double> thinned(const FlightLog& log, std::string_view column) {
+  const std::vector<double>* values = log.find(column);
+  std::vector<double> some;
+  const std::size_t step = std::max<std::size_t>(1, log.rows() / most_points);
+  for (std::size_t row = 0; values && row < log.rows(); row += step) some.push_back((*values)[row]);
+  return some;
+}
+
+// the row in the middle of every axis
+const ResultRow& middle_row(const std::vector<ResultRow>& rows) {
+  std::vector<std::vector<std::string>> values(rows.front().axes.size());
+  for (const ResultRow& row : rows)
+    for (std::size_t a = 0; a < values.size(); ++a)
+      if (std::find(values[a].begin(), values[a].end(), row.axes[a].value) == values[a].end())
+        values[a].push_back(row.axes[a].value);
+  for (const ResultRow& row : rows) {
+    bool middle = true;
+    for (std::size_t a = 0; a < values.size(); ++a)
+      middle = middle && row.axes[a].value == values[a][values[a].size() / 2];
+    if (middle) return row;
+  }
+  return rows.front();
+}
+
+// the logs of one replicate at one point of the axes, where `sweep --logs` wrote them; the middle point first
+SweepFigures paths_in(const std::filesystem::path& folder, const std::vector<ResultRow>& rows) {
+  SweepFigures figures;
+  for (const ResultRow* wanted : {&middle_row(rows), &rows.front()}) {
+    const std::size_t dot = wanted->experiment.find('.');
+    const bool whole = dot == std::string::npos;
+    const std::filesystem::path place = whole ? folder : folder / wanted->experiment.substr(dot + 1);
+    for (const ResultRow& row : rows) {
+      if (row.experiment != wanted->experiment || row.replicate != rows.front().replicate) continue;
+      const auto path = place / fmt::format("{}_{}_{}.csv", row.trajectory, row.controller, row.replicate);
+      if (!std::filesystem::exists(path)) continue;
+      const FlightLog log = read_flight_log(path.string());
+      figures.paths.push_back({row.trajectory, row.controller, thinned(log, "px"), thinned(log, "py"),
+                               thinned(log, "rpx"), thinned(log, "rpy")});
+    }
+    if (figures.paths.empty()) continue;
+    figures.paths_of = fmt::format("Replicate {}{}: all met the same gust.", rows.front().replicate,
+                                   whole ? "" : " of " + wanted->experiment.substr(dot + 1));
+    break;
+  }
+  return figures;
+}
+
 void table_command(TableArguments options) {
+  if (options.format == "html") {
+    const Results results = read_results(options.folder);
+    if (results.rows.empty()) throw DataError(fmt::format("{}: no runs (nothing to show) sweep first", options.folder));
+    const std::string page = sweep_page(results, paths_in(options.folder, results.rows));
+    std::fwrite(page.data(), 1, page.size(), stdout);
+    return;
+  }
   options.table.format = find_table_format(options.format).value();
   if (!options.columns.empty()) options.table.columns.clear();
   for (const std::string& column : options.columns) {
@@ -46,8 +106,10 @@ void add_table(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "table", "prints a sweep, all its variants in one: mean ± sd (median) over runs, completed of all");
   command->add_option("DIR", options->folder, "folder of a finished sweep")->required();
-  command->add_option("--format", options->format, "latex: the layout of the paper's tables")
-      ->check(CLI::IsMember({"md", "csv", "latex", "json"}))
+  command
+      ->add_option("--format", options->format,
+                   "latex: the layout of the paper's tables; html: one page of table, heat maps, paths and failures")
+      ->check(CLI::IsMember({"md", "csv", "latex", "json", "html"}))
       ->capture_default_str();
   command->add_option("--columns", options->columns, "figures to show: rmse, mae, p95, max, rmse_z")
       ->delimiter(',')

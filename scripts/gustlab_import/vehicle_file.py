@@ -22,17 +22,21 @@ class Vehicle:
     inputs: tuple
 
 
+def find_vehicle(wanted: str) -> Path:
+    """The vehicle.toml of a name under models/, or of a path to it or to its folder."""
+    given = Path(wanted)
+    for path in (given / "vehicle.toml" if given.is_dir() else given, MODELS / wanted / "vehicle.toml"):
+        if path.is_file():
+            return path
+    known = sorted(folder.name for folder in MODELS.iterdir() if (folder / "vehicle.toml").is_file())
+    raise ImportFailure(f"--vehicle {wanted}: no vehicle of this name under models/ and no such file; {suggest(wanted, known)}",
+                        USAGE)
+
+
 def read_vehicle(wanted: str, beside) -> Vehicle:
-    """A name under models/ or a path to a vehicle.toml; `beside` is the folder of the flight logs, for a relative path."""
-    built_in, given = MODELS / wanted / "vehicle.toml", Path(wanted)
-    path = given / "vehicle.toml" if given.is_dir() else given
-    if not path.is_file():
-        path = built_in
-    if not path.is_file():
-        known = sorted(folder.name for folder in MODELS.iterdir() if (folder / "vehicle.toml").is_file())
-        raise ImportFailure(f"--vehicle {wanted}: no vehicle of this name under models/ and no such file; {suggest(wanted, known)}",
-                            USAGE)
-    reference = wanted if path == built_in else Path(os.path.relpath(path.resolve(), Path(beside or ".").resolve())).as_posix()
+    """`beside` is the folder of the flight logs, for a relative path."""
+    path = find_vehicle(wanted)
+    reference = wanted if path == MODELS / wanted / "vehicle.toml" else Path(os.path.relpath(path.resolve(), Path(beside or ".").resolve())).as_posix()
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
         return Vehicle(reference, _rotors(path, document), _inputs(document))

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "report/diagnosis_words.hpp"
+#include "report/page_parts.hpp"
 #include "report/svg.hpp"
 
 namespace gustlab::report {
@@ -23,16 +24,6 @@ constexpr Quantity quantities[] = {{"position_m", "Position", "m"},
                                    {"velocity_mps", "Velocity", "m/s"},
                                    {"attitude_rad", "Attitude", "rad"},
                                    {"body_rate_radps", "Body rate", "rad/s"}};
-
-std::string legend(std::initializer_list<std::pair<const char*, const char*>> entries) {
-  std::string html = "<ul class=\"legend\">";
-  for (const auto& [style, label] : entries)
-    html += fmt::format(
-        "<li><svg style=\"display:inline\" viewBox=\"0 0 26 10\" aria-hidden=\"true\"><path class=\"{}\" d=\"M1 5L25 "
-        "5\"/></svg>{}</li>",
-        style, escape(label));
-  return html + "</ul>";
-}
 
 std::vector<double> numbers(const Json& list) {
   std::vector<double> found;
@@ -201,10 +192,105 @@ std::string residual_section(const DiagnosisFigures& figures) {
          escape(fmt::format("{}", fmt::join(notes, " · "))) + ".</figcaption></figure></section>";
 }
 
-std::string window_section(const DiagnosisFigures& figures) {
-  std::string charts;
-  std::size_t samples = 0;
+namespace {
+
+const DiagnosisFigures::Trace* trace_of(const DiagnosisFigures& figures, std::string_view name) {
+  for (const DiagnosisFigures::Trace& trace : figures.window.traces)
+    if (trace.name == name) return &trace;
+  return nullptr;
+}
+
+// noise floor of a quantity as far ahead as the window's predictions go, NaN when nothing tells
+double noise_at(const Json& diagnosis, const char* quantity, double horizon_s) {
+  const Json& fit = part(diagnosis, "fit");
+  const std::vector<double> horizons = numbers(part(fit, "horizon_s")),
+                            noise = numbers(part(part(fit, quantity), "noise"));
+  for (std::size_t h = 0; h < std::min(horizons.size(), noise.size()); ++h)
+    if (std::abs(horizons[h] - horizon_s) < 1e-6) return noise[h];
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// from above, both axes to the same scale
+std::string path_chart(const DiagnosisFigures& figures) {
+  const auto *x = trace_of(figures, "position x"), *y = trace_of(figures, "position y");
+  if (!x || !y) return "";
+  svg::Chart chart;
+  chart.title = "Path from above";
+  chart.x_label = "x [m]";
+  chart.y_label = "y [m]";
+  chart.equal_scales = true;
+  chart.series.push_back({"measured", svg::Mark::line, x->measured, y->measured, {}, {}});
+  chart.series.push_back({"before", svg::Mark::line, x->before, y->before, {}, {}});
+  chart.series.push_back({"after", svg::Mark::line, x->after, y->after, {}, {}});
+  return svg::draw(chart);
+}
+
+// length of what the predictions are wrong by
+std::vector<double> distance(const std::vector<const DiagnosisFigures::Trace*>& parts,
+                             std::vector<double> DiagnosisFigures::Trace::*predicted) {
+  std::vector<double> sum(parts.front()->time_s.size(), 0.0);
+  for (const DiagnosisFigures::Trace* trace : parts)
+    for (std::size_t k = 0; k < std::min(sum.size(), (trace->*predicted).size()); ++k) {
+      const double error = (trace->*predicted)[k] - trace->measured[k];
+      sum[k] += error * error;
+    }
+  for (double& value : sum) value = std::sqrt(value);
+  return sum;
+}
+
+std::string error_chart(const DiagnosisFigures& figures, const char* title, const std::vector<std::string_view>& names,
+                        double noise) {
+  std::vector<const DiagnosisFigures::Trace*> parts;
+  for (const std::string_view name : names)
+    if (const auto* trace = trace_of(figures, name)) parts.push_back(trace);
+  if (parts.size() != names.size()) return "";
+  const std::vector<double> before = distance(parts, &DiagnosisFigures::Trace::before),
+                            after = distance(parts, &DiagnosisFigures::Trace::after);
+  const Display display = display_of("", parts.front()->unit, std::max(largest(before), largest(after)));
+  const std::vector<double>& time_s = parts.front()->time_s;
+  svg::Chart chart;
+  chart.title = title;
+  chart.x_label = "time [s]";
+  chart.y_label = display.unit;
+  chart.zero_y = true;
+  if (std::isfinite(noise) && !time_s.empty())
+    chart.series.push_back({"noise",
+                            svg::Mark::line,
+                            {time_s.front(), time_s.back()},
+                            {display.factor * noise, display.factor * noise},
+                            {},
+                            {}});
+  chart.series.push_back({"before", svg::Mark::line, time_s, scaled(before, display.factor), {}, {}});
+  chart.series.push_back({"after", svg::Mark::line, time_s, scaled(after, display.factor), {}, {}});
+  return svg::draw(chart);
+}
+
+std::string motor_chart(const DiagnosisFigures& figures) {
+  svg::Chart chart;
+  chart.title = "Motors, as recorded (means of 0.1 s)";
+  chart.x_label = "time [s]";
+  chart.y_label = figures.window.motor_unit;
+  for (std::size_t i = 0; i < figures.window.motors.size(); ++i) {
+    const DiagnosisFigures::Trace& motor = figures.window.motors[i];
+    chart.series.push_back({series_style(i), svg::Mark::line, motor.time_s, motor.measured, {}, {}});
+  }
+  const std::string drawn = svg::draw(chart);
+  if (drawn.empty()) return "";
+  std::vector<std::pair<std::string, std::string>> entries;
+  for (std::size_t i = 0; i < figures.window.motors.size(); ++i)
+    entries.emplace_back(series_style(i), fmt::format("{}", i + 1));
+  return "<div>" + drawn + legend(entries) + "</div>";
+}
+
+}  // namespace
+
+std::string window_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
+  const double restart_s = figures.window.restart_s;
+  std::string charts = path_chart(figures);
+  charts += error_chart(figures, "Position: how far off", {"position x", "position y", "position z"},
+                        noise_at(diagnosis, "position_m", restart_s));
   for (const DiagnosisFigures::Trace& trace : figures.window.traces) {
+    if (trace.name != "roll" && trace.name != "pitch") continue;
     const Display display = display_of("", trace.unit, std::max(largest(trace.measured), 0.1));
     svg::Chart chart;
     chart.title = capital(trace.name);
@@ -214,15 +300,25 @@ std::string window_section(const DiagnosisFigures& figures) {
     chart.series.push_back({"before", svg::Mark::line, trace.time_s, scaled(trace.before, display.factor), {}, {}});
     chart.series.push_back({"after", svg::Mark::line, trace.time_s, scaled(trace.after, display.factor), {}, {}});
     charts += svg::draw(chart);
-    samples = std::max(samples, trace.time_s.size());
   }
+  charts += error_chart(figures, "Roll and pitch: how far off", {"roll", "pitch"},
+                        noise_at(diagnosis, "attitude_rad", restart_s));
+  charts += motor_chart(figures);
   if (charts.empty()) return "";
+  std::size_t samples = 0;
+  for (const DiagnosisFigures::Trace& trace : figures.window.traces) samples = std::max(samples, trace.time_s.size());
   std::string caption =
       fmt::format("N = {1} samples of {0}, held out; none left out.", escape(figures.window.file), samples);
-  if (figures.window.restart_s > 0.0)
-    caption += fmt::format(" Predictions start anew from the recorded state every {:g} s.", figures.window.restart_s);
-  return "<section><h2>One held-out window</h2><figure>" +
-         legend({{"measured", "measured"}, {"before", "simulation as it was"}, {"after", "with what was found"}}) +
+  if (restart_s > 0.0)
+    caption += fmt::format(
+        " Predictions start anew from the recorded state every {:g} s; the noise floor is that of predictions so far "
+        "ahead.",
+        restart_s);
+  return "<section><h2>Before and after, over a stretch of flight</h2><figure>" +
+         legend({{"measured", "flown"},
+                 {"before", "simulation as it was"},
+                 {"after", "with what was found"},
+                 {"noise", "noise floor"}}) +
          "<div class=\"charts\">" + charts + "</div><figcaption>" + caption + "</figcaption></figure></section>";
 }
 

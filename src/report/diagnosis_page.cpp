@@ -9,8 +9,9 @@
 
 #include "report/diagnosis_charts.hpp"
 #include "report/diagnosis_words.hpp"
-#include "report/page_style.hpp"
+#include "report/page_parts.hpp"
 #include "report/svg.hpp"
+#include "report/trade_words.hpp"
 
 namespace gustlab {
 
@@ -21,18 +22,40 @@ using svg::escape;
 
 constexpr double two_sided_95 = 1.959963984540054;  // normal quantile of 0.975
 
-std::string section(const std::string& title, const std::string& body) {
-  return body.empty() ? "" : fmt::format("<section><h2>{}</h2>{}</section>", title, body);
-}
-
-std::string paragraph(const std::string& words, const char* style = "") {
-  if (words.empty()) return "";
-  return fmt::format("<p{}>{}</p>", *style ? fmt::format(" class=\"{}\"", style) : "", escape(words));
-}
-
 std::string verdict_badge(const std::string& verdict) {
   const std::string style = verdict.substr(0, verdict.find('_'));
   return fmt::format("<span class=\"badge {}\">{}</span>", escape(style), escape(plain_label(verdict)));
+}
+
+// every finding in a line, with its certainty and what a pilot would notice of it
+std::string headlines(const Json& diagnosis) {
+  std::string items;
+  for (const Json& effect : in_order_of_weight(diagnosis)) {
+    const std::vector<std::string> alike = alike_in_words(effect);
+    const std::string same =
+        alike.empty() ? "" : " These flights cannot tell it from " + list_in_words(alike, "or") + ".";
+    items += fmt::format("<li><strong>{}</strong> <span class=\"sure\">{}</span>{}</li>", escape(headline_of(effect)),
+                         sure(number(effect, "confidence")), paragraph(notice_of(effect) + same, "notice"));
+  }
+  return items.empty() ? "" : "<ol class=\"headlines\">" + items + "</ol>";
+}
+
+// names that were found and taken back for one reason, which belongs to all of them
+std::string suspected(const Json& diagnosis) {
+  constexpr std::string_view mark = "only suspected: ";
+  std::vector<std::string> names;
+  std::string why;
+  for (const Json& entry : part(diagnosis, "rejected"))
+    if (const std::string reason = text(entry, "why"); reason.starts_with(mark))
+      names.push_back(plain_name(entry)), why = reason.substr(mark.size());
+  std::string words =
+      names.empty() ? ""
+                    : paragraph(fmt::format("Suspected, and not named because {}: {}.", why, list_in_words(names)));
+  std::vector<std::string> likely;
+  for (const Json& effect : part(diagnosis, "suspected"))
+    likely.push_back(plain_name(effect) + " (" + sure(number(effect, "confidence")) + ")");
+  if (!likely.empty()) words += paragraph("More likely than not, and not proved: " + list_in_words(likely) + ".");
+  return words;
 }
 
 std::string header(const Json& diagnosis) {
@@ -44,16 +67,17 @@ std::string header(const Json& diagnosis) {
   }
   return fmt::format(
       "<header><p class=\"kind\">Diagnosis of {} · {} flight{} to find, {} to check, {:.0f} s in "
-      "all</p><h1>{}</h1>{}</header>",
+      "all</p><h1>{}</h1>{}{}{}{}</header>",
       escape(text(diagnosis, "vehicle")), fit, fit == 1 ? "" : "s", held_out, seconds, escape(one_sentence(diagnosis)),
-      verdict_badge(text(diagnosis, "verdict")));
+      verdict_badge(text(diagnosis, "verdict")), paragraph(gain_sentence(diagnosis), "lead"), headlines(diagnosis),
+      suspected(diagnosis));
 }
 
 std::string log_findings(const Json& diagnosis) {
   std::string items;
   for (const Json& line : part(diagnosis, "log_findings_in_short"))
     items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(capital(plain_label(text(line, "kind")))),
-                         escape(text(line, "says")));
+                         escape(in_plain_words(text(line, "says"))));
   return items.empty() ? ""
                        : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
 }
@@ -68,6 +92,30 @@ std::string region(const Json& where) {
   return words;
 }
 
+// what a channel shows, in words that its own numbers bear out: nothing, too little to matter, or where
+std::string shows(const Json& entry) {
+  const double above = number(entry, "rms") / number(entry, "noise_rms") - 1.0;
+  if (entry.value("significant", false)) {
+    std::vector<std::string> regions;
+    for (const Json& item : part(entry, "where")) regions.push_back(region(item));
+    const std::string where = regions.empty() ? "everywhere" : escape(list_in_words(regions));
+    // what lasts is proved by many samples long before it shows in their size
+    return above < 0.05 ? "a faint pattern under the noise" + (regions.empty() ? "" : ": " + where) : where;
+  }
+  // many samples prove a pattern that is far below what matters
+  const bool pattern = number(entry, "p_value") < 1e-3;
+  const char* words = !pattern        ? "no more than noise"
+                      : above < 0.005 ? "a pattern far below the noise; too small to matter"
+                                      : "a pattern, too small to matter";
+  return fmt::format("<span class=\"soft\">{}</span>", words);
+}
+
+// "12 %", "8.1 ×", a dash where there is nothing above it
+std::string times_noise(double above) {
+  if (!(above >= 0.005)) return "–";
+  return above < 1.0 ? fmt::format("{:.2g} %", 100.0 * above) : fmt::format("{} ×", figure(1.0 + above));
+}
+
 std::string where(const Json& diagnosis) {
   const Json& mismatch = part(diagnosis, "mismatch");
   if (mismatch.empty()) return "";
@@ -77,26 +125,19 @@ std::string where(const Json& diagnosis) {
       full = std::max(full, ratio);
   std::string rows;
   for (const Json& entry : mismatch) {
-    const double rms = number(entry, "rms"), noise = number(entry, "noise_rms");
-    std::vector<std::string> regions;
-    for (const Json& item : part(entry, "where")) regions.push_back(region(item));
-    const bool significant = entry.value("significant", false);
+    const double rms = number(entry, "rms"), noise = number(entry, "noise_rms"), above = rms / noise - 1.0;
     const Display display = display_of("", text(entry, "unit"), rms);
     rows += fmt::format(
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{} {}</td><td class=\"n\">{} {}</td><td class=\"n\">{}</td><td "
         "class=\"where\">{}</td></tr>",
         escape(plain_channel(text(entry, "channel"))), svg::bar(rms / noise, 1.0, full), figure(display.factor * rms),
-        escape(display.unit), figure(display.factor * noise), escape(display.unit),
-        escape(probability(number(entry, "p_value"))),
-        significant ? (regions.empty() ? "everywhere" : escape(list_in_words(regions)))
-                    : fmt::format("<span class=\"soft\">{}</span>",
-                                  number(entry, "p_value") < 1e-3 ? "there, but slight" : "within noise"));
+        escape(display.unit), figure(display.factor * noise), escape(display.unit), times_noise(above), shows(entry));
   }
   return "<p>The difference between simulation and recording, channel by channel, before anything was added. The dark "
-         "tick "
-         "is what noise alone would leave.</p><div class=\"scroll\"><table><tr><th>channel</th><th>against "
-         "noise</th><th class=\"n\">rms</th>"
-         "<th class=\"n\">noise</th><th class=\"n\">p</th><th>where</th></tr>" +
+         "tick is what noise and calm air alone would leave.</p><div "
+         "class=\"scroll\"><table><tr><th>channel</th><th>against "
+         "noise</th><th class=\"n\">rms</th><th class=\"n\">noise</th><th class=\"n\">above "
+         "it</th><th>where</th></tr>" +
          rows + "</table></div>";
 }
 
@@ -131,16 +172,14 @@ std::string parameters(const Json& effect) {
 
 // every name that the data cannot tell from this one, itself first
 std::vector<std::string> class_of(const Json& effect) {
-  std::vector<std::string> names{plain_name(effect)};
-  for (const Json& other : part(effect, "class"))
-    if (other.is_string() && plain_label(other.get<std::string>()) != names.front() && other != effect.at("effect"))
-      names.push_back(plain_label(other.get<std::string>()));
+  std::vector<std::string> names = alike_in_words(effect);
+  names.insert(names.begin(), plain_name(effect));
   return names;
 }
 
 std::string rivals(const Json& effect) {
-  std::vector<std::string> alike = class_of(effect), ruled_out;
-  alike.erase(alike.begin());
+  const std::vector<std::string> alike = alike_in_words(effect);
+  std::vector<std::string> ruled_out;
   for (const Json& rival : part(effect, "confusable_with")) {
     if (rival.value("equivalent", false)) continue;
     const double z = number(rival, "z");
@@ -197,24 +236,6 @@ std::string evidence_table(const Json& diagnosis) {
          "</details>";
 }
 
-// names that were found and taken back for one reason, which belongs to all of them
-std::string suspected(const Json& diagnosis) {
-  constexpr std::string_view mark = "only suspected: ";
-  std::vector<std::string> names;
-  std::string why;
-  for (const Json& entry : part(diagnosis, "rejected"))
-    if (const std::string reason = text(entry, "why"); reason.starts_with(mark))
-      names.push_back(plain_name(entry)), why = reason.substr(mark.size());
-  std::string words =
-      names.empty() ? ""
-                    : paragraph(fmt::format("Suspected, and not named because {}: {}.", why, list_in_words(names)));
-  std::vector<std::string> likely;
-  for (const Json& effect : part(diagnosis, "suspected"))
-    likely.push_back(plain_name(effect) + " (" + sure(number(effect, "confidence")) + ")");
-  if (!likely.empty()) words += paragraph("More likely than not, and not proved: " + list_in_words(likely) + ".");
-  return words;
-}
-
 // errors with it beside those of physics, in the page's order of horizons
 std::string habit_card(const Json& habit, const Json& fit) {
   constexpr std::array<std::array<const char*, 3>, 4> quantity = {{{"position_m", "position", "m"},
@@ -228,6 +249,7 @@ std::string habit_card(const Json& habit, const Json& fit) {
       const auto cell = [&](const Json& list) {
         return h < list.size() && list[h].is_number() ? figure(list[h].get<double>()) : "–";
       };
+      if (cell(part(part(habit, "fit"), key)) == "–") continue;
       rows += fmt::format(
           "<tr><td>{} [{}]</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
           "class=\"n\">{}</td></tr>",
@@ -245,29 +267,30 @@ std::string habit_card(const Json& habit, const Json& fit) {
          rows + "</table></div></div>";
 }
 
-std::string what(const Json& diagnosis) {
+std::string what(const Json& diagnosis, double weight_N) {
   std::string cards;
-  for (const Json& effect : part(diagnosis, "effects")) cards += effect_card(effect);
+  for (const Json& effect : in_order_of_weight(diagnosis)) cards += effect_card(effect);
   const Json& model = part(diagnosis, "residual_model");
   if (!model.empty()) {
     std::string rows;
     for (const Json& term : part(model, "terms"))
-      rows += fmt::format("<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td>{}</td></tr>",
-                          escape(plain_channel(text(term, "channel"))), escape(text(term, "term")),
-                          figure(number(term, "coefficient")), escape(text(term, "unit")));
+      rows += fmt::format(
+          "<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td>{}</td><td class=\"where\">{}</td></tr>",
+          escape(plain_channel(text(term, "channel"))), escape(text(term, "term")), figure(number(term, "coefficient")),
+          escape(text(term, "unit")), escape(likeness(term, weight_N)));
     cards += "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
              paragraph(
                  "Nothing in the catalogue explains the rest. This sparse model describes it and can be flown, but it "
                  "is a description and no name.") +
-             paragraph(text(model, "says")) +
+             paragraph(text(model, "says").empty() ? "" : capital(text(model, "says")) + ".") +
              (rows.empty() ? ""
                            : "<div class=\"scroll\"><table><tr><th>channel</th><th>term</th><th "
-                             "class=\"n\">coefficient</th><th>unit</th></tr>" +
+                             "class=\"n\">coefficient</th><th>unit</th><th>what it is like</th></tr>" +
                                  rows + "</table></div>") +
              "</div>";
   }
   if (const Json& habit = part(diagnosis, "habit"); !habit.empty()) cards += habit_card(habit, part(diagnosis, "fit"));
-  return suspected(diagnosis) + cards + evidence_table(diagnosis);
+  return cards + evidence_table(diagnosis);
 }
 
 std::string calibration(const Json& diagnosis) {
@@ -313,9 +336,9 @@ std::string remarks(const Json& diagnosis) {
   std::string items;
   for (const Json& alarm : part(diagnosis, "alarms"))
     items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(plain_alarm(text(alarm, "kind"))),
-                         escape(text(alarm, "says")));
+                         escape(in_plain_words(text(alarm, "says"))));
   for (const Json& note : part(diagnosis, "notes"))
-    if (note.is_string()) items += "<li>" + escape(capital(note.get<std::string>())) + ".</li>";
+    if (note.is_string()) items += "<li>" + escape(capital(in_plain_words(note.get<std::string>()))) + ".</li>";
   return items.empty() ? "" : "<ul>" + items + "</ul>";
 }
 
@@ -323,7 +346,7 @@ std::string remarks(const Json& diagnosis) {
 std::vector<std::pair<std::string, std::vector<std::string>>> by_reason(const Json& list) {
   std::vector<std::pair<std::string, std::vector<std::string>>> groups;
   for (const Json& entry : list) {
-    const std::string why = text(entry, "why");
+    const std::string why = in_plain_words(text(entry, "why"));
     const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) { return group.first == why; });
     (same == groups.end() ? groups.emplace_back(why, std::vector<std::string>{}) : *same)
         .second.push_back(plain_name(entry));
@@ -333,12 +356,15 @@ std::vector<std::pair<std::string, std::vector<std::string>>> by_reason(const Js
 
 std::string cannot_tell(const Json& diagnosis) {
   std::string html, rows;
-  for (const auto& [why, names] : by_reason(part(diagnosis, "not_identifiable")))
-    rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>", escape(list_in_words(names)), escape(why));
+  for (const auto& [why, names] : by_reason(part(diagnosis, "not_identifiable"))) {
+    const Remedy remedy = remedy_for(why);
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"where\">{}</td></tr>", escape(list_in_words(names)),
+                        escape(remedy.why), remedy.what.empty() ? "–" : escape(remedy.what));
+  }
   if (!rows.empty())
     html +=
         "<p>These flights do not show enough to say anything, either way, about:</p><div "
-        "class=\"scroll\"><table><tr><th>effect</th><th>why</th></tr>" +
+        "class=\"scroll\"><table class=\"wrap\"><tr><th>effect</th><th>why</th><th>what would tell it</th></tr>" +
         rows + "</table></div>";
   rows.clear();
   for (const Json& entry : part(diagnosis, "rejected"))
@@ -363,7 +389,7 @@ std::string next_flight(const Json& diagnosis) {
     how =
         "<details><summary>How</summary><pre>" + escape("[trajectory." + trajectory + "]\n" + how) + "</pre></details>";
   return fmt::format("<p><strong>{}</strong>: {}.</p>{}", escape(capital(plain_label(trajectory))),
-                     escape(text(next, "why")), how);
+                     escape(in_plain_words(text(next, "why"))), how);
 }
 
 std::string flights(const Json& diagnosis) {
@@ -404,20 +430,17 @@ std::string footer(const Json& diagnosis) {
 }  // namespace
 
 std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
-  std::string html =
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width, initial-scale=1\">";
-  html += fmt::format("<title>Diagnosis of {}</title><style>{}</style></head>\n<body><main>\n",
-                      escape(text(diagnosis, "vehicle")), page_style());
+  std::string body;
   for (const std::string& piece :
-       {header(diagnosis), log_findings(diagnosis), section("Where it differs", where(diagnosis)),
-        section("What was left out", what(diagnosis)), section("Still not explained, and remarks", remarks(diagnosis)),
-        horizon_section(diagnosis, figures), residual_section(figures), window_section(figures),
+       {header(diagnosis), log_findings(diagnosis), window_section(diagnosis, figures),
+        section("What was left out", what(diagnosis, figures.weight_N)), section("Where it differs", where(diagnosis)),
+        residual_section(figures), horizon_section(diagnosis, figures),
+        section("Still not explained, and remarks", remarks(diagnosis)),
         section("What cannot be told", cannot_tell(diagnosis)), section("What to fly next", next_flight(diagnosis)),
         section("Unexplained disturbance", disturbance(diagnosis)), section("Calibration", calibration(diagnosis)),
         section("Flights", flights(diagnosis)), footer(diagnosis)})
-    if (!piece.empty()) html += piece + "\n";
-  return html + "</main></body></html>\n";
+    if (!piece.empty()) body += piece + "\n";
+  return page("Diagnosis of " + text(diagnosis, "vehicle"), body);
 }
 
 }  // namespace gustlab

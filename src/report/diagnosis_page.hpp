@@ -18,6 +18,8 @@ struct DiagnosisFigures {
     std::string file;
     double restart_s = 0.0;  // predictions start from the recorded state this often; 0: only once
     std::vector<Trace> traces;
+    std::vector<Trace> motors;  // recorded inputs over the same stretch, means of 0.1 s in `measured`
+    std::string motor_unit;     // of the inputs, as the axis says it
   };
   Window window;
 
@@ -39,6 +41,7 @@ struct DiagnosisFigures {
     std::vector<double> before_low, before_high, after_low, after_high;
   };
   std::vector<Horizon> horizons;
+  double weight_N = 0.0;         // of the vehicle file; 0: not known
   std::string windows_left_out;  // "3 windows across gaps"; empty: nothing
 };
 

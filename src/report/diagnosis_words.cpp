@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "report/trade_words.hpp"
+
 namespace gustlab::report {
 
 namespace {
@@ -34,7 +36,7 @@ std::string decimals(double value, int digits) {
   return signed_text(written);
 }
 
-// "cuts the half-second position error from 7.4 cm to 1.3 cm", empty when nothing was verified
+// empty when nothing was verified
 std::string gain_in_words(const Json& diagnosis) {
   const Json& fit = part(diagnosis, "fit");
   const Json &horizons = part(fit, "horizon_s"), &errors = part(fit, "position_m");
@@ -45,15 +47,14 @@ std::string gain_in_words(const Json& diagnosis) {
   if (best >= before.size() || best >= after.size() || !before[best].is_number() || !after[best].is_number()) return "";
   const double from = before[best].get<double>(), to = after[best].get<double>();
   if (!(to < from)) return "";
-  const auto length = [](double metres) {
-    const auto [factor, unit] = metres < 0.01  ? Display{1e3, "mm"}
-                                : metres < 1.0 ? Display{1e2, "cm"}
-                                               : Display{1.0, "m"};
-    return fmt::format("{} {}", decimals(factor * metres, factor * metres < 10.0 ? 1 : 0), unit);
+  const auto [factor, unit] = from < 0.01 ? Display{1e3, "mm"} : from < 1.0 ? Display{1e2, "cm"} : Display{1.0, "m"};
+  const auto length = [&](double metres) {
+    return fmt::format("{} {}", decimals(factor * metres, factor * to < 10.0 ? 1 : 0), unit);
   };
   if (length(to) == length(from)) return "";
   return fmt::format(
-      "the position predicted {:g} s ahead is then wrong by {} instead of {}, on flights that were not used to find it",
+      "the position predicted {:g} s ahead is wrong by {} instead of {}, on flights that were not "
+      "used to find it",
       horizons[best].get<double>(), length(to), length(from));
 }
 
@@ -79,50 +80,26 @@ std::string where_in_words(const Json& diagnosis) {
   return words;
 }
 
-// what kind of thing an effect is to a pilot
-enum class Sort { missing, wrong_number, recording };
-Sort sort_of(const Json& effect) {
-  const std::string name = text(effect, "effect"), place = text(effect, "place");
-  if (place == "measurement") return Sort::recording;
-  return place == "body" || name == "thrust_scale" || name == "yaw_torque_ratio" ? Sort::wrong_number : Sort::missing;
-}
-
-std::vector<std::string> names(const Json& effects, Sort sort) {
-  std::vector<std::string> found;
-  for (const Json& effect : effects) {
-    if (sort_of(effect) != sort) continue;
-    std::vector<std::string> alike;
-    for (const Json& other : part(effect, "class")) alike.push_back(plain_label(other.get<std::string>()));
-    std::string name = alike.size() > 1 && effects.size() == 1
-                           ? (sort == Sort::wrong_number ? "" : "either ") + list_in_words(alike, "or")
-                           : plain_name(effect);
-    // in a list, "or" would run into "and"
-    std::erase_if(
-        alike, [&](const std::string& other) { return other == name || other == plain_label(text(effect, "effect")); });
-    if (effects.size() > 1 && !alike.empty()) name += " (or " + list_in_words(alike, "or") + ")";
-    // alone, it has room for an explanation
-    if (effects.size() == 1 && alike.size() <= 1 && !text(effect, "says").empty())
-      name += " (" + text(effect, "says") + ")";
-    found.push_back(name);
-  }
-  return found;
-}
-
-std::string names_in_words(const Json& diagnosis) {
-  const Json& effects = part(diagnosis, "effects");
-  const std::string vehicle = text(diagnosis, "vehicle");
+// the findings as one sentence: the first three in words, the rest counted
+std::string findings_in_words(const Json& diagnosis) {
+  constexpr std::size_t most = 3;
+  const std::vector<Json> effects = in_order_of_weight(diagnosis);
   std::vector<std::string> clauses;
-  if (const auto missing = names(effects, Sort::missing); !missing.empty())
-    clauses.push_back("leaves out " + list_in_words(missing));
-  if (const auto wrong = names(effects, Sort::wrong_number); !wrong.empty())
-    clauses.push_back("has the wrong " + list_in_words(wrong));
-  std::string words = clauses.empty() ? ""
-                                      : fmt::format("The simulation{} {}", vehicle.empty() ? "" : " of " + vehicle,
-                                                    list_in_words(clauses));
-  if (const auto recording = names(effects, Sort::recording); !recording.empty())
-    words +=
-        (words.empty() ? "The recording itself has " : ", and the recording itself has ") + list_in_words(recording);
-  return words;
+  for (std::size_t i = 0; i < std::min(most, effects.size()); ++i) {
+    const std::vector<std::string> alike = alike_in_words(effects[i]);
+    std::string clause = headline_of(effects[i]);
+    if (!alike.empty()) clause += " (or " + (alike.size() == 1 ? alike.front() : "what looks the same") + ")";
+    // a sentence goes on in small letters
+    if (i > 0) clause.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(clause.front())));
+    clauses.push_back(clause);
+  }
+  if (effects.size() > most)
+    clauses.push_back(effects.size() == most + 1 ? "one thing more"
+                                                 : fmt::format("{} things more", effects.size() - most));
+  std::string sentence;
+  for (std::size_t i = 0; i < clauses.size(); ++i)
+    sentence += (i == 0 ? "" : i + 1 < clauses.size() ? "; " : "; and ") + clauses[i];
+  return sentence;
 }
 
 }  // namespace
@@ -147,10 +124,20 @@ std::string plain_label(const std::string& label) {
   const std::size_t mark = label.find('#');
   std::string name = label.substr(0, mark);
   if (mark != std::string::npos && name == "rotor_loss") return "loss of rotor " + label.substr(mark + 1);
+  if (name == "imu_lever") name = "place_of_the_accelerometer";
   std::replace(name.begin(), name.end(), '_', ' ');
   const std::string from = "center", to = "centre";
   if (const std::size_t at = name.find(from); at != std::string::npos) name.replace(at, from.size(), to);
   return mark == std::string::npos ? name : name + " " + label.substr(mark + 1);
+}
+
+std::vector<std::string> alike_in_words(const Json& effect) {
+  std::vector<std::string> names;
+  for (const Json& other : part(effect, "class"))
+    if (other.is_string() && other != text(effect, "effect") &&
+        plain_label(other.get<std::string>()) != plain_name(effect))
+      names.push_back(plain_label(other.get<std::string>()));
+  return names;
 }
 
 std::string plain_name(const Json& effect) {
@@ -175,6 +162,25 @@ std::string plain_channel(const std::string& channel) {
   for (const auto& [name, said] : words)
     if (channel == name) return said;
   return plain_label(channel);
+}
+
+std::string in_plain_words(const std::string& sentence) {
+  std::string said;
+  for (std::size_t at = 0; at < sentence.size();) {
+    const std::size_t end = std::min(sentence.find(' ', at), sentence.size());
+    std::string word = sentence.substr(at, end - at);
+    // what stands before a colon or a comma, but no path, file or key
+    const std::size_t tail = std::min(word.find_last_not_of(",;:()") + 1, word.size());
+    const std::size_t head = std::min(word.find_first_not_of('('), tail);
+    const std::string name = word.substr(head, tail - head);
+    const bool plain = name.find('_') != std::string::npos && std::all_of(name.begin(), name.end(), [](char c) {
+                         return c == '_' || std::islower(static_cast<unsigned char>(c));
+                       });
+    if (plain) word = word.substr(0, head) + plain_channel(name) + word.substr(tail);
+    said += word + (end < sentence.size() ? " " : "");
+    at = end + 1;
+  }
+  return said;
 }
 
 std::string plain_alarm(const std::string& kind) {
@@ -287,18 +293,20 @@ std::string one_sentence(const Json& diagnosis) {
            " is right or wrong" + (one_reason ? ": " + text(blind[0], "why") : "") + ".";
   }
   if (verdict == "unexplained") {
-    const std::string gain = part(diagnosis, "residual_model").empty() ? "" : gain_in_words(diagnosis);
     return fmt::format(
         "Something acts on {} that the simulation leaves out{}, and no effect known here explains enough of it to be "
-        "named{}.",
-        vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")",
-        gain.empty() ? "" : "; with a model that has no name, " + gain);
+        "named.",
+        vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")");
   }
 
-  std::string sentence = names_in_words(diagnosis);
-  if (const std::string gain = gain_in_words(diagnosis); !gain.empty()) sentence += "; " + gain;
-  if (verdict == "partly_explained") sentence += "; something else remains";
-  return sentence + ".";
+  return findings_in_words(diagnosis) + (verdict == "partly_explained" ? "; something else remains." : ".");
+}
+
+std::string gain_sentence(const Json& diagnosis) {
+  const std::string gain = gain_in_words(diagnosis);
+  const bool named = !part(diagnosis, "effects").empty();
+  if (gain.empty() || (!named && part(diagnosis, "residual_model").empty())) return "";
+  return fmt::format("With {}, {}.", named ? "what was found" : "a model that has no name", gain);
 }
 
 }  // namespace gustlab::report

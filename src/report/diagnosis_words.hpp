@@ -16,9 +16,13 @@ const Json& part(const Json& object, const std::string& key);  // an empty objec
 
 // "rotor drag", "loss of rotor 3"
 std::string plain_name(const Json& effect);
+// Names that the data cannot tell from this one.
+std::vector<std::string> alike_in_words(const Json& effect);
 std::string plain_label(const std::string& label);
 // "push to the side" for force_y
 std::string plain_channel(const std::string& channel);
+// Names of channels and effects in a sentence, as they are said; files and keys stay.
+std::string in_plain_words(const std::string& sentence);
 std::string plain_alarm(const std::string& kind);  // as a heading
 // "airspeed" and "m/s" for airspeed_mps
 struct Variable {
@@ -44,7 +48,9 @@ std::string with_half_width(double value, double half_width);
 std::string probability(double p);
 std::string sure(double confidence);
 
-// The sentence at the top of the page, from verdict, effects and held-out errors.
+// The sentence at the top of the page: what was found, in the words of the trade.
 std::string one_sentence(const Json& diagnosis);
+// How much nearer held-out predictions come with it, empty when they do not.
+std::string gain_sentence(const Json& diagnosis);
 
 }  // namespace gustlab::report

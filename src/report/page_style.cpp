@@ -20,6 +20,11 @@ h2 { font-size: 1.15rem; font-weight: 600; margin: 3rem 0 .4rem; padding-top: 1.
 h3 { font-size: 1.05rem; font-weight: 600; margin: 0; }
 p { margin: .4rem 0 .8rem; max-width: 46rem; }
 .note, figcaption, .soft { color: var(--soft); font-size: .88rem; }
+.lead { color: var(--ink); margin-top: .8rem; }
+ol.headlines { padding-left: 1.3rem; margin: 1rem 0 .6rem; max-width: 46rem; }
+ol.headlines li { margin: .55rem 0; } ol.headlines p { margin: .05rem 0 0; }
+ol.headlines strong { font-weight: 600; } .sure { color: var(--good); white-space: nowrap; font-variant-numeric: tabular-nums; }
+.notice { color: var(--soft); font-size: .92rem; }
 .badge { display: inline-block; padding: .05rem .6rem; border: 1px solid currentColor; border-radius: 1rem;
   font-size: .85rem; color: var(--after); }
 .badge.consistent { color: var(--good); } .badge.unexplained, .badge.partly { color: var(--before); }
@@ -56,10 +61,21 @@ svg path.measured { stroke: var(--measured); stroke-width: 1.3; opacity: .85; }
 svg path.before, svg line.before { stroke: var(--before); } svg path.after, svg line.after { stroke: var(--after); }
 svg path.noise { stroke: var(--soft); stroke-dasharray: 5 4; stroke-width: 1.4; }
 svg path.hold { stroke: var(--soft); stroke-dasharray: 1.5 4; stroke-width: 1.4; }
+svg path.many { stroke-width: 1.3; opacity: .9; } svg path.reference { stroke: var(--soft); stroke-dasharray: 4 3; stroke-width: 1.2; }
+svg .whisker.many { stroke-width: 1; opacity: .5; } svg .m1 { stroke: #0072b2; } svg .m2 { stroke: #d55e00; }
+svg .m3 { stroke: #009e73; } svg .m4 { stroke: #cc79a7; } svg .m5 { stroke: #e69f00; } svg .m6 { stroke: #56b4e9; }
+svg .m7 { stroke: #8a7f00; } svg .m8 { stroke: #7f7f7f; }
+svg circle.m1 { fill: #0072b2; } svg circle.m2 { fill: #d55e00; } svg circle.m3 { fill: #009e73; } svg circle.m4 { fill: #cc79a7; }
+svg circle.m5 { fill: #e69f00; } svg circle.m6 { fill: #56b4e9; } svg circle.m7 { fill: #8a7f00; } svg circle.m8 { fill: #7f7f7f; }
+table.heat td { text-align: center; white-space: nowrap; border: 2px solid var(--paper); padding: .3rem .5rem;
+  background: color-mix(in srgb, var(--before) calc(var(--heat, 0) * 65%), var(--card)); }
+table.heat th { padding: .3rem .5rem; } table.heat th.n { text-align: center; }
 svg circle.before { fill: var(--before); } svg circle.after { fill: var(--after); } svg circle.cloud { fill: var(--before); opacity: .28; }
 svg .whisker { stroke-width: 1.3; opacity: .7; }
 svg.bar { width: 124px; max-width: 124px; } svg.bar { margin-top: .4rem; }
 svg.bar .back { fill: var(--faint); opacity: .5; } svg.bar .value { fill: var(--before); } svg.bar .reference { stroke: var(--ink); stroke-width: 1.5; }
+@media (prefers-color-scheme: dark) { svg .m1 { stroke: #58a9e0; } svg circle.m1 { fill: #58a9e0; } svg .m2 { stroke: #f08a4b; }
+  svg circle.m2 { fill: #f08a4b; } svg .m3 { stroke: #3fc79a; } svg circle.m3 { fill: #3fc79a; } }
 @media (max-width: 40rem) { svg.bar { width: 64px; } main { padding: 1.5rem 1rem 3rem; } }
 @media print { :root { --ink: #000; --soft: #444; --faint: #ccc; --paper: #fff; --card: #fff; --before: #b5610c; --after: #1a5f9a;
   --measured: #000; --warn: #803300; --warn-back: #fff; --good: #205a37; }

@@ -33,6 +33,17 @@ struct Range {
   bool empty() const { return low > high; }
 };
 
+// widens one range until a unit is as long on both axes; `aspect` is width over height of the frame
+void make_equal(Range& x, Range& y, double aspect) {
+  const auto widen = [](Range& range, double width) {
+    const double middle = 0.5 * (range.low + range.high);
+    range = {middle - 0.5 * width, middle + 0.5 * width};
+  };
+  const double width = x.high - x.low, height = y.high - y.low;
+  if (width > aspect * height) widen(y, width / aspect);
+  else widen(x, aspect * height);
+}
+
 Axis make_axis(Range range, bool log, bool zero, double from_px, double to_px, double spare) {
   if (zero) range.add(0.0, false);
   if (log) {
@@ -179,8 +190,12 @@ std::string draw(const Chart& chart) {
     }
   }
   if (range_x.empty() || range_y.empty()) return "";
+  if (chart.equal_scales)
+    make_equal(range_x, range_y,
+               (chart.width - margin_right - margin_left) / (chart.height - margin_bottom - margin_top));
   const Axis x = make_axis(range_x, chart.log_x, false, margin_left, chart.width - margin_right, 0.04);
-  const Axis y = make_axis(range_y, chart.log_y, chart.zero_y, chart.height - margin_bottom, margin_top, 0.07);
+  const Axis y = make_axis(range_y, chart.log_y, chart.zero_y, chart.height - margin_bottom, margin_top,
+                           chart.equal_scales ? 0.04 : 0.07);
 
   std::string text = fmt::format("<svg viewBox=\"0 0 {:g} {:g}\" role=\"img\" aria-label=\"{}\">", chart.width,
                                  chart.height, escape(chart.title));

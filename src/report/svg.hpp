@@ -24,7 +24,8 @@ struct Chart {
   std::string title;  // said by screen readers and shown above
   std::string x_label, y_label;
   bool log_x = false, log_y = false;
-  bool zero_y = false;  // the y axis includes zero, which is drawn
+  bool zero_y = false;        // the y axis includes zero, which is drawn
+  bool equal_scales = false;  // a metre is as long on both axes (neither is logarithmic)
   std::vector<Series> series;
   std::vector<double> marks_x;  // thin vertical lines
   double width = 360.0, height = 230.0;

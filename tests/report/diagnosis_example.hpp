@@ -18,12 +18,11 @@ inline DiagnosisFigures example_figures() {
   figures.window.file = "lemniscate.csv";
   figures.window.restart_s = 1.0;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const char* names[] = {"position x", "position z", "velocity x", "pitch"};
-  const char* units[] = {"m", "m", "m/s", "rad"};
-  for (int n = 0; n < 4; ++n) {
-    DiagnosisFigures::Trace trace{names[n], units[n], {}, {}, {}, {}};
+  const char* names[] = {"position x", "position y", "position z", "roll", "pitch", "yaw"};
+  for (int n = 0; n < 6; ++n) {
+    DiagnosisFigures::Trace trace{names[n], n < 3 ? "m" : "rad", {}, {}, {}, {}};
     for (int i = 0; i < 400; ++i) {
-      const double t = 0.01 * i, since = std::fmod(t, 1.0), size = n == 3 ? 0.3 : 1.0;
+      const double t = 0.01 * i, since = std::fmod(t, 1.0), size = n >= 3 ? 0.3 : 1.0;
       trace.time_s.push_back(12.0 + t);
       const double y = size * std::sin(1.7 * t + n) + 0.01 * std::sin(40.0 * t + n);
       trace.measured.push_back(y);
@@ -33,6 +32,13 @@ inline DiagnosisFigures example_figures() {
     }
     figures.window.traces.push_back(trace);
   }
+  figures.window.motor_unit = "rad/s";
+  for (int i = 0; i < 4; ++i) {
+    DiagnosisFigures::Trace motor{"", "rad/s", figures.window.traces.front().time_s, {}, {}, {}};
+    for (const double t : motor.time_s) motor.measured.push_back(2300.0 + 40.0 * i + 60.0 * std::sin(3.0 * t + i));
+    figures.window.motors.push_back(motor);
+  }
+  figures.weight_N = 0.265;
   DiagnosisFigures::Residual residual{
       "force_x", "N", "airspeed_mps", {}, {}, {}, {}, {}, {}, {}, {}, {}, "12 blocks with saturated commands"};
   for (int i = 0; i < 150; ++i) {

@@ -1,0 +1,45 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "commands.hpp"
+#include "config/resources.hpp"
+
+namespace gustlab {
+
+namespace {
+
+// The libraries that read foreign logs, write other formats and draw are Python's: this process becomes the script, so that its
+// output, exit code and signals are the command's.
+[[noreturn]] void become_script(const std::string& script, const std::vector<std::string>& arguments) {
+  std::vector<std::string> command{find_resource(".venv/bin/python3"), find_resource("scripts/" + script)};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  std::vector<char*> words;
+  for (std::string& word : command) words.push_back(word.data());
+  words.push_back(nullptr);
+  execv(words[0], words.data());
+  throw std::runtime_error(
+      fmt::format("{}: cannot be started ({}) run scripts/setup.sh", command[0], std::strerror(errno)));
+}
+
+// its options are the script's own, --help too
+void add_script(CLI::App& app, const char* name, const char* says, const char* script) {
+  CLI::App* command = app.add_subcommand(name, says);
+  command->set_help_flag();
+  command->fallthrough(false);
+  command->prefix_command();
+  command->callback([command, script] { become_script(script, command->remaining()); });
+}
+
+}  // namespace
+
+void add_scripts(CLI::App& app) {
+  add_script(app, "import", "turns flight computers' logs into flight logs, or says what is in them", "import_log.py");
+  add_script(app, "export", "writes a flight log as Parquet, MCAP or one CSV per topic", "export_flight.py");
+  add_script(app, "render", "draws a flight as a film, without a display", "render_flight.py");
+  add_script(app, "view", "plays a flight in MuJoCo's viewer", "view_flight.py");
+}
+
+}  // namespace gustlab

@@ -1,0 +1,13 @@
+#!/usr/bin/env python3
+"""What `gustlab export` runs; see gustlab_flights/export.py."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from gustlab_flights.export import run  # noqa: E402
+from gustlab_flights.problems import ended  # noqa: E402
+
+if __name__ == "__main__":
+    sys.exit(ended(run, sys.argv[1:]))

@@ -1,0 +1,1 @@
+"""Flight logs for other programs and for the eye: exports, films, a viewer."""

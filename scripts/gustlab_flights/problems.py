@@ -1,0 +1,25 @@
+"""What these commands refuse, with the program's exit codes."""
+
+import sys
+
+USAGE, DATA, IO = 2, 3, 4
+
+
+class Refusal(Exception):
+    """`place: problem (why)`; code is the exit code."""
+
+    def __init__(self, message: str, code: int = DATA):
+        super().__init__(message)
+        self.code = code
+
+
+def ended(command, arguments) -> int:
+    """Runs a command; its exit code. A refusal is one line on stderr."""
+    try:
+        return command(arguments)
+    except Refusal as refusal:
+        print(refusal, file=sys.stderr)
+        return refusal.code
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130

@@ -1,0 +1,366 @@
+#include "report/sweep_page.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "report/diagnosis_words.hpp"
+#include "report/page_parts.hpp"
+#include "report/svg.hpp"
+#include "report/tables.hpp"
+
+namespace gustlab {
+
+namespace {
+
+using namespace report;
+using svg::escape;
+
+constexpr std::size_t rmse = 0;  // of tracking_metrics
+
+std::string metres(double value) { return std::isnan(value) ? "–" : fmt::format("{:.3f}", value); }
+
+std::optional<double> number_of(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0' && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+// in the order in which they first appear
+template <typename Items, typename Of>
+std::vector<std::string> distinct(const Items& items, const Of& of) {
+  std::vector<std::string> found;
+  for (const auto& item : items)
+    if (const std::string one = of(item); std::find(found.begin(), found.end(), one) == found.end())
+      found.push_back(one);
+  return found;
+}
+
+class Sweep {
+ public:
+  explicit Sweep(const Results& results) : results_(results), cells_(aggregate(results.rows)) {
+    trajectories_ = distinct(cells_, [](const TableCell& cell) { return cell.trajectory; });
+    controllers_ = distinct(cells_, [](const TableCell& cell) { return cell.controller; });
+    for (const NamedValue& axis : cells_.front().axes) {
+      const std::size_t place = axes_.size();
+      axes_.push_back({axis.name, distinct(cells_, [&](const TableCell& cell) { return cell.axes[place].value; })});
+    }
+  }
+
+  std::string header() const;
+  std::string table() const;
+  std::string heat_maps() const;
+  std::string over_axes() const;
+  std::string failures() const;
+
+ private:
+  struct AxisValues {
+    std::string name;
+    std::vector<std::string> values;
+    bool numeric() const {
+      return std::all_of(values.begin(), values.end(), [](const std::string& v) { return number_of(v).has_value(); });
+    }
+  };
+
+  bool is_axis(std::size_t place) const { return axes_[place].values.size() > 1; }
+  const TableCell* find(const std::string& trajectory, const std::string& controller,
+                        const std::vector<std::string>& at) const {
+    for (const TableCell& cell : cells_) {
+      bool same = cell.trajectory == trajectory && cell.controller == controller;
+      for (std::size_t a = 0; a < at.size(); ++a) same = same && cell.axes[a].value == at[a];
+      if (same) return &cell;
+    }
+    return nullptr;
+  }
+  // the middle value of every axis
+  std::vector<std::string> middle() const {
+    std::vector<std::string> at;
+    for (const AxisValues& axis : axes_) at.push_back(axis.values[axis.values.size() / 2]);
+    return at;
+  }
+  // "mass = 0", of all axes but those that are drawn
+  std::string others_at(const std::vector<std::string>& at, const std::vector<std::size_t>& drawn) const {
+    std::vector<std::string> said;
+    for (std::size_t a = 0; a < axes_.size(); ++a)
+      if (is_axis(a) && std::find(drawn.begin(), drawn.end(), a) == drawn.end())
+        said.push_back(axes_[a].name + " = " + at[a]);
+    return list_in_words(said);
+  }
+  std::string axis_chart(const std::string& trajectory, std::size_t axis) const;
+
+  const Results& results_;
+  std::vector<TableCell> cells_;
+  std::vector<std::string> trajectories_, controllers_;
+  std::vector<AxisValues> axes_;
+};
+
+std::string Sweep::header() const {
+  const auto runs = results_.rows.size();
+  const auto failed =
+      static_cast<std::size_t>(std::count_if(results_.rows.begin(), results_.rows.end(),
+                                             [](const ResultRow& row) { return row.outcome != Outcome::completed; }));
+  // who has the least mean error, trajectory by trajectory and point by point
+  std::map<std::string, std::size_t> best;
+  std::map<std::string, std::pair<double, std::string>> least;
+  for (const TableCell& cell : cells_) {
+    std::string block = cell.experiment + "/" + cell.vehicle + "/" + cell.trajectory;
+    for (const NamedValue& axis : cell.axes) block += "/" + axis.value;
+    const double mean = cell.errors[rmse].mean;
+    const auto known = least.find(block);
+    if (std::isfinite(mean) && (known == least.end() || mean < known->second.first))
+      least[block] = {mean, cell.controller};
+  }
+  for (const auto& [block, winner] : least) ++best[winner.second];
+  const auto most =
+      std::max_element(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::string sentence = "No run has a sample that counts.";
+  if (most != best.end() && controllers_.size() > 1)
+    sentence =
+        fmt::format("{} has the least mean RMSE in {} of {} comparisons.", most->first, most->second, least.size());
+  else if (most != best.end()) sentence = fmt::format("{} over {} runs.", most->first, runs);
+  std::string axes;
+  for (std::size_t a = 0; a < axes_.size(); ++a)
+    if (is_axis(a)) axes += fmt::format(" · {}: {} values", axes_[a].name, axes_[a].values.size());
+  const std::string experiment = cells_.front().experiment.substr(0, cells_.front().experiment.find('.'));
+  return fmt::format(
+      "<header><p class=\"kind\">Sweep {} · {} · {} runs{}</p><h1>{}</h1>{}</header>", escape(experiment),
+      escape(cells_.front().vehicle), runs, escape(axes), escape(sentence),
+      paragraph(failed == 0 ? "Every run was completed."
+                            : fmt::format("{} of {} runs were not completed; they keep their errors up to their end.",
+                                          failed, runs)));
+}
+
+std::string Sweep::table() const {
+  std::string head, rows;
+  for (std::size_t a = 0; a < axes_.size(); ++a)
+    if (is_axis(a)) head += fmt::format("<th>{}</th>", escape(axes_[a].name));
+  head += "<th>trajectory</th><th>controller</th><th class=\"n\">completed</th><th></th>";
+  for (const Metric& metric : tracking_metrics) head += fmt::format("<th class=\"n\">{}</th>", metric.title);
+  double full = 0.0;
+  for (const TableCell& cell : cells_)
+    if (std::isfinite(cell.errors[rmse].mean)) full = std::max(full, cell.errors[rmse].mean);
+  for (const TableCell& cell : cells_) {
+    rows += "<tr>";
+    for (std::size_t a = 0; a < axes_.size(); ++a)
+      if (is_axis(a)) rows += fmt::format("<td>{}</td>", escape(cell.axes[a].value));
+    rows +=
+        fmt::format("<td>{}</td><td>{}</td><td class=\"n\">{}/{}</td><td>{}</td>", escape(cell.trajectory),
+                    escape(cell.controller), cell.completed, cell.total, svg::bar(cell.errors[rmse].mean, NAN, full));
+    for (std::size_t m = 0; m < tracking_metrics.size(); ++m) {
+      const Summary& error = cell.errors[m];
+      rows += fmt::format("<td class=\"n\">{}{}</td>", metres(error.mean),
+                          std::isnan(error.sd) ? "" : fmt::format(" ± {:.3f}", error.sd));
+    }
+    rows += "</tr>";
+  }
+  const std::string whole = "<div class=\"scroll\"><table><tr>" + head + "</tr>" + rows + "</table></div>";
+  const std::string note = paragraph(
+      fmt::format(
+          "m, planar unless z is named; mean ± sample standard deviation over runs, samples from {:g} s on. The bar is "
+          "the mean RMSE.",
+          results_.settle_s),
+      "note");
+  // what is drawn below need not be scrolled past
+  return cells_.size() > 40
+             ? note + fmt::format("<details><summary>All {} cells</summary>{}</details>", cells_.size(), whole)
+             : note + whole;
+}
+
+// mean RMSE over two axes for each controller and trajectory, or over trajectories and controllers where there are none
+std::string Sweep::heat_maps() const {
+  std::vector<std::size_t> drawn;
+  for (std::size_t a = 0; a < axes_.size() && drawn.size() < 2; ++a)
+    if (is_axis(a)) drawn.push_back(a);
+  double full = 0.0;
+  for (const TableCell& cell : cells_)
+    if (std::isfinite(cell.errors[rmse].mean)) full = std::max(full, cell.errors[rmse].mean);
+  const auto heat = [&](const TableCell* cell) -> std::string {
+    if (!cell) return "<td></td>";
+    const double mean = cell->errors[rmse].mean;
+    const std::string failed = cell->completed == cell->total
+                                   ? ""
+                                   : fmt::format(" <span class=\"soft\">{}/{}</span>", cell->completed, cell->total);
+    return fmt::format("<td style=\"--heat:{:.3f}\">{}{}</td>", std::isfinite(mean) && full > 0.0 ? mean / full : 0.0,
+                       metres(mean), failed);
+  };
+  if (drawn.size() == 1) return "";  // lines show one axis better
+  const auto map = [&](const std::string& title, const std::vector<std::string>& across, const std::string& corner,
+                       const std::vector<std::string>& down, const auto& cell_at) {
+    std::string html = fmt::format("<div><h3>{}</h3><div class=\"scroll\"><table class=\"heat\"><tr><th>{}</th>",
+                                   escape(title), escape(corner));
+    for (const std::string& value : across) html += fmt::format("<th class=\"n\">{}</th>", escape(value));
+    html += "</tr>";
+    for (const std::string& row : down) {
+      html += fmt::format("<tr><th>{}</th>", escape(row));
+      for (const std::string& column : across) html += heat(cell_at(row, column));
+      html += "</tr>";
+    }
+    return html + "</table></div></div>";
+  };
+  std::vector<std::string> at = middle();
+  std::string maps, note;
+  if (drawn.empty()) {
+    maps = map("", trajectories_, "", controllers_,
+               [&](const std::string& row, const std::string& column) { return find(column, row, at); });
+  } else {
+    for (const std::string& trajectory : trajectories_)
+      for (const std::string& controller : controllers_)
+        maps += map(controller + ", " + trajectory, axes_[drawn[0]].values,
+                    axes_[drawn[1]].name + " \\ " + axes_[drawn[0]].name, axes_[drawn[1]].values,
+                    [&](const std::string& row, const std::string& column) {
+                      std::vector<std::string> here = at;
+                      here[drawn[0]] = column, here[drawn[1]] = row;
+                      return find(trajectory, controller, here);
+                    });
+    if (const std::string others = others_at(at, drawn); !others.empty()) note = " Shown at " + others + ".";
+  }
+  return paragraph(
+             "Mean RMSE in m; the stronger the colour, the larger. Small figures say how many runs were completed, "
+             "where not all "
+             "were." +
+                 note,
+             "note") +
+         "<div class=\"charts\">" + maps + "</div>";
+}
+
+std::string Sweep::axis_chart(const std::string& trajectory, std::size_t axis) const {
+  svg::Chart chart;
+  chart.title = trajectory;
+  chart.x_label = axes_[axis].name;
+  chart.y_label = "RMSE [m]";
+  std::vector<std::string> at = middle();
+  for (std::size_t c = 0; c < controllers_.size(); ++c) {
+    svg::Series series;
+    series.style = series_style(c);
+    series.mark = svg::Mark::points_with_bars;
+    std::vector<std::pair<double, const TableCell*>> points;
+    for (const std::string& value : axes_[axis].values) {
+      at[axis] = value;
+      if (const TableCell* cell = find(trajectory, controllers_[c], at)) points.emplace_back(*number_of(value), cell);
+    }
+    std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [x, cell] : points) {
+      const Summary& error = cell->errors[rmse];
+      const double half = error.n > 1 ? 1.96 * error.sd / std::sqrt(static_cast<double>(error.n)) : 0.0;
+      series.x.push_back(x);
+      series.y.push_back(error.mean);
+      series.low.push_back(error.mean - half);
+      series.high.push_back(error.mean + half);
+    }
+    chart.series.push_back(std::move(series));
+  }
+  // over decades, a line along the bottom would say nothing of the small errors
+  double least = INFINITY, most = 0.0;
+  for (const svg::Series& series : chart.series)
+    for (const double mean : series.y)
+      if (mean > 0.0) least = std::min(least, mean), most = std::max(most, mean);
+  chart.log_y = most > 10.0 * least;
+  chart.zero_y = !chart.log_y;
+  return svg::draw(chart);
+}
+
+std::string Sweep::over_axes() const {
+  std::string html;
+  std::vector<std::pair<std::string, std::string>> entries;
+  for (std::size_t c = 0; c < controllers_.size(); ++c) entries.emplace_back(series_style(c), controllers_[c]);
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    if (!is_axis(a) || !axes_[a].numeric()) continue;
+    std::string charts;
+    for (const std::string& trajectory : trajectories_) charts += axis_chart(trajectory, a);
+    if (charts.empty()) continue;
+    const std::string others = others_at(middle(), {a});
+    html += fmt::format(
+        "<figure><h3>Over {}</h3>{}<div class=\"charts\">{}</div><figcaption>Mean RMSE; bars: 95 % intervals of "
+        "the mean.{}</figcaption></figure>",
+        escape(axes_[a].name), legend(entries), charts, others.empty() ? "" : escape(" Shown at " + others + "."));
+  }
+  return html;
+}
+
+std::string Sweep::failures() const {
+  struct Failed {
+    std::string where, controller, outcome;
+    std::size_t count = 0, of = 0;
+    double earliest_s = INFINITY;
+    std::int64_t replicate = 0;
+  };
+  std::vector<Failed> found;
+  for (const ResultRow& row : results_.rows) {
+    if (row.outcome == Outcome::completed) continue;
+    std::string where = row.trajectory;
+    for (std::size_t a = 0; a < row.axes.size(); ++a)
+      if (is_axis(a)) where += fmt::format(", {} = {}", row.axes[a].name, row.axes[a].value);
+    const std::string outcome(to_string(row.outcome));
+    auto known = std::find_if(found.begin(), found.end(), [&](const Failed& one) {
+      return one.where == where && one.controller == row.controller && one.outcome == outcome;
+    });
+    if (known == found.end()) known = found.insert(found.end(), {where, row.controller, outcome, 0, 0, INFINITY, 0});
+    ++known->count;
+    if (row.duration_s < known->earliest_s) known->earliest_s = row.duration_s, known->replicate = row.replicate;
+    for (const TableCell& cell : cells_)
+      if (cell.experiment == row.experiment && cell.trajectory == row.trajectory && cell.controller == row.controller)
+        known->of = cell.total;
+  }
+  if (found.empty()) return "";
+  std::string rows;
+  for (const Failed& one : found)
+    rows += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{} of {}</td><td class=\"n\">{:.2f} s, replicate "
+        "{}</td></tr>",
+        escape(one.where), escape(one.controller), escape(plain_label(one.outcome)), one.count, one.of, one.earliest_s,
+        one.replicate);
+  return "<div class=\"scroll\"><table><tr><th>where</th><th>controller</th><th>how it ended</th><th "
+         "class=\"n\">runs</th><th "
+         "class=\"n\">the earliest</th></tr>" +
+         rows + "</table></div>";
+}
+
+std::string paths(const SweepFigures& figures) {
+  const auto trajectories = distinct(figures.paths, [](const SweptPath& path) { return path.trajectory; });
+  const auto controllers = distinct(figures.paths, [](const SweptPath& path) { return path.controller; });
+  std::string charts;
+  for (const std::string& trajectory : trajectories) {
+    svg::Chart chart;
+    chart.title = trajectory;
+    chart.x_label = "x [m]";
+    chart.y_label = "y [m]";
+    chart.equal_scales = true;
+    for (const SweptPath& path : figures.paths) {
+      if (path.trajectory != trajectory) continue;
+      if (chart.series.empty())
+        chart.series.push_back({"reference", svg::Mark::line, path.reference_x_m, path.reference_y_m, {}, {}});
+      const auto n = static_cast<std::size_t>(std::find(controllers.begin(), controllers.end(), path.controller) -
+                                              controllers.begin());
+      chart.series.push_back({series_style(n), svg::Mark::line, path.x_m, path.y_m, {}, {}});
+    }
+    charts += svg::draw(chart);
+  }
+  if (charts.empty())
+    return paragraph(
+        "No flight log is in the folder of the sweep. gustlab sweep --logs writes them, and the paths are drawn here.",
+        "note");
+  std::vector<std::pair<std::string, std::string>> entries{{"reference", "reference"}};
+  for (std::size_t c = 0; c < controllers.size(); ++c) entries.emplace_back(series_style(c), controllers[c]);
+  return "<figure>" + legend(entries) + "<div class=\"charts\">" + charts + "</div><figcaption>From above. " +
+         escape(figures.paths_of) + "</figcaption></figure>";
+}
+
+}  // namespace
+
+std::string sweep_page(const Results& results, const SweepFigures& figures) {
+  const Sweep sweep(results);
+  std::string body;
+  for (const std::string& piece :
+       {sweep.header(), section("Errors", sweep.table()), section("Heat map", sweep.heat_maps()),
+        section("Error over what was varied", sweep.over_axes()), section("Paths", paths(figures)),
+        section("What was not completed", sweep.failures())})
+    if (!piece.empty()) body += piece + "\n";
+  return page("Sweep " + results.rows.front().experiment, body);
+}
+
+}  // namespace gustlab

@@ -1,0 +1,384 @@
+#include "report/trade_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace gustlab::report {
+
+namespace {
+
+constexpr double air_density_kgpm3 = 1.225;
+
+double value_of(const Json& effect, const std::string& name) {
+  return number(part(part(effect, "parameters"), name), "value");
+}
+
+double deviation_of(const Json& effect, const std::string& name) {
+  return number(part(part(effect, "parameters"), name), "std");
+}
+
+// three significant digits, fewer where the interval is wider: 9.0 %, 12 mm
+std::string rounded(double value, double deviation) {
+  const double size = std::abs(value);
+  if (size == 0.0 || !std::isfinite(size)) return "0";
+  const int first = static_cast<int>(std::floor(std::log10(size) + 1e-12));
+  const int last = std::isfinite(deviation) && deviation > 0.0
+                       ? std::min(first, static_cast<int>(std::floor(std::log10(2.0 * deviation) + 1e-12)))
+                       : first - 1;
+  const int digits = std::clamp(-std::max(last, first - 2), 0, 8);
+  return fmt::format("{:.{}f}", size, digits);
+}
+
+// the size of a parameter without its sign, in the unit that is read most easily
+std::string size_of(const Json& effect, const std::string& name) {
+  const double value = value_of(effect, name);
+  const Display display = display_of(name, text(part(part(effect, "parameters"), name), "unit"), std::abs(value));
+  const std::string written = rounded(display.factor * value, display.factor * deviation_of(effect, name));
+  return display.unit.empty() ? written : written + (display.unit == "°" ? "" : " ") + display.unit;
+}
+
+// the length of a vector, with its larger deviation
+std::string length_of(const Json& effect, const std::string& unit, const std::vector<const char*>& names) {
+  double sum = 0.0, deviation = 0.0;
+  for (const char* name : names)
+    if (const double value = value_of(effect, name); std::isfinite(value)) {
+      sum += value * value;
+      if (const double sd = deviation_of(effect, name); std::isfinite(sd)) deviation = std::max(deviation, sd);
+    }
+  const double length = std::sqrt(sum);
+  const Display display = display_of("", unit, length);
+  return rounded(display.factor * length, display.factor * deviation) + (display.unit == "°" ? "" : " ") + display.unit;
+}
+
+bool surely(const Json& effect, const std::string& name) {
+  const double value = value_of(effect, name), deviation = deviation_of(effect, name);
+  return std::isfinite(value) && (!std::isfinite(deviation) || std::abs(value) > 2.0 * deviation);
+}
+
+// "12 mm forward and 3.0 mm to the left"; the largest alone where none is sure
+std::string directions(const Json& effect, const std::array<std::array<const char*, 2>, 3>& words) {
+  constexpr std::array<const char*, 3> axis = {"x", "y", "z"};
+  std::vector<std::string> parts;
+  std::size_t largest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double value = value_of(effect, axis[i]);
+    if (!std::isfinite(value)) continue;
+    if (!(std::abs(value) < std::abs(value_of(effect, axis[largest])))) largest = i;
+    if (surely(effect, axis[i]))
+      parts.push_back(size_of(effect, axis[i]) + " " + words[i][static_cast<std::size_t>(value < 0.0)]);
+  }
+  if (parts.empty())
+    parts.push_back(size_of(effect, axis[largest]) + " " +
+                    words[largest][static_cast<std::size_t>(value_of(effect, axis[largest]) < 0.0)]);
+  return list_in_words(parts);
+}
+
+bool down(const Json& effect, const char* name = "delta") { return value_of(effect, name) < 0.0; }
+std::string rotor(const Json& effect) { return fmt::format("{:.0f}", value_of(effect, "rotor")); }
+
+std::string more(const Json& effect, const char* name = "delta") {
+  return size_of(effect, name) + (down(effect, name) ? " less" : " more");
+}
+
+std::string wind(const Json& effect) {
+  const Json& flights = part(effect, "per_flight");
+  double low = std::numeric_limits<double>::infinity(), high = 0.0;
+  for (const auto& [file, values] : flights.items()) {
+    double sum = 0.0;
+    for (const auto& [name, entry] : values.items())
+      if (const double v = number(entry, "value"); std::isfinite(v)) sum += v * v;
+    low = std::min(low, std::sqrt(sum)), high = std::max(high, std::sqrt(sum));
+  }
+  if (flights.size() < 2) return fmt::format("A wind of {} blew", length_of(effect, "m/s", {"x", "y", "z"}));
+  return fmt::format("Wind blew, {:.1f} to {:.1f} m/s in different flights", low, high);
+}
+
+std::string turning(const Json& effect) {
+  std::vector<std::string> parts;
+  for (const auto& [name, axis] : {std::pair{"delta_x", "roll"}, {"delta_y", "pitch"}, {"delta_z", "yaw"}})
+    if (surely(effect, name))
+      parts.push_back(
+          fmt::format("{} {} in {}", size_of(effect, name), value_of(effect, name) > 0.0 ? "harder" : "easier", axis));
+  return parts.empty() ? "The moments of inertia are others" : "The vehicle is " + list_in_words(parts) + " to turn";
+}
+
+std::string sag(const Json& effect) {
+  if (const double rate = value_of(effect, "rate"); std::isfinite(rate) && rate != 0.0)
+    return fmt::format("Thrust {} by {} % a minute as the battery empties", rate > 0.0 ? "falls" : "rises",
+                       rounded(6000.0 * rate, 6000.0 * deviation_of(effect, "rate")));
+  return fmt::format("Thrust follows the battery's voltage to the power of {}", size_of(effect, "exponent"));
+}
+
+std::string limits(const Json& effect) {
+  std::vector<std::string> parts;
+  if (std::isfinite(value_of(effect, "max_speed")))
+    parts.push_back("go no faster than " + size_of(effect, "max_speed"));
+  if (const double zone = value_of(effect, "dead_zone"); std::isfinite(zone) && zone > 0.0)
+    parts.push_back("do not answer the lowest " + rounded(100.0 * zone, 100.0 * deviation_of(effect, "dead_zone")) +
+                    " % of the command");
+  return parts.empty() ? "The rotors run into a limit" : "The rotors " + list_in_words(parts);
+}
+
+std::string gusts(const Json& effect) {
+  if (const double line = value_of(effect, "line_amplitude"); std::isfinite(line) && line > 0.0)
+    return fmt::format("Something pushes it with {} at {:.2g} Hz", size_of(effect, "line_amplitude"),
+                       value_of(effect, "line_frequency") / (2.0 * std::numbers::pi));
+  return fmt::format("Gusts push it with {} (rms)", length_of(effect, "N", {"sigma_xy", "sigma_z"}));
+}
+
+struct Words {
+  const char* effect;
+  std::string (*headline)(const Json&);
+  std::string (*notice)(const Json&);
+};
+
+using Text = std::string;
+using E = const Json&;
+
+const Words table[] = {
+    {"mass", [](E e) -> Text { return "The vehicle weighs " + more(e) + " than its model"; },
+     [](E e) -> Text {
+       return down(e) ? "It hovers at less throttle and balloons when a manoeuvre begins."
+                      : "It hovers at more throttle, climbs more slowly and sinks when a manoeuvre begins.";
+     }},
+    {"thrust_scale", [](E e) -> Text { return "All rotors push " + more(e) + " than the model says"; },
+     [](E e) -> Text {
+       return down(e) ? "It hovers at more throttle, and hard climbs end sooner." : "It hovers at less throttle.";
+     }},
+    {"rotor_loss",
+     [](E e) -> Text {
+       return "Rotor " + rotor(e) + " gives " + size_of(e, "loss") + (down(e, "loss") ? " more" : " less") + " thrust";
+     },
+     [](E e) -> Text {
+       return down(e, "loss") ? "It leans away from rotor " + rotor(e) + ", which the controller holds down."
+                              : "It leans toward rotor " + rotor(e) +
+                                    "; the controller holds it up with more command there, and that motor runs out of "
+                                    "reserve first.";
+     }},
+    {"center_of_mass",
+     [](E e) -> Text {
+       return "The centre of mass sits " +
+              directions(
+                  e, {{{"farther forward", "farther back"}, {"farther left", "farther right"}, {"higher", "lower"}}}) +
+              " than the model has it";
+     },
+     [](E) -> Text { return "Hover needs a lasting trim in roll or pitch; without one it drifts to the heavy side."; }},
+    {"inertia", turning,
+     [](E) -> Text {
+       return "It answers the sticks at another pace than its tuning expects: it overshoots, or shakes.";
+     }},
+    {"rotor_tilt",
+     [](E e) -> Text {
+       return "All rotors push along an axis that is tilted by " + length_of(e, "rad", {"x", "y"});
+     },
+     [](E) -> Text { return "Held level it slides to one side of its own body, whichever way it points."; }},
+    {"motor_lag", [](E e) -> Text { return "The motors answer with a lag of " + size_of(e, "time_constant"); },
+     [](E) -> Text { return "It feels soft; high gains in attitude make it shake."; }},
+    {"actuation_delay", [](E e) -> Text { return "Commands reach the rotors " + size_of(e, "delay") + " late"; },
+     [](E) -> Text { return "High gains in attitude make it shake, though every answer is exact."; }},
+    {"thrust_curve", [](E) -> Text { return "Thrust does not follow the square of rotor speed exactly"; },
+     [](E) -> Text { return "Right in hover, the throttle is wrong in hard climbs and in descents."; }},
+    {"saturation", limits, [](E) -> Text { return "In hard climbs and turns it gives way, and attitude with it."; }},
+    {"battery_sag", sag, [](E) -> Text { return "Hover needs more and more throttle during a flight."; }},
+    {"yaw_torque_ratio", [](E e) -> Text { return "The rotors turn it " + more(e) + " in yaw than the model says"; },
+     [](E e) -> Text { return down(e) ? "Yaw is sluggish." : "Yaw is lively, and may overshoot."; }},
+    {"rotor_inertia", [](E) -> Text { return "Rotors that speed up kick it in yaw"; },
+     [](E) -> Text { return "Yaw answers with a kick before it settles."; }},
+    {"rotor_drag",
+     [](E e) -> Text {
+       return down(e, "at_hover") ? "Rotor drag is " + size_of(e, "at_hover") + " less than the model says"
+                                  : "Rotor drag of " + size_of(e, "at_hover") + " holds it back";
+     },
+     [](E e) -> Text {
+       return down(e, "at_hover") ? "It needs less lean to keep its speed, and glides on when level."
+                                  : "It must lean more to keep its speed, and stops sooner when level.";
+     }},
+    {"quadratic_drag",
+     [](E e) -> Text {
+       return "The body's drag holds it back at speed (drag area " + length_of(e, "m^2", {"area_xy", "area_z"}) + ")";
+     },
+     [](E) -> Text { return "Fast flight needs more lean and throttle; its top speed is lower."; }},
+    {"axial_inflow", [](E) -> Text { return "Rotors lose thrust in a climb and gain it in a descent"; },
+     [](E) -> Text { return "Climbs and descents are slower; roll and pitch are damped."; }},
+    {"translational_lift", [](E) -> Text { return "Rotors gain lift as it flies along"; },
+     [](E) -> Text { return "It balloons as it gains speed, and sinks as it stops."; }},
+    {"flapping_torque",
+     [](E e) -> Text {
+       return fmt::format("Its nose is pitched {} as it gains speed", down(e, "coefficient") ? "down" : "up");
+     },
+     [](E) -> Text { return "Forward flight needs a lasting push on pitch."; }},
+    {"ground_effect", [](E) -> Text { return "The ground carries it from below"; },
+     [](E) -> Text { return "It floats when landing, and bounces low over ground."; }},
+    {"ceiling_effect", [](E) -> Text { return "The ceiling draws it up"; },
+     [](E) -> Text { return "Close under a ceiling it is pulled against it."; }},
+    {"wall_effect", [](E) -> Text { return "A wall draws it in"; },
+     [](E) -> Text { return "Beside a wall it drifts toward it."; }},
+    {"steady_wind", wind,
+     [](E) -> Text { return "Hovering it leans into the wind, by the same amount wherever it points."; }},
+    {"fans", [](E) -> Text { return "Air from fans pushes it"; },
+     [](E) -> Text { return "It is shaken in some places and not in others."; }},
+    {"gust", gusts, [](E) -> Text { return "It is thrown about in hover, and never in the same way twice."; }},
+    {"constant_force",
+     [](E e) -> Text {
+       return "A steady force of " + length_of(e, "N", {"x", "y", "z"}) + " pulls it, always the same way";
+     },
+     [](E) -> Text {
+       return "Without an integrator it drifts the same way wherever it points: a cable, or a tilted frame.";
+     }},
+    {"slung_load",
+     [](E e) -> Text {
+       return "A load of " + size_of(e, "mass") +
+              (std::isfinite(value_of(e, "length")) ? " swings " + size_of(e, "length") + " below it"
+                                                    : " swings below it");
+     },
+     [](E) -> Text { return "It is pulled to and fro for seconds after each stop."; }},
+    {"attitude_offset",
+     [](E e) -> Text {
+       return "The logged attitude is tilted by " + length_of(e, "rad", {"x", "y"});
+     },
+     [](E) -> Text { return "In a steady hover the log shows a lean. Calibrate the level again."; }},
+    {"yaw_offset", [](E e) -> Text { return "The logged heading is turned by " + size_of(e, "z"); },
+     [](E) -> Text { return "Flown straight ahead, the log shows it moving to one side."; }},
+    {"pose_delay", [](E e) -> Text { return "Logged positions and attitudes are " + size_of(e, "delay") + " late"; },
+     [](E) -> Text { return "Position control circles round its target when gains are high."; }},
+    {"imu_lever",
+     [](E e) -> Text {
+       return "The accelerometer sits " +
+              directions(
+                  e, {{{"farther forward", "farther back"}, {"farther left", "farther right"}, {"higher", "lower"}}}) +
+              " than the model has it";
+     },
+     [](E) -> Text { return "Turning shows as acceleration."; }},
+    {"gyro_scale",
+     [](E e) -> Text { return "The gyroscope reads " + size_of(e, "delta") + " too " + (down(e) ? "little" : "much"); },
+     [](E) -> Text { return "Fast turns end at another angle than the one integrated."; }},
+    {"estimator_delay", [](E) -> Text { return "The vehicle's own estimate is late"; },
+     [](E) -> Text { return "High gains make it shake."; }},
+};
+
+const Words* words_for(const std::string& effect) {
+  const auto* found =
+      std::find_if(std::begin(table), std::end(table), [&](const Words& words) { return effect == words.effect; });
+  return found == std::end(table) ? nullptr : found;
+}
+
+// certainty as the page prints it, so that equal figures are equal
+int certainty(const Json& effect) {
+  const double confidence = number(effect, "confidence");
+  return std::isfinite(confidence) ? static_cast<int>(std::lround(100.0 * std::min(confidence, 0.995))) : 0;
+}
+
+// Δχ² of the record of this name, or what the effect itself says
+double weight_of(const Json& diagnosis, const Json& effect) {
+  const double rotor_number = value_of(effect, "rotor");
+  for (const Json& record : part(diagnosis, "evidence")) {
+    const double of_record = number(record, "rotor");
+    if (text(record, "effect") == text(effect, "effect") && (!std::isfinite(rotor_number) || of_record == rotor_number))
+      return number(record, "delta_chi2");
+  }
+  const double own = number(effect, "delta_score");
+  return std::isfinite(own) ? own : 0.0;
+}
+
+}  // namespace
+
+bool has_trade_words(const std::string& effect) { return words_for(effect) != nullptr; }
+
+std::string headline_of(const Json& effect) {
+  if (const Words* words = words_for(text(effect, "effect"))) {
+    std::string line = words->headline(effect);
+    if (part(effect, "total").empty()) return line;
+    // with reference flights the numbers are changes against them
+    for (const std::string_view model : {" than its model", " than the model says", " than the model has it"})
+      if (const std::size_t at = line.find(model); at != std::string::npos)
+        return line.replace(at, model.size(), " than in the reference flights");
+    return line + ", on top of the reference flights";
+  }
+  const std::string says = text(effect, "says");
+  return capital(plain_name(effect)) + (says.empty() ? "" : ": " + says);
+}
+
+std::string notice_of(const Json& effect) {
+  const Words* words = words_for(text(effect, "effect"));
+  return words ? words->notice(effect) : "";
+}
+
+std::vector<Json> in_order_of_weight(const Json& diagnosis) {
+  const Json& effects = part(diagnosis, "effects");
+  std::vector<Json> ordered(effects.begin(), effects.end());
+  std::stable_sort(ordered.begin(), ordered.end(), [&](const Json& a, const Json& b) {
+    const int sure_a = certainty(a), sure_b = certainty(b);
+    return sure_a != sure_b ? sure_a > sure_b : weight_of(diagnosis, a) > weight_of(diagnosis, b);
+  });
+  return ordered;
+}
+
+Remedy remedy_for(const std::string& why) {
+  constexpr std::string_view mark = " (it shows in: ";
+  if (const std::size_t at = why.find(mark); at != std::string::npos)
+    return {why.substr(0, at), "fly: " + why.substr(at + mark.size(), why.size() - at - mark.size() - 1)};
+  struct Rule {
+    const char *in_reason, *remedy;
+  };
+  // the first that fits; loggers by their own names
+  constexpr Rule rules[] = {
+      {"the vehicle file has no", "give it in vehicle.toml (gustlab defaults vehicle)"},
+      {"environment.", "give it in the log's sidecar (gustlab defaults sidecar)"},
+      {"filtered", "log raw sensors: PX4 SDLOG_PROFILE, bit high rate; ArduPilot LOG_BITMASK, IMU_RAW"},
+      {"neither attitude nor body rate",
+       "log attitude and body rate at 50 Hz or more: PX4 SDLOG_PROFILE; ArduPilot "
+       "LOG_BITMASK, ATTITUDE_FAST; a Crazyflie's log blocks stateEstimate and gyro"},
+      {"no attitude", "log attitude: PX4 vehicle_attitude; ArduPilot LOG_BITMASK, ATTITUDE_FAST"},
+      {"neither position nor velocity", "log position or velocity: motion capture, GNSS or the estimator's own"},
+      {"no torque",
+       "log body rate and every motor at 100 Hz or more: PX4 SDLOG_PROFILE, bit high rate; ArduPilot "
+       "LOG_BITMASK, RCOUT and IMU_FAST; Betaflight blackbox_sample_rate"},
+      {"no accelerometer", "log the accelerometer: PX4 sensor_combined; ArduPilot LOG_BITMASK, IMU"},
+      {"voltage", "log the battery's voltage"},
+      {"command", "log every motor command: PX4 SDLOG_PROFILE, bit high rate; ArduPilot LOG_BITMASK, RCOUT"},
+      {"clock", "log motors and attitude by one clock"}};
+  for (const Rule& rule : rules)
+    if (why.find(rule.in_reason) != std::string::npos) return {why, rule.remedy};
+  return {why, ""};
+}
+
+std::string likeness(const Json& term, double weight_N) {
+  const std::string channel = text(term, "channel"), name = text(term, "term");
+  const double c = number(term, "coefficient"), size = std::abs(c);
+  if (!std::isfinite(c) || channel.size() < 2) return "";
+  const bool force = channel.starts_with("force");
+  const char axis = channel.back();
+  const std::string own = fmt::format("v{}_B", axis);
+  const bool weight_known = weight_N > 0.0;
+  if (force && name == "1") {
+    if (axis == 'z' && weight_known)
+      return fmt::format("like {} % {} weight", figure(100.0 * size / weight_N), c < 0.0 ? "more" : "less");
+    return weight_known ? fmt::format("like an attitude that is off by {}°",
+                                      figure(std::atan(size / weight_N) * 180.0 / std::numbers::pi))
+                        : "like a steady push";
+  }
+  if (force && name == own) {
+    if (c > 0.0) return "a push along its own motion, which no drag gives";
+    return axis == 'z' ? fmt::format("like rotors that lose {} N for each m/s of climb", figure(size))
+                       : fmt::format("like rotor drag of {} N s/m", figure(size));
+  }
+  if (force && (name == own + " abs " + own || name == own + " speed"))
+    return c > 0.0 ? "a push along its own motion, which no drag gives"
+                   : fmt::format("like a drag area of {} m²", figure(2.0 * size / air_density_kgpm3));
+  if (force && axis == 'z' && (name == "vx_B^2" || name == "vy_B^2" || name == "speed"))
+    return c > 0.0 ? "like lift that grows with speed" : "like lift that is lost with speed";
+  if (force && name.find('p') != std::string::npos)
+    return "a push that depends on the place: a wall, a draught, or a position frame that is bent";
+  if (!force && name == "1" && axis != 'z' && weight_known)
+    return fmt::format("like a centre of mass {} mm aside", figure(1e3 * size / weight_N));
+  if (!force && name == "1" && axis == 'z') return "like a lasting trim in yaw";
+  if (!force && (name == "vx_B" || name == "vy_B") && axis != 'z')
+    return fmt::format("like flapping rotors: {} mN m for each m/s", figure(1e3 * size));
+  return "";
+}
+
+}  // namespace gustlab::report

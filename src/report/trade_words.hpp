@@ -1,0 +1,29 @@
+// What a pilot or an engineer would say of each effect: a headline with its number, and what is noticed in flight.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/diagnosis_words.hpp"
+
+namespace gustlab::report {
+
+// "Rotor 3 gives 9.0 % less thrust"; an effect without words of its own is its name and what it says.
+std::string headline_of(const Json& effect);
+// "The controller holds it with more command on rotor 3", empty when nobody would notice.
+std::string notice_of(const Json& effect);
+bool has_trade_words(const std::string& effect);
+
+// Named effects of diagnosis.json: the most certain first, of those that are equally certain the one that explains most.
+std::vector<Json> in_order_of_weight(const Json& diagnosis);
+
+// What would tell an effect that these flights cannot: the reason, and a setting of the logger, an entry or a flight.
+struct Remedy {
+  std::string why, what;
+};
+Remedy remedy_for(const std::string& why);
+
+// "like rotor drag of 0.30 N s/m": what a term of an unnamed model is like; weight 0: not known.
+std::string likeness(const Json& term, double weight_N);
+
+}  // namespace gustlab::report

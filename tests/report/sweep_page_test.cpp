@@ -1,0 +1,103 @@
+#include "report/sweep_page.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "report/page_checks.hpp"
+
+namespace gustlab {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// strength × mass × two controllers on two trajectories, five runs each; the better controller fails at the strongest gust
+Results grid() {
+  Results results;
+  results.settle_s = 2.0;
+  for (const char* strength : {"0", "0.5", "1", "2"})
+    for (const char* mass : {"-0.2", "0", "0.2"})
+      for (const char* trajectory : {"circle", "lemniscate"})
+        for (const char* controller : {"pid", "indi"})
+          for (int replicate = 1; replicate <= 5; ++replicate) {
+            ResultRow row;
+            row.experiment = std::string("grid.strength_") + strength + "_mass_" + mass;
+            row.vehicle = "crazyflie", row.trajectory = trajectory, row.controller = controller;
+            row.replicate = replicate, row.duration_s = 15.0;
+            const bool indi = row.controller == "indi";
+            row.rmse_xy_m = (indi ? 0.05 : 0.1) * (1.0 + std::stod(strength)) + 0.001 * replicate;
+            row.mae_xy_m = row.p95_xy_m = row.max_xy_m = row.rmse_z_m = row.rmse_xy_m;
+            if (indi && std::string(strength) == "2" && replicate == 3)
+              row.outcome = Outcome::crashed, row.duration_s = 4.25;
+            row.axes = {{"strength", strength}, {"mass", mass}};
+            results.rows.push_back(row);
+          }
+  return results;
+}
+
+SweepFigures round_paths() {
+  SweepFigures figures;
+  for (const char* controller : {"pid", "indi"}) {
+    SweptPath path{"circle", controller, {}, {}, {}, {}};
+    for (int k = 0; k <= 100; ++k) {
+      const double angle = 0.0628 * k, radius = path.controller == "pid" ? 1.1 : 1.02;
+      path.x_m.push_back(radius * std::cos(angle)), path.y_m.push_back(radius * std::sin(angle));
+      path.reference_x_m.push_back(std::cos(angle)), path.reference_y_m.push_back(std::sin(angle));
+    }
+    figures.paths.push_back(path);
+  }
+  figures.paths_of = "Replicate 1 of strength_1_mass_0: all met the same gust.";
+  return figures;
+}
+
+TEST(SweepPage, SaysWhoIsBestWhatFailedAndWhere) {
+  const std::string html = sweep_page(grid(), round_paths());
+  expect_sound(html);
+  EXPECT_EQ(html, sweep_page(grid(), round_paths()));
+  std::size_t at = 0;
+  for (const char* wanted :
+       {"Sweep grid · crazyflie · 240 runs · strength: 4 values · mass: 3 values",
+        "indi has the least mean RMSE in 24 of 24 comparisons.", "6 of 240 runs were not completed", "All 48 cells",
+        "Heat map", "indi, lemniscate", "Over strength", "Shown at mass = 0.", "Over mass", "Paths",
+        "Replicate 1 of strength_1_mass_0", "What was not completed",
+        "circle, strength = 2, mass = -0.2</td><td>indi</td><td>crashed</td><td class=\"n\">1 of 5</td><td "
+        "class=\"n\">4.25 s, replicate 3"}) {
+    const std::size_t found = html.find(wanted, at);
+    ASSERT_NE(found, std::string::npos) << wanted;
+    at = found;
+  }
+}
+
+TEST(SweepPage, HeatIsTheMeanOverTheLargest) {
+  // pid at strength 2: 0.303 m is the largest mean; indi in still air: 0.053 m
+  const std::string html = sweep_page(grid(), {});
+  EXPECT_THAT(html, HasSubstr("<td style=\"--heat:1.000\">0.303</td>"));
+  EXPECT_THAT(html, HasSubstr("<td style=\"--heat:0.175\">0.053</td>"));
+  EXPECT_THAT(html, HasSubstr("gustlab sweep --logs"));
+}
+
+TEST(SweepPage, WithoutAxesTrajectoriesStandBesideControllers) {
+  Results results = grid();
+  std::erase_if(results.rows, [](const ResultRow& row) { return row.experiment != "grid.strength_1_mass_0"; });
+  for (ResultRow& row : results.rows) row.experiment = "plain", row.axes.clear();
+  results.rows.front().rmse_xy_m = NAN;
+  const std::string html = sweep_page(results, {});
+  expect_sound(html);
+  EXPECT_THAT(html, HasSubstr("<th class=\"n\">circle</th><th class=\"n\">lemniscate</th>"));
+  EXPECT_THAT(html, Not(HasSubstr("Over ")));
+  EXPECT_THAT(html, HasSubstr("Every run was completed."));
+  EXPECT_THAT(html, Not(HasSubstr("What was not completed")));
+}
+
+TEST(SweepPage, EscapesNames) {
+  Results results = grid();
+  for (ResultRow& row : results.rows) row.controller = "<b>" + row.controller, row.axes[0].name = "<i>";
+  const std::string html = sweep_page(results, round_paths());
+  EXPECT_THAT(html, AllOf(Not(HasSubstr("<b>")), Not(HasSubstr("<i>"))));
+}
+
+TEST(SweepPage, FitsAPhoneAndADesk) { expect_fits(sweep_page(grid(), round_paths())); }
+
+}  // namespace
+}  // namespace gustlab
