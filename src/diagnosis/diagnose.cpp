@@ -224,7 +224,7 @@ void suspect_unfelt(const Session& session, const VehicleModel& vehicle, Diagnos
 }
 
 Verdict conclude(const Diagnosis& out, const Remainder& rest, bool at_bound, bool commands_jitter) {
-  if (commands_jitter) return Verdict::insufficient_data;
+  if (commands_jitter && out.effects.empty()) return Verdict::insufficient_data;
   if (out.effects.empty()) return rest.alarms.empty() && !at_bound ? Verdict::consistent : Verdict::unexplained;
   const bool quiet =
       std::all_of(rest.alarms.begin(), rest.alarms.end(), [](const Alarm& a) { return a.kind == "omnibus"; });
@@ -271,7 +271,11 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   out.vehicle = recordings.vehicle.name;
   say_first(recordings.set_aside, {&recordings.remarks, &aligned.remarks, &fitted.remarks}, out);
   out.flights.insert(out.flights.end(), fitted.used.begin(), fitted.used.end());
-  if (aligned.commands_jitter) suspect(out, "only suspected: the commands were sampled from a faster loop");
+
+  // what only commands show depends on those that were not logged
+  if (aligned.commands_jitter)
+    suspect(out, "only suspected: the commands were sampled from a faster loop",
+            [](const EffectFinding& effect) { return !find_effect(effect.effect)->commanded; });
 
   tell(options, "flying the model in the simulator", 0.75);
   Verification verified = verify_names(out, fitted.proof, fitted.vehicle, jobs);

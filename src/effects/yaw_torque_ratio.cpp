@@ -16,7 +16,8 @@ class YawTorqueRatio final : public Effect {
                     .min = -100.0,
                     .max = 100.0,
                     .natural = 0.05,
-                    .tolerance = 0.05});
+                    .tolerance = 0.05,
+                    .plausible = 0.8});
   }
 
   void on_rotor(Flow&, RotorSet& rotors) const override {

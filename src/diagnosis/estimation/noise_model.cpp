@@ -72,6 +72,21 @@ NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights,
   return next;
 }
 
+double largest_change(const NoiseModel& before, const NoiseModel& after) {
+  double most = 0.0;
+  const auto compare = [&](const auto& from, const auto& to) {
+    for (std::size_t i = 0; i < from.size(); ++i)
+      if (from[i] > 0.0) most = std::max(most, std::abs(std::log(to[i] / from[i])));
+  };
+  compare(before.variance, after.variance);
+  compare(before.time_s, after.time_s);
+  compare(before.white, after.white);
+  compare(before.measurement, after.measurement);
+  compare(before.lasting_variance, after.lasting_variance);
+  compare(before.lasting_time_s, after.lasting_time_s);
+  return most;
+}
+
 NoiseModel extrapolated(const NoiseModel& first, const NoiseModel& second, const NoiseModel& third) {
   constexpr double slowest = 0.95, farthest = 1.5;
   // the limit of a geometric series

@@ -44,6 +44,8 @@ struct NoiseModel {
 
 // One EM update from the statistics of several flights.
 NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s);
+// The largest change between two models: of the logarithm of a variance, a power or a time.
+double largest_change(const NoiseModel& before, const NoiseModel& after);
 // Where EM, which creeps, would come from three models in a row: each logarithm as a geometric series (Aitken).
 NoiseModel extrapolated(const NoiseModel& first, const NoiseModel& second, const NoiseModel& third);
 

@@ -58,6 +58,9 @@ constexpr double most_windows = 600.0;
 // slow flight: 0.012, interpolated poses: 0.66)
 constexpr double least_correlation = 0.1, least_gain_of_memory = 0.03;
 
+// EM ends when no variance, power or time changes by more than this share in a step
+constexpr double least_change = 0.01;
+
 // a third of what a calm room leaves (measured: below it the two integrators' difference is named)
 constexpr double least_share_of_floor = 0.35;
 
@@ -246,6 +249,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
     if (anew) noise.speeds = likeliest(flights_, rest, noise.speeds);
     before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
+    if (largest_change(before.back(), noise) < least_change) return;
     // two steps and a leap, and a step at the end
     if (before.size() == 2 && iteration + 1 < iterations)
       noise = extrapolated(before[0], before[1], noise), before.clear();

@@ -1,6 +1,7 @@
 // What speaks for and against each candidate, one record a name. A name stands or falls by its own record; the judge reads nothing else.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,7 @@ struct Evidence {
   bool per_flight = false;         // its values are each flight's own, fitted to the held-out ones as well
   int parameters = 1;              // free numbers
   double gain = 0.0;               // Δχ² when it is left out and all else is fitted anew
+  double gain_with_partner = 0.0;  // Δχ² when another finding goes with it, the one that makes this least
   double held_out_gain = 0.0;      // Δχ² on the held-out flights, shared values as they were fitted
   double held_out_expected = 0.0;  // the same if the effect were there just as it was fitted
   SurrogateTest surrogates;
@@ -54,7 +56,7 @@ struct Evidence {
       features;              // what the judge looked at, each from 0 (against) to 1 (for)
   double probability = 0.0;  // that the name is right, by the judge
 
-  // Δχ² in units that chance gives here: over the larger of both inflations.
+  // Δχ², alone or with its partner, in units that chance gives here: over the larger of both inflations.
   double robust_gain() const;
   int flights_for() const;      // in which it is clearly there: more than half of its size and two errors
   int flights_against() const;  // in which it is clearly not: less than a quarter, two errors below one

@@ -207,7 +207,6 @@ class Selector {
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
-    std::size_t changes = 0;
     bool simplified = false;
     anew_ = true;
     for (bool settled = false; !settled;) {
@@ -219,16 +218,16 @@ class Selector {
       const std::size_t before = chosen.size();
       prune(result, chosen, total, result.loss_nominal);
       settled = chosen.size() == before || chosen.empty();  // what stays takes over what went
-      // what seemed not to pay beside the others may do so once they, and the noise, are right (and may be pruned to the same set
-      // again and again)
-      if (settled && !withdrawing_ && visited.size() < most_changes && changes++ < 2 * most_changes) {
+      // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
+      // tried again, whatever it was pruned to
+      if (settled && !withdrawing_ && visited.size() < 2 * most_changes) {
         const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
         const double loss = solve(total, s_.with_biases(chosen)).loss;
         visited.insert(chosen);
         const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited,
                                                         material(result.grams.rows, result.loss_nominal - loss));
         settled = better.empty();
-        if (!settled) chosen = better;
+        if (!settled) visited.insert(chosen = better);
       }
       if (settled && !simplified) {
         simplified = true;
@@ -262,6 +261,13 @@ class Selector {
       std::vector<int> rest = chosen;
       std::erase(rest, g);
       finding.gain = solve(total, s_.with_biases(rest)).loss - fit.loss;
+      finding.gain_with_partner = finding.gain;
+      for (const int partner : rest) {
+        std::vector<int> neither = rest;
+        std::erase(neither, partner);
+        const double gain = solve(total, s_.with_biases(neither)).loss - fit.loss;
+        finding.gain_with_partner = std::min(finding.gain_with_partner, gain);
+      }
       finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
       result.findings.push_back(finding);
     }

@@ -30,7 +30,10 @@ struct Rival {
 
 struct Finding {
   int group = -1;
-  double gain = 0.0;          // rise of the loss when it is removed
+  double gain = 0.0;  // rise of the loss when it is removed
+  // the same when the other finding goes with it that makes this least: effects that undo each other gain much one by one,
+  // and little together
+  double gain_with_partner = 0.0;
   double inclusion = 0.0;     // share of half samples that select it
   bool calibration = false;   // below its reporting tolerance: a trim, not missing physics
   std::vector<Rival> rivals;  // best first

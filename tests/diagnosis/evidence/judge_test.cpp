@@ -34,6 +34,7 @@ TEST(Judge, RejectsAnEmptyRecord) { EXPECT_LT(probability(Evidence{}), suspected
 TEST(Judge, NothingThatSpeaksAgainstRaisesTheProbability) {
   const std::vector<std::function<void(Evidence&)>> worse = {
       [](Evidence& e) { e.gain = 30.0; },
+      [](Evidence& e) { e.gain_with_partner = 30.0; },
       [](Evidence& e) { e.surrogates.inflation = 60.0; },
       [](Evidence& e) { e.surrogates.p_value = 0.5; },
       [](Evidence& e) { e.clustered_inflation = 80.0; },
@@ -72,6 +73,19 @@ TEST(Judge, NumbersThatCannotBeSaidDoNotDecide) {
 TEST(Judge, ALatePoseThatTheSensorsRefuteIsNotNamed) {
   Evidence e = strong();
   e.sensors_share = 0.0;
+  EXPECT_LT(probability(e), named_from);
+}
+
+TEST(Judge, AValueAtItsBoundIsNotNamed) {
+  Evidence e = strong();
+  e.at_bound = true;
+  EXPECT_LT(probability(e), named_from);
+}
+
+// effects that undo each other gain much one by one, and little together
+TEST(Judge, WhatGainsNothingWithoutItsPartnerIsNotNamed) {
+  Evidence e = strong();
+  e.gain_with_partner = 12.0;
   EXPECT_LT(probability(e), named_from);
 }
 
