@@ -165,6 +165,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
     record.gain = finding.gain;
     record.gain_with_partner = finding.gain_with_partner;
+    record.gain_alone = finding.gain_alone;
     record.held_out_gain = tested.gain[i];
     record.held_out_expected = tested.expected[i];
     record.surrogates = moved_signatures(session, selection, finding);

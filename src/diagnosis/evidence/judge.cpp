@@ -30,10 +30,13 @@ struct Feature {
 // was not logged looks like a yaw torque ratio, with as much gain as those commands themselves. So were "flights_alike" and "regimes_alike", for
 // which the fit had no use: a thrust curve beside a speed limit was of another size in every regime; and "rollout_500ms", because a name that made rollouts a hundred times
 // worse had passed.
-constexpr double intercept = -31.1;
+constexpr double intercept = -33.1;
 constexpr Feature features[] = {
     // 10 to 200
     {"gain", 4.8, [](const Evidence& e) { return std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 1.3; }},
+    // 1 to 0.01 of that gain: what is needed only beside others may undo them
+    {"alone", 2.0,
+     [](const Evidence& e) { return 1.0 + 0.5 * std::log10(std::max(e.gain_alone, 1e-3) / std::max(e.gain, 1.0)); }},
     // a signature that moving does not change has no such null
     {"surrogate", 2.9,
      [](const Evidence& e) {
@@ -50,7 +53,7 @@ constexpr Feature features[] = {
      [](const Evidence& e) {
        return e.per_flight || e.held_out_expected < 10.0 ? 0.5 : 0.5 + 0.5 * e.held_out_gain / e.held_out_expected;
      }},
-    {"regimes_alike", 0.3, [](const Evidence& e) { return 1.0 - e.spread_regimes; }},
+    {"regimes_alike", 0.3, [](const Evidence& e) { return e.spread_regimes == 1.0 ? 0.5 : 1.0 - e.spread_regimes; }},
     {"rollout_100ms", 0.65,
      [](const Evidence& e) { return e.recovered_z.empty() ? 0.5 : 0.5 + e.recovered_z[0] / 8.0; }},
     // nothing gained is nothing said, a loss speaks against it

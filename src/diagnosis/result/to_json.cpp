@@ -56,6 +56,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"parameters", e.parameters},
                         {"delta_chi2", number(e.gain)},
                         {"delta_chi2_with_partner", number(e.gain_with_partner)},
+                        {"delta_chi2_alone", number(e.gain_alone)},
                         {"robust_delta_chi2", number(e.robust_gain())},
                         {"surrogate_inflation", number(e.surrogates.movable ? e.surrogates.inflation : NAN)},
                         {"surrogate_p", number(e.surrogates.movable ? e.surrogates.p_value : NAN)},

@@ -261,6 +261,7 @@ class Selector {
       std::vector<int> rest = chosen;
       std::erase(rest, g);
       finding.gain = solve(total, s_.with_biases(rest)).loss - fit.loss;
+      finding.gain_alone = result.loss_nominal - solve(total, s_.with_biases({g})).loss;
       finding.gain_with_partner = finding.gain;
       for (const int partner : rest) {
         std::vector<int> neither = rest;

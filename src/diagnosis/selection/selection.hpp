@@ -34,6 +34,7 @@ struct Finding {
   // the same when the other finding goes with it that makes this least: effects that undo each other gain much one by one,
   // and little together
   double gain_with_partner = 0.0;
+  double gain_alone = 0.0;    // fall of the loss when it alone is added to nothing
   double inclusion = 0.0;     // share of half samples that select it
   bool calibration = false;   // below its reporting tolerance: a trim, not missing physics
   std::vector<Rival> rivals;  // best first

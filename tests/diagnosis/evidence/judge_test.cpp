@@ -35,6 +35,7 @@ TEST(Judge, NothingThatSpeaksAgainstRaisesTheProbability) {
   const std::vector<std::function<void(Evidence&)>> worse = {
       [](Evidence& e) { e.gain = 30.0; },
       [](Evidence& e) { e.gain_with_partner = 30.0; },
+      [](Evidence& e) { e.gain_alone = 5.0; },
       [](Evidence& e) { e.surrogates.inflation = 60.0; },
       [](Evidence& e) { e.surrogates.p_value = 0.5; },
       [](Evidence& e) { e.clustered_inflation = 80.0; },
