@@ -12,8 +12,10 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double hopeless =
-    0.1;  // below it candidates go together, from it on one at a time: what goes may have hidden what speaks for others
+// below it candidates go together, from it on one at a time: what goes may have hidden what speaks for others
+constexpr double hopeless = 0.1;
+// of several that go together, over the sum of what each gains
+constexpr double most_joint_gain = 1.2;
 
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
@@ -28,20 +30,37 @@ void ask_sensors(const Session& session, const Selection& selection,
   }
 }
 
-// candidates that do not stand: all that are hopeless, otherwise the weakest
-std::vector<std::size_t> weakest(const Selection& selection, const std::vector<Evidence>& records,
-                                 const std::vector<int>& means) {
+// Candidates that do not stand: the weakest, and with it those that are as hopeless and that do not stand in for each other. Two names
+// of one thing each gain little beside the other, and much when the other goes.
+std::vector<std::size_t> weakest(const Session& session, const Selection& selection,
+                                 const std::vector<Evidence>& records, const std::vector<int>& means) {
   std::vector<std::size_t> failed;
-  std::size_t worst = records.size();
+  std::vector<std::size_t> order;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (selection.findings[i].calibration) continue;
-    if (records[i].probability < hopeless || std::find(means.begin(), means.end(), records[i].group) != means.end())
-      failed.push_back(i);
-    if (records[i].probability < suspected_from &&
-        (worst == records.size() || records[i].probability < records[worst].probability))
-      worst = i;
+    if (std::find(means.begin(), means.end(), records[i].group) != means.end()) failed.push_back(i);
+    else if (records[i].probability < suspected_from) order.push_back(i);
   }
-  if (failed.empty() && worst < records.size()) failed.push_back(worst);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return records[a].probability < records[b].probability; });
+  const Eigen::MatrixXd total = selection.grams.total();
+  const auto loss_without = [&](const std::vector<std::size_t>& some) {
+    std::vector<int> rest = selection.groups();
+    for (const std::size_t i : some) std::erase(rest, records[i].group);
+    return solve(total, session.with_biases(rest)).loss;
+  };
+  const double loss = loss_without({});
+  double gains = 0.0;
+  for (const std::size_t i : failed) gains += records[i].gain;
+  for (const std::size_t i : order) {
+    if (!failed.empty() && records[i].probability >= hopeless) break;
+    failed.push_back(i);
+    gains += records[i].gain;
+    if (failed.size() > 1 && loss_without(failed) - loss > most_joint_gain * gains) {
+      gains -= records[i].gain;
+      failed.pop_back();
+    }
+  }
   return failed;
 }
 
@@ -62,7 +81,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       judge(record);
     }
     const std::vector<std::size_t> failed =
-        weakest(selection, result.records,
+        weakest(session, selection, result.records,
                 result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
     if (failed.empty()) return result;
     std::vector<int> groups;
