@@ -26,11 +26,12 @@ struct FlightShare {
 struct Evidence {
   std::string effect;  // catalogue name
   int group = -1;
-  int rotor = 0;                   // of a rotor's own effect: 1 to N
-  bool per_flight = false;         // its values are each flight's own, fitted to the held-out ones as well
-  int parameters = 1;              // free numbers
-  double gain = 0.0;               // Δχ² when it is left out and all else is fitted anew
-  double gain_with_partner = 0.0;  // Δχ² when another finding goes with it, the one that makes this least
+  int rotor = 0;            // of a rotor's own effect: 1 to N
+  bool per_flight = false;  // its values are each flight's own, fitted to the held-out ones as well
+  int parameters = 1;       // free numbers
+  double gain = 0.0;        // Δχ² when it is left out and all else is fitted anew
+  double gain_with_partner =
+      std::numeric_limits<double>::infinity();  // Δχ² when another finding goes with it, the one that makes this least
   double gain_alone = std::numeric_limits<double>::infinity();  // Δχ² when nothing else is beside it
   double held_out_gain = 0.0;      // Δχ² on the held-out flights, shared values as they were fitted
   double held_out_expected = 0.0;  // the same if the effect were there just as it was fitted
