@@ -32,7 +32,11 @@ Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std
     shared.push_back(c);
     reference.column.push_back(name_of(catalogue, column));
   }
-  reference.information = project_out(grams.total(), free)(shared, shared);
+  const Eigen::MatrixXd total = project_out(grams.total(), free);
+  reference.information = total(shared, shared);
+  Eigen::MatrixXd H = reference.information;
+  H.diagonal().array() += prior;
+  reference.estimate = H.ldlt().solve(total(shared, total.cols() - 1));
   return reference;
 }
 
@@ -48,6 +52,9 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
     at.push_back(found - reference.column.begin());
   }
   if (known.empty()) return grams;
+  Eigen::VectorXd estimate = Eigen::VectorXd::Zero(catalogue.size());
+  estimate(known) = reference.estimate(at);
+  grams.shift(-estimate);
   const Eigen::MatrixXd total = grams.total();
   Eigen::MatrixXd H = reference.information(at, at);
   H.diagonal().array() += prior;

@@ -11,10 +11,12 @@
 
 namespace gustlab::diagnosis {
 
-// Information about columns that all flights share (label of the group, parameter), in their natural units.
+// Information about columns that all flights share (label of the group, parameter), in their natural units, and what those flights say
+// of each beyond the nominal vehicle, when all are free: a set of effects that explains them leaves some out that are there.
 struct Reference {
   std::vector<std::pair<std::string, int>> column;
   Eigen::MatrixXd information;
+  Eigen::VectorXd estimate;
 };
 
 // Of Gram matrices, counted from the nominal vehicle: the shared columns that these flights hold, all that is free of one flight

@@ -16,24 +16,66 @@ using decisions::surely_a_line, decisions::surely_no_mean;
 constexpr double slowest_periods = 2.0;  // in a flight, of the slowest line that is sought
 constexpr double fastest_radps = 20.0;
 constexpr double bins_apart = 1.5, bins_beside = 8.0;
+constexpr double least_share_of_motion = 0.5;
+// of a figure that repeats itself: rms speed of an axis, share of its variance in one line, harmonics that may show
+constexpr double least_figure_mps = 0.1, least_share_of_line = 0.5, most_harmonics = 6.0;
 
-// Mean square amplitude of the horizontal disturbance at one angular frequency, over flights and axes.
-double power(const Session& session, const std::vector<Smoothed>& left, double radps) {
-  double sum = 0.0, count = 0.0;
-  for (std::size_t f = 0; f < left.size(); ++f) {
-    const auto& d = left[f].disturbance;
-    for (int axis = 0; axis < 2; ++axis, count += 1.0) {
-      double mean = 0.0, a = 0.0, b = 0.0;
-      for (const auto& v : d) mean += v[axis] / static_cast<double>(d.size());
-      for (std::size_t k = 0; k < d.size(); ++k) {
-        const double t = session.flights()[f].samples[k].time_s - session.flights()[f].start_s;
-        a += (d[k][axis] - mean) * std::cos(radps * t);
-        b += (d[k][axis] - mean) * std::sin(radps * t);
-      }
-      sum += 4.0 * (a * a + b * b) / std::pow(static_cast<double>(d.size()), 2);
-    }
+// Square amplitude of one series at one angular frequency; `value(k)` at sample k of the flight.
+template <class Value>
+double square_amplitude(const FlightData& flight, double radps, const Value& value) {
+  const std::size_t n = flight.samples.size();
+  double mean = 0.0, a = 0.0, b = 0.0;
+  for (std::size_t k = 0; k < n; ++k) mean += value(k) / static_cast<double>(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double t = flight.samples[k].time_s - flight.start_s;
+    a += (value(k) - mean) * std::cos(radps * t);
+    b += (value(k) - mean) * std::sin(radps * t);
   }
+  return 4.0 * (a * a + b * b) / std::pow(static_cast<double>(n), 2);
+}
+
+// Mean square amplitude of a horizontal series at one angular frequency, over flights and axes; `value(f, k, axis)`.
+template <class Value>
+double power(const Session& session, double radps, const Value& value) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t f = 0; f < session.flights().size(); ++f)
+    for (int axis = 0; axis < 2; ++axis, count += 1.0)
+      sum += square_amplitude(session.flights()[f], radps, [&](std::size_t k) { return value(f, k, axis); });
   return sum / std::max(1.0, count);
+}
+
+// Whether a flight repeats a figure, and an angular frequency is one of that figure's harmonics: what the model has wrong of the
+// figure's forces has these lines, too.
+bool repeats_at(const FlightData& flight, double line_radps) {
+  const double bin = 2.0 * pi / flight.duration_s(), count = static_cast<double>(flight.motion.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    double variance = 0.0, mean = 0.0, most = 0.0, base_radps = 0.0;
+    for (const Motion& m : flight.motion) mean += m.velocity_W_mps[axis] / count;
+    for (const Motion& m : flight.motion) variance += std::pow(m.velocity_W_mps[axis] - mean, 2) / count;
+    if (!(variance > least_figure_mps * least_figure_mps)) continue;
+    for (double radps = slowest_periods * bin; radps < line_radps + bin; radps += 0.25 * bin) {
+      const double square =
+          square_amplitude(flight, radps, [&](std::size_t k) { return flight.motion[k].velocity_W_mps[axis]; });
+      if (square > most) most = square, base_radps = radps;
+    }
+    // a sinusoid's variance is half its square amplitude
+    if (0.5 * most < least_share_of_line * variance) continue;
+    const double times = std::round(line_radps / base_radps);
+    if (times >= 1.0 && times <= most_harmonics && std::abs(line_radps - times * base_radps) < 0.5 * bin) return true;
+  }
+  return false;
+}
+
+bool comes_with_motion(const Session& session, const GustParts& parts) {
+  // a gust moves the vehicle by no more than itself, whatever a controller does about it; of a motion of its own a model misses
+  // a part. Without a pose nobody knows
+  const double moves_mps2 = std::sqrt(power(session, parts.line_radps, [&](std::size_t f, std::size_t k, int axis) {
+    return session.flights()[f].motion[k].acceleration_W_mps2[axis];
+  }));
+  if (moves_mps2 == 0.0 || parts.line_mps2 < least_share_of_motion * moves_mps2) return true;
+  const auto repeating = std::count_if(session.flights().begin(), session.flights().end(),
+                                       [&](const FlightData& f) { return repeats_at(f, parts.line_radps); });
+  return 2 * repeating > std::ssize(session.flights());
 }
 
 void find_line(const Session& session, const std::vector<Smoothed>& left, GustParts& parts) {
@@ -43,7 +85,8 @@ void find_line(const Session& session, const std::vector<Smoothed>& left, GustPa
   std::vector<double> at, spectrum;
   for (double radps = slowest_periods * bin; radps < fastest_radps; radps += step) {
     at.push_back(radps);
-    spectrum.push_back(power(session, left, radps));
+    spectrum.push_back(
+        power(session, radps, [&](std::size_t f, std::size_t k, int axis) { return left[f].disturbance[k][axis]; }));
   }
   const double axes = 2.0 * static_cast<double>(left.size());
   const double median_of_mean = boost::math::median(boost::math::chi_squared(2.0 * axes)) / (2.0 * axes);
@@ -75,6 +118,7 @@ void find_line(const Session& session, const std::vector<Smoothed>& left, GustPa
 GustParts gust_parts(const Session& session, const std::vector<Smoothed>& left) {
   GustParts parts;
   find_line(session, left, parts);
+  parts.line_of_motion = parts.line_mps2 > 0.0 && comes_with_motion(session, parts);
   constexpr std::array<double, 5> lag_s = {0.2, 0.4, 0.6, 0.8, 1.0};
   const auto covariance = [&](double lag, int first, int last) {
     const auto shift = static_cast<std::size_t>(std::lround(lag / session.sample_s()));

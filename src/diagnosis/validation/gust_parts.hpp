@@ -13,6 +13,8 @@ struct GustParts {
   double slow_mps2 = 0.0;  // of the horizontal disturbance, what still is there half a second later
   double horizontal_mps2 = 0.0, vertical_mps2 = 0.0, time_s = 0.0;
   double line_mps2 = 0.0, line_radps = 0.0, line_deviation_mps2 = 0.0, line_deviation_radps = 0.0;
+  // the vehicle accelerates more than twice as much at this frequency, or it is a harmonic of the figure that most flights repeat
+  bool line_of_motion = false;
 };
 
 // From the disturbance that the findings leave. Exponential through its autocovariance between a fifth of a second, where what

@@ -77,8 +77,8 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   result.gust = gust_parts(session, selection.smoothed_selected);
   const bool slow = result.gust.slow_mps2 > least_slow_share * floor[0] && result.gust.time_s > fastest_gust_s &&
                     result.gust.time_s < slowest_gust_s;
-  // a line below a calm room's disturbance may be the flown figure's own
-  const bool line = result.gust.line_mps2 > floor[0];
+  // a line below a calm room's disturbance may be the flown figure's own, and so may a small part of what the vehicle does
+  const bool line = result.gust.line_mps2 > floor[0] && !result.gust.line_of_motion;
   if (!line) result.gust.line_mps2 = 0.0;
   if (!slow) result.gust.horizontal_mps2 = 0.0;
   result.depends_on_state = (slow || line) && depends_on_state(session, selection.smoothed_selected);
