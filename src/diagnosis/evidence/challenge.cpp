@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "diagnosis/evidence/judge.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/select_effects.hpp"
 #include "diagnosis/validation/gust_parts.hpp"
@@ -11,11 +12,6 @@
 namespace gustlab::diagnosis {
 
 namespace {
-
-// below it candidates go together, from it on one at a time: what goes may have hidden what speaks for others
-constexpr double hopeless = 0.1;
-// of several that go together, over the sum of what each gains
-constexpr double most_joint_gain = 1.2;
 
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
@@ -53,10 +49,10 @@ std::vector<std::size_t> weakest(const Session& session, const Selection& select
   double gains = 0.0;
   for (const std::size_t i : failed) gains += records[i].gain;
   for (const std::size_t i : order) {
-    if (!failed.empty() && records[i].probability >= hopeless) break;
+    if (!failed.empty() && records[i].probability >= decisions::hopeless) break;
     failed.push_back(i);
     gains += records[i].gain;
-    if (failed.size() > 1 && loss_without(failed) - loss > most_joint_gain * gains) {
+    if (failed.size() > 1 && loss_without(failed) - loss > decisions::most_joint_gain * gains) {
       gains -= records[i].gain;
       failed.pop_back();
     }

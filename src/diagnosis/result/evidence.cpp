@@ -5,7 +5,8 @@
 namespace gustlab::diagnosis {
 
 double Evidence::robust_gain() const {
-  return std::min(gain, gain_with_partner) / std::max({1.0, surrogates.movable ? surrogates.inflation : 1.0, clustered_inflation});
+  return std::min(gain, gain_with_partner) /
+         std::max({1.0, surrogates.movable ? surrogates.inflation : 1.0, clustered_inflation});
 }
 
 int Evidence::flights_for() const {

@@ -16,9 +16,6 @@ using decisions::surely_a_line, decisions::surely_no_mean;
 constexpr double slowest_periods = 2.0;  // in a flight, of the slowest line that is sought
 constexpr double fastest_radps = 20.0;
 constexpr double bins_apart = 1.5, bins_beside = 8.0;
-constexpr double least_share_of_motion = 0.5;
-// of a figure that repeats itself: rms speed of an axis, share of its variance in one line, harmonics that may show
-constexpr double least_figure_mps = 0.1, least_share_of_line = 0.5, most_harmonics = 6.0;
 
 // Square amplitude of one series at one angular frequency; `value(k)` at sample k of the flight.
 template <class Value>
@@ -52,16 +49,17 @@ bool repeats_at(const FlightData& flight, double line_radps) {
     double variance = 0.0, mean = 0.0, most = 0.0, base_radps = 0.0;
     for (const Motion& m : flight.motion) mean += m.velocity_W_mps[axis] / count;
     for (const Motion& m : flight.motion) variance += std::pow(m.velocity_W_mps[axis] - mean, 2) / count;
-    if (!(variance > least_figure_mps * least_figure_mps)) continue;
+    if (!(variance > decisions::least_figure_mps * decisions::least_figure_mps)) continue;
     for (double radps = slowest_periods * bin; radps < line_radps + bin; radps += 0.25 * bin) {
       const double square =
           square_amplitude(flight, radps, [&](std::size_t k) { return flight.motion[k].velocity_W_mps[axis]; });
       if (square > most) most = square, base_radps = radps;
     }
     // a sinusoid's variance is half its square amplitude
-    if (0.5 * most < least_share_of_line * variance) continue;
+    if (0.5 * most < decisions::least_share_of_line * variance) continue;
     const double times = std::round(line_radps / base_radps);
-    if (times >= 1.0 && times <= most_harmonics && std::abs(line_radps - times * base_radps) < 0.5 * bin) return true;
+    if (times >= 1.0 && times <= decisions::most_harmonics && std::abs(line_radps - times * base_radps) < 0.5 * bin)
+      return true;
   }
   return false;
 }
@@ -72,7 +70,7 @@ bool comes_with_motion(const Session& session, const GustParts& parts) {
   const double moves_mps2 = std::sqrt(power(session, parts.line_radps, [&](std::size_t f, std::size_t k, int axis) {
     return session.flights()[f].motion[k].acceleration_W_mps2[axis];
   }));
-  if (moves_mps2 == 0.0 || parts.line_mps2 < least_share_of_motion * moves_mps2) return true;
+  if (moves_mps2 == 0.0 || parts.line_mps2 < decisions::least_share_of_motion * moves_mps2) return true;
   const auto repeating = std::count_if(session.flights().begin(), session.flights().end(),
                                        [&](const FlightData& f) { return repeats_at(f, parts.line_radps); });
   return 2 * repeating > std::ssize(session.flights());
@@ -156,7 +154,7 @@ std::vector<int> means_of_gust(const Session& session, const Selection& selectio
   std::vector<int> groups;
   for (const Finding& finding : selection.findings) {
     const Group& group = session.catalogue().groups()[static_cast<std::size_t>(finding.group)];
-    if (group.row->name != "constant_force") continue;
+    if (!group.row->external) continue;
     double chi_squared = 0.0;
     for (const int c : group.columns) {
       const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
