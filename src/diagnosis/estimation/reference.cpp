@@ -34,7 +34,7 @@ Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std
   const Eigen::MatrixXd total = project_out(grams.total(), free);
   reference.information = total(shared, shared);
   Eigen::MatrixXd H = reference.information;
-  H.diagonal().array() += prior;
+  H.diagonal().array() += decisions::reference_prior;
   reference.estimate = H.ldlt().solve(total(shared, total.cols() - 1));
   return reference;
 }
