@@ -9,6 +9,10 @@
 
 namespace gustlab {
 
+namespace {
+constexpr double longest_age_s = 0.5;  // a pose that is older counts as this old
+}
+
 void OffboardOptions::visit(ParameterVisitor& visitor) {
   visitor.text("low_level", low_level, {.help = low_level_help});
   visitor.number("rate_hz", rate_hz,
@@ -16,6 +20,8 @@ void OffboardOptions::visit(ParameterVisitor& visitor) {
   visitor.number("delay_s", delay_s, {.unit = "s", .help = "age of what the force law sees", .min = 0.0, .max = 0.5});
   visitor.text("thrust_estimate", thrust_estimate,
                {.help = "thrust from the command, through the nominal rotor lag, or from the measured rotor_speed"});
+  visitor.text("thrust_until", thrust_until,
+               {.help = "the thrust beside a pose's acceleration is that up to its arrival, or up to its time stamp"});
   visitor.number("bandwidth_radps", bandwidth_radps,
                  {.unit = "rad/s",
                   .help = "of the position error, K_p = w²; 0: 0.27 of the attitude loop's",
@@ -38,7 +44,11 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
     throw ParameterError("thrust_estimate",
                          "thrust_estimate = \"" + options.thrust_estimate +
                              "\" is unknown (where the thrust is known from) use command or rotor_speed");
+  if (options.thrust_until != "arrival" && options.thrust_until != "stamp")
+    throw ParameterError("thrust_until", "thrust_until = \"" + options.thrust_until +
+                                             "\" is unknown (where an interval ends) use arrival or stamp");
   feedforward_ = options.feedforward;
+  until_stamp_ = options.thrust_until == "stamp";
   from_rotor_speed_ = options.thrust_estimate == "rotor_speed";
   vehicle_ = setup.vehicle;
   mixer_ = Mixer(vehicle_);
@@ -56,7 +66,8 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
 
   impulse_W_Ns_ = pose_impulse_W_Ns_ = Vector3::Zero();
   pose_time_s_ = -std::numeric_limits<double>::infinity();
-  newest_ = 0;
+  past_impulses_W_Ns_.assign(static_cast<std::size_t>(std::lround(longest_age_s / period_s_)) + 1, Vector3::Zero());
+  newest_ = present_ = 0;
   const auto delay_ticks = static_cast<std::size_t>(std::lround(options.delay_s / period_s_));
   ring_.assign(delay_ticks + 1, {first, Vector3::Zero()});
   const double lag_s = nominal_motor_lag_s(vehicle_);
@@ -65,7 +76,13 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
   last_.reset();
   acceleration_W_mps2_.setZero();
   thrust_W_N_ = vehicle_.weight_N() * Vector3::UnitZ();
-  return {vehicle_, ticks_ * period_s_, w};
+  return {vehicle_, ticks_ * period_s_, w, options.damping, tilt_limit_rad_};
+}
+
+Vector3 OffboardFrame::impulse_until(double age_s) const {
+  const std::size_t size = past_impulses_W_Ns_.size();
+  const auto ticks = static_cast<std::size_t>(std::lround(std::clamp(age_s, 0.0, longest_age_s) / period_s_));
+  return past_impulses_W_Ns_[(present_ + size - ticks) % size];
 }
 
 bool OffboardFrame::observe(const Observation& observation, const Reference& reference, OffboardInput& input) {
@@ -74,9 +91,13 @@ bool OffboardFrame::observe(const Observation& observation, const Reference& ref
   if (from_rotor_speed_) speed = observation.rotor_speed_radps;
   else
     for (std::size_t i = 0; i < speed.size(); ++i) speed[i] += model_follows_ * (command_radps_[i] - speed[i]);
-  impulse_W_Ns_ += period_s_ * (observation.attitude_WB * mixer_.force_B_N(speed));
+  input.thrust_now_W_N = observation.attitude_WB * mixer_.force_B_N(speed);
+  impulse_W_Ns_ += period_s_ * input.thrust_now_W_N;
+  present_ = (present_ + 1) % past_impulses_W_Ns_.size();
+  past_impulses_W_Ns_[present_] = impulse_W_Ns_;
   // poses may come more seldom than this is called: what counts is the thrust up to the pose
-  if (observation.pose_time_s != pose_time_s_) pose_impulse_W_Ns_ = impulse_W_Ns_;
+  if (observation.pose_time_s != pose_time_s_)
+    pose_impulse_W_Ns_ = until_stamp_ ? impulse_until(observation.time_s - observation.pose_time_s) : impulse_W_Ns_;
   pose_time_s_ = observation.pose_time_s;
   newest_ = (newest_ + 1) % ring_.size();
   ring_[newest_] = {observation, pose_impulse_W_Ns_};
@@ -99,13 +120,17 @@ bool OffboardFrame::observe(const Observation& observation, const Reference& ref
   input.time_s = observation.time_s;
   input.seen = seen;
   input.reference = reference;
-  if (!feedforward_) input.reference.velocity_W_mps = input.reference.acceleration_W_mps2 = Vector3::Zero();
+  if (!feedforward_)
+    input.reference.velocity_W_mps = input.reference.acceleration_W_mps2 = input.reference.jerk_W_mps3 =
+        Vector3::Zero();
   input.position_error_W_m = seen.position_W_m - reference.position_W_m;
   input.velocity_error_W_mps = seen.velocity_W_mps - input.reference.velocity_W_mps;
   input.acceleration_command_W_mps2 =
       input.reference.acceleration_W_mps2 - k_p_ * input.position_error_W_m - k_v_ * input.velocity_error_W_mps;
   input.acceleration_W_mps2 = acceleration_W_mps2_;
   input.thrust_W_N = thrust_W_N_;
+  input.age_s = observation.time_s - seen.pose_time_s;
+  input.impulse_since_W_Ns = impulse_W_Ns_ - impulse_until(input.age_s);
   return true;
 }
 

@@ -21,7 +21,7 @@ struct OffboardOptions {
   std::string low_level = "auto";
   double rate_hz = 50.0;
   double delay_s = 0.0;
-  std::string thrust_estimate = "command";
+  std::string thrust_estimate = "command", thrust_until = "arrival";
   double bandwidth_radps = 0.0;
   double damping = 1.0;
   double tilt_limit_deg = 30.0;
@@ -33,6 +33,8 @@ struct OffboardSetup {
   VehicleModel vehicle;
   double period_s = 0.02;        // of the law
   double bandwidth_radps = 1.6;  // of the position error's PD
+  double damping = 1.0;          // likewise
+  double tilt_limit_rad = 0.5;
 };
 
 struct OffboardInput {
@@ -45,6 +47,9 @@ struct OffboardInput {
   // both over the same interval, that between the last two poses seen
   Vector3 acceleration_W_mps2;  // a_meas, finite difference of the velocity
   Vector3 thrust_W_N;           // u_prev, mean of the estimated thrust vector
+  Vector3 thrust_now_W_N;       // the estimate of this instant
+  double age_s = 0.0;           // of the pose, by its time stamp
+  Vector3 impulse_since_W_Ns;   // of the estimated thrust since then
 };
 
 // The part of an offboard controller that does not depend on its law.
@@ -62,6 +67,8 @@ class OffboardFrame {
   RotorCommand update(const Observation& observation);
 
  private:
+  Vector3 impulse_until(double age_s) const;
+
   struct Moment {
     Observation observation;
     Vector3 impulse_W_Ns = Vector3::Zero();  // of the estimated thrust, from the start to its pose
@@ -74,12 +81,14 @@ class OffboardFrame {
   int ticks_ = 1, tick_ = 0;
   double k_p_ = 0.0, k_v_ = 0.0;
   double tilt_limit_rad_ = 0.5;
-  bool from_rotor_speed_ = false, feedforward_ = true;
+  bool from_rotor_speed_ = false, until_stamp_ = false, feedforward_ = true;
 
   // the last few moments, for the delay
   std::vector<Moment> ring_;
   std::size_t newest_ = 0;
   Vector3 impulse_W_Ns_ = Vector3::Zero(), pose_impulse_W_Ns_ = Vector3::Zero();
+  std::vector<Vector3> past_impulses_W_Ns_;  // ring, one for each base tick
+  std::size_t present_ = 0;
   double pose_time_s_ = 0.0;
   double model_follows_ = 1.0;
   RotorArray model_speed_radps_{};

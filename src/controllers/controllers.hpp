@@ -13,5 +13,6 @@ std::unique_ptr<Controller> make_asindy();
 std::unique_ptr<Controller> make_daiml();
 std::unique_ptr<Controller> make_geometric();
 std::unique_ptr<Controller> make_l1();
+std::unique_ptr<Controller> make_mpc();
 
 }  // namespace gustlab

@@ -29,6 +29,10 @@ constexpr ControllerRow rows[] = {
      .says = "the same tracking law with an L1 adaptive estimate of the force",
      .source = "Hovakimyan & Cao, L1 Adaptive Control Theory, 2010; Wu et al., TCST 2025",
      .make = make_l1},
+    {.name = "mpc",
+     .says = "linear model predictive control with an estimate of the missing force",
+     .source = "Kamel, Burri, Siegwart, IFAC 50(1), 2017; Richter, Jones, Morari, TAC 57(6), 2012",
+     .make = make_mpc},
 };
 
 }  // namespace

@@ -116,15 +116,30 @@ std::string cell(const ComparedController& controller, bool best) {
 std::vector<ComparedVariant> compare(std::span<const NamedResults> variants, double limit_m) {
   std::vector<ComparedVariant> compared;
   Errors first;
-  for (const auto& [name, results] : variants) {
+  for (const auto& [name, results, alone] : variants) {
     const Errors errors = errors_of(results);
     if (compared.empty()) first = errors;
     if (errors.names != first.names || errors.runs != first.runs)
       throw DataError(fmt::format("{} and {} do not have the same controllers and runs (a comparison is paired)",
                                   variants.front().name, name));
     compared.push_back(compare_one(name, errors, limit_m));
+    compared.back().alone = alone;
   }
   return compared;
+}
+
+std::vector<Margin> margins_of(std::span<const ComparedVariant> variants) {
+  std::vector<Margin> margins;
+  for (const ComparedVariant& variant : variants) {
+    if (variant.alone.name.empty()) continue;
+    if (margins.empty() || margins.back().axis != variant.alone.name)
+      margins.push_back({variant.alone.name, {}, std::vector<std::size_t>(variant.controllers.size(), 0)});
+    Margin& margin = margins.back();
+    for (std::size_t c = 0; c < variant.controllers.size(); ++c)
+      if (!variant.controllers[c].broken && margin.held[c] == margin.values.size()) ++margin.held[c];
+    margin.values.push_back(variant.alone.value);
+  }
+  return margins;
 }
 
 std::string to_markdown(std::span<const ComparedVariant> variants, double limit_m) {
@@ -169,6 +184,22 @@ std::string to_markdown(std::span<const ComparedVariant> variants, double limit_
                         columns[c].rotor_rate_radps2, best.empty() ? "–" : fmt::format("{}", fmt::join(best, ", ")),
                         broken.empty() ? "–" : fmt::format("{}", fmt::join(broken, ", ")));
   }
+  if (const std::vector<Margin> margins = margins_of(variants); !margins.empty()) {
+    text += "\n| holds up to |";
+    for (const ComparedController& controller : columns) text += fmt::format(" {} |", controller.name);
+    text += " flown |\n|---|";
+    for (std::size_t i = 0; i < columns.size(); ++i) text += "--:|";
+    text += "---|";
+    for (const Margin& margin : margins) {
+      text += fmt::format("\n| {} |", margin.axis);
+      for (const std::size_t held : margin.held)
+        text += held == 0                      ? " – |"
+                : held == margin.values.size() ? fmt::format(" ≥ {} |", margin.values.back())
+                                               : fmt::format(" {} |", margin.values[held - 1]);
+      text += fmt::format(" {} |", fmt::join(margin.values, ", "));
+    }
+    text += "\n\nThe last value before the first at which a controller is broken; – where that is the first flown.\n";
+  }
   return text;
 }
 
@@ -193,7 +224,15 @@ std::string to_json(std::span<const ComparedVariant> variants, double limit_m) {
                                       {"behind_best_95", {number(c.behind.low), number(c.behind.high)}},
                                       {"as_good_as_best", c.as_good_as_best},
                                       {"broken", c.broken}});
+    if (!variant.alone.name.empty()) entry["alone"] = {{"axis", variant.alone.name}, {"value", variant.alone.value}};
     json["variants"].push_back(entry);
+  }
+  for (const Margin& margin : margins_of(variants)) {
+    nlohmann::ordered_json entry{{"axis", margin.axis}, {"flown", margin.values}};
+    for (std::size_t c = 0; c < margin.held.size(); ++c)
+      entry["holds_up_to"][variants.front().controllers[c].name] =
+          margin.held[c] == 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(margin.values[margin.held[c] - 1]);
+    json["margins"].push_back(entry);
   }
   return json.dump(2) + "\n";
 }

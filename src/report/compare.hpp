@@ -27,15 +27,26 @@ struct ComparedVariant {
   std::string name;
   std::size_t best = 0;  // the least error of those that held 95 %; where nobody did, whoever held most
   std::vector<ComparedController> controllers;
+  NamedValue alone{};  // the axis that it alone moves along
 };
 
 struct NamedResults {
   std::string name;
   Results results;
+  NamedValue alone{};
 };
 // Every controller flew every variant in the same gusts. A gust is a replicate: intervals resample gusts with all trajectories
 // that met them. Throws DataError when the runs differ.
 std::vector<ComparedVariant> compare(std::span<const NamedResults> variants, double limit_m);
+
+// How far a controller goes along an axis whose points were flown alone, in the order of the file: the last value before the first at
+// which it is broken. The values are as the file writes them.
+struct Margin {
+  std::string axis;
+  std::vector<std::string> values;  // flown
+  std::vector<std::size_t> held;    // of each controller, how many of them
+};
+std::vector<Margin> margins_of(std::span<const ComparedVariant> variants);
 
 std::string to_markdown(std::span<const ComparedVariant> variants, double limit_m);
 std::string to_json(std::span<const ComparedVariant> variants, double limit_m);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -115,16 +116,22 @@ std::string to_csv(const Page& page, const TableOptions& options) {
 }
 
 std::string latex_text(std::string_view plain) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> special{{{"±", "$\\pm$"},
+                                                                                  {"\\", "\\textbackslash{}"},
+                                                                                  {"~", "\\textasciitilde{}"},
+                                                                                  {"^", "\\textasciicircum{}"},
+                                                                                  {"–", "--"}}};
   std::string text;
   for (std::size_t i = 0; i < plain.size(); ++i) {
-    if (plain.substr(i).starts_with("±")) {
-      text += "$\\pm$";
-      i += std::string_view("±").size() - 1;
-    } else if (std::string_view("_%&#$").find(plain[i]) != std::string_view::npos) {
-      text += std::string("\\") + plain[i];
-    } else {
-      text += plain[i];
+    const auto found = std::find_if(special.begin(), special.end(),
+                                    [&](const auto& entry) { return plain.substr(i).starts_with(entry.first); });
+    if (found != special.end()) {
+      text += found->second;
+      i += found->first.size() - 1;
+      continue;
     }
+    if (std::string_view("_%&#${}").find(plain[i]) != std::string_view::npos) text += '\\';
+    text += plain[i];
   }
   return text;
 }

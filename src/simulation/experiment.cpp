@@ -187,7 +187,19 @@ void check_flights(const Experiment& experiment, const config::Table& document) 
 
 void FlightOptions::visit(ParameterVisitor& visitor) {
   visitor.number("duration_s", duration_s,
-                 {.unit = "s", .help = "0: as long as the trajectory says", .min = 0.0, .max = 1e5});
+                 {.unit = "s", .help = "of the manoeuvre; 0: as long as the trajectory says", .min = 0.0, .max = 1e5});
+  visitor.number(
+      "laps", laps,
+      {.help = "of the trajectory, in the place of \"duration_s\"; 0: that decides", .min = 0.0, .max = 1e4});
+  visitor.number("hover_before_s", hover_before_s,
+                 {.unit = "s", .help = "the reference first stands where the vehicle starts", .min = 0.0, .max = 1e4});
+  visitor.number("hover_after_s", hover_after_s,
+                 {.unit = "s", .help = "the reference last stands where the manoeuvre ends", .min = 0.0, .max = 1e4});
+  visitor.number("hand_over_s", hand_over_s,
+                 {.unit = "s",
+                  .help = "until then the vehicle's own position loop flies (controller pid with its defaults)",
+                  .min = 0.0,
+                  .max = 1e4});
   visitor.number("step_s", step_s,
                  {.unit = "s", .help = "plant step; divides every controller period", .min = 1e-5, .max = 0.02});
   visitor.number("settle_s", settle_s, {.unit = "s", .help = "samples before it do not count", .min = 0.0});
@@ -209,6 +221,8 @@ void FlightOptions::visit(ParameterVisitor& visitor) {
   visitor.number(
       "offboard_dropout", offboard_dropout,
       {.unit = "-", .help = "share of the messages that are lost; set points hold then, too", .min = 0.0, .max = 0.99});
+  visitor.text("set_points", set_points,
+               {.help = "what of the reference reaches the controller: full, or position (and heading) alone"});
   visitor.number("max_error_m", max_error_m,
                  {.unit = "m", .help = "farther from the reference: left_envelope", .min = 0.0});
   visitor.number("max_speed_mps", max_speed_mps, {.unit = "m/s", .help = "faster: left_envelope", .min = 0.0});
@@ -280,6 +294,7 @@ std::vector<Experiment> read_variants(const std::string& path, const std::vector
     experiment.variant = variant.name;
     experiment.variant_place = experiments.size() - 1;
     experiment.axes = variant.axes;
+    experiment.alone = variant.alone;
     experiment.held_out = variant.held_out;
   }
   return experiments;

@@ -27,13 +27,18 @@ struct NamedValue {
 
 // What a flight is besides vehicle, trajectory and controller.
 struct FlightOptions final : Parameterized {
-  double duration_s = 0.0;         // 0: as long as the trajectory says
-  double step_s = 0.002;           // of the plant; divides the controller's period
-  double settle_s = 0.0;           // samples before it do not count
-  double offboard_rate_hz = 0.0;   // position, velocity and reference reach the controller at this rate; 0: every tick
-  double offboard_delay_s = 0.0;   // age at which position and velocity reach it
-  double offboard_jitter_s = 0.0;  // what a message may be later than that, drawn for each
-  double offboard_dropout = 0.0;   // share of the messages that are lost, set points with them
+  double duration_s = 0.0;          // of the manoeuvre; 0: as long as the trajectory says
+  double laps = 0.0;                // of the trajectory, in place of a duration; 0: the duration decides
+  double hover_before_s = 0.0;      // the reference stands where the vehicle starts,
+  double hover_after_s = 0.0;       // and where the manoeuvre ends
+  double hand_over_s = 0.0;         // until then the vehicle's own position loop flies
+  double step_s = 0.002;            // of the plant; divides the controller's period
+  double settle_s = 0.0;            // samples before it do not count
+  double offboard_rate_hz = 0.0;    // position, velocity and reference reach the controller at this rate; 0: every tick
+  double offboard_delay_s = 0.0;    // age at which position and velocity reach it
+  double offboard_jitter_s = 0.0;   // what a message may be later than that, drawn for each
+  double offboard_dropout = 0.0;    // share of the messages that are lost, set points with them
+  std::string set_points = "full";  // what of the reference reaches the controller: full, or its position and heading
   // the envelope, far beyond any flight that is worth a figure
   double max_error_m = 100.0;  // distance from the reference
   double max_speed_mps = 50.0;
@@ -60,6 +65,7 @@ struct Experiment {
   LogOptions log;
   std::string variant;  // name of its [[variant]] or point of its grid; empty: it is the experiment as it stands
   std::vector<NamedValue> axes;   // "variant" where it is a [[variant]], then the [[axis]] tables in their order
+  NamedValue alone;               // the one axis that it moves along, where that is `alone`
   std::size_t variant_place = 0;  // among the variants, from 0
   bool held_out = false;          // a variant that training only tests on
   bool speed_is_logged = false;   // concealed trials: see Plant::Options

@@ -49,26 +49,42 @@ bool is_finite(const RotorCommand& command) {
   return std::isfinite(sum);
 }
 
+// a reference that stands
+Reference position_of(const Reference& moving) {
+  Reference standing;
+  standing.position_W_m = moving.position_W_m;
+  standing.yaw_rad = moving.yaw_rad;
+  return standing;
+}
+
 // The offboard link: what is measured aboard now, with pose and velocity of the newest message that arrived, and the set point of
 // the last that was not lost. The first message is there from the start.
 class OffboardLink {
  public:
-  explicit OffboardLink(Flight& flight) : flight_(flight), sent_(flight.link_messages) {}
+  explicit OffboardLink(Flight& flight)
+      : flight_(flight),
+        sent_(flight.link_messages),
+        full_(flight.options.set_points == "full"),
+        random_(flight.options.offboard_jitter_s > 0.0 || flight.options.offboard_dropout > 0.0),
+        wired_(flight.ticks_per_offboard == 1 && flight.options.offboard_delay_s == 0.0 && !random_) {}
 
   void send(const Observation& seen, const Reference& set_point, std::int64_t tick) {
-    if (tick % flight_.ticks_per_offboard != 0) return;
+    if (wired_) reference_ = full_ ? set_point : position_of(set_point);
+    if (wired_ || tick % flight_.ticks_per_offboard != 0) return;
     const std::int64_t number = tick / flight_.ticks_per_offboard;
     const FlightOptions& link = flight_.options;
-    const auto [lost, late, unused, unused_too] = flight_.link_stream.uniform4(static_cast<std::uint64_t>(number));
+    const auto [lost, late, unused, unused_too] =
+        random_ ? flight_.link_stream.uniform4(static_cast<std::uint64_t>(number)) : std::array<double, 4>{};
     const double age_s = number == 0 ? 0.0 : link.offboard_delay_s + late * link.offboard_jitter_s;
-    const bool is_lost = number > 0 && lost < link.offboard_dropout;
+    const bool is_lost = random_ && number > 0 && lost < link.offboard_dropout;
     message(number) = {is_lost ? std::numeric_limits<std::int64_t>::max() : tick + std::llround(age_s / flight_.tick_s),
                        seen.pose_time_s, seen.position_W_m, seen.velocity_W_mps};
-    if (!is_lost) reference_ = set_point;
+    if (!is_lost) reference_ = full_ ? set_point : position_of(set_point);
     newest_ = number;
   }
 
   Observation over(Observation seen, std::int64_t tick) {
+    if (wired_) return seen;
     const auto oldest = std::max<std::int64_t>(0, newest_ + 1 - static_cast<std::int64_t>(sent_.size()));
     for (std::int64_t number = newest_; number >= oldest; --number) {
       const LinkMessage& sent = message(number);
@@ -91,6 +107,8 @@ class OffboardLink {
 
   Flight& flight_;
   std::vector<LinkMessage>& sent_;
+  const bool full_, random_;
+  const bool wired_;  // everything arrives at once: nothing to keep
   std::int64_t newest_ = 0;
   LinkMessage arrived_{0, -std::numeric_limits<double>::infinity()};
   Reference reference_;
@@ -122,10 +140,20 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   trajectory = find_trajectory(path.spec.type)->make();
   config::read_parameters(path.spec, *trajectory);
   config::at_place(path.spec, [&] { trajectory->prepare(); });
-  if (options.duration_s == 0.0) options.duration_s = trajectory->duration_s();
-  if (options.duration_s <= 0.0)
+  if (options.laps > 0.0 && options.duration_s > 0.0)
+    throw ParameterError("laps", "\"laps\" stands beside \"duration_s\" (either says how long the flight is) keep one");
+  if (options.laps > 0.0 && trajectory->lap_s() <= 0.0)
+    throw ParameterError("laps", fmt::format("trajectory \"{}\" has no laps", path.name));
+  manoeuvre_s = options.laps > 0.0         ? options.laps * trajectory->lap_s()
+                : options.duration_s > 0.0 ? options.duration_s
+                                           : trajectory->duration_s();
+  if (manoeuvre_s <= 0.0)
     throw ParameterError("duration_s",
                          fmt::format("trajectory \"{}\" has no natural end, and \"duration_s\" is missing", path.name));
+  options.duration_s = options.hover_before_s + manoeuvre_s + options.hover_after_s;
+  if (options.set_points != "full" && options.set_points != "position")
+    throw ParameterError("set_points", "set_points = \"" + options.set_points +
+                                           "\" is unknown (what reaches the controller) use full or position");
 
   const Choice& law = experiment.controllers[spec.controller];
   controller = find_controller(law.spec.type)->make();
@@ -144,7 +172,23 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   ticks = static_cast<std::int64_t>(std::round(options.duration_s / period_s));
 
   plant.reset(start_state(*trajectory, experiment.vehicle));
-  config::at_place(law.spec, [&] { controller->reset({experiment.vehicle, period_s}, plant.observe(true)); });
+  setup = {experiment.vehicle, period_s};
+  const Observation first = plant.observe(true);
+  config::at_place(law.spec, [&] { controller->reset(setup, first); });
+  hand_over_tick = static_cast<std::int64_t>(std::round(options.hand_over_s / period_s));
+  if (hand_over_tick > 0) {
+    first_controller = find_controller("pid")->make();
+    first_controller->reset(setup, first);
+  }
+}
+
+Reference Flight::reference_at(double time_s) const {
+  if (options.hover_before_s + options.hover_after_s == 0.0) return trajectory->at(time_s);
+  const double since_s = time_s - options.hover_before_s;
+  if (since_s >= 0.0 && since_s <= manoeuvre_s) return trajectory->at(since_s);
+  Reference standing = position_of(trajectory->at(std::clamp(since_s, 0.0, manoeuvre_s)));
+  if (since_s < 0.0) standing.position_W_m = trajectory->start_position_W_m();
+  return standing;
 }
 
 std::vector<NamedValue> arcs_of(const Experiment& experiment) {
@@ -153,15 +197,20 @@ std::vector<NamedValue> arcs_of(const Experiment& experiment) {
   RunSpec spec;
   for (spec.trajectory = 0; spec.trajectory < experiment.trajectories.size(); ++spec.trajectory) {
     const Flight flight(experiment, spec);
-    const double duration_s = flight.options.duration_s, lap_s = flight.trajectory->lap_s();
+    const double duration_s = flight.manoeuvre_s, lap_s = flight.trajectory->lap_s();
     double length_m = 0.0;
     for (std::int64_t k = 0; static_cast<double>(k + 1) * interval_s <= duration_s + 1e-9; ++k)
       length_m += (flight.trajectory->at(static_cast<double>(k + 1) * interval_s).position_W_m -
                    flight.trajectory->at(static_cast<double>(k) * interval_s).position_W_m)
                       .norm();
-    arcs.push_back({experiment.trajectories[spec.trajectory].name,
-                    fmt::format("{} s, {:.1f} m{}", config::shortest(duration_s), length_m,
-                                lap_s > 0.0 ? fmt::format(", {:.2f} laps", duration_s / lap_s) : "")});
+    const auto hover = [](double hover_s, std::string_view when) {
+      return hover_s > 0.0 ? fmt::format(", {} s of hover {}", config::shortest(hover_s), when) : std::string();
+    };
+    arcs.push_back(
+        {experiment.trajectories[spec.trajectory].name,
+         fmt::format("{} s, {:.1f} m{}{}{}", config::shortest(duration_s), length_m,
+                     lap_s > 0.0 ? fmt::format(", {:.2f} laps", duration_s / lap_s) : "",
+                     hover(flight.options.hover_before_s, "before"), hover(flight.options.hover_after_s, "after"))});
   }
   return arcs;
 }
@@ -175,13 +224,16 @@ FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder, Ef
 
   for (std::int64_t tick = 0; tick < flight.ticks; ++tick) {
     const VehicleState& truth = plant.state();
-    const Reference here = flight.trajectory->at(truth.time_s);
+    const Reference here = flight.reference_at(truth.time_s);
     error.add(truth.time_s, truth.position_W_m, here.position_W_m);
     if (effort != nullptr) effort->add(truth.time_s, {truth.rotor_speed_radps.data(), flight.rotors});
 
     const Observation measured = plant.observe(with_accelerometer);
     link.send(measured, here, tick);
-    const RotorCommand command = flight.controller->update(link.over(measured, tick), link.reference());
+    const Observation seen = link.over(measured, tick);
+    if (tick == flight.hand_over_tick && tick > 0) flight.controller->reset(flight.setup, seen);
+    Controller& controller = tick < flight.hand_over_tick ? *flight.first_controller : *flight.controller;
+    const RotorCommand command = controller.update(seen, link.reference());
     if (!is_finite(command)) return {Outcome::controller_nonfinite, truth.time_s};
     if (recorder != nullptr) recorder->append(flight, measured, here, command);
 

@@ -42,11 +42,17 @@ struct Flight {
   // Throws ConfigError when the parts do not fit together, ParameterError when it is for a key of the experiment.
   Flight(const Experiment& experiment, const RunSpec& spec);
 
-  FlightOptions options;  // with the duration resolved
+  // Where the vehicle should be: the trajectory, with the hovers before and after it.
+  Reference reference_at(double time_s) const;
+
+  FlightOptions options;     // with the duration resolved, hovers included
+  double manoeuvre_s = 0.0;  // what of it is the trajectory
   std::unique_ptr<Trajectory> trajectory;
-  std::unique_ptr<Controller> controller;
+  std::unique_ptr<Controller> controller, first_controller;  // the first flies up to the hand-over, if there is one
+  ControllerSetup setup;                                     // of both
   Plant plant;
   std::int64_t ticks = 0;               // updates of the controller
+  std::int64_t hand_over_tick = 0;      // the first of its own
   std::int64_t steps_per_tick = 1;      // of the plant
   std::int64_t ticks_per_offboard = 1;  // between two messages of the offboard link
   double tick_s = 0.0;                  // between two updates of the controller
@@ -61,7 +67,7 @@ struct FlightEnd {
 };
 
 // Flies a flight that was just made. Contract: time is step × dt, never accumulated; errors and effort (where it is asked for) sample
-// every tick up to the one that ends the flight; no heap allocation, with or without a recorder.
+// every tick up to the one that ends the flight; no heap allocation, with or without a recorder, but at a hand-over.
 FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder, Effort* effort = nullptr);
 
 // A planned run from start to figures.

@@ -21,6 +21,7 @@ struct Axis {
     std::vector<std::string> set;  // key=value
   };
   std::string name, where;
+  bool alone = false;  // one point at a time, beside the variants
   std::vector<Point> points;
 };
 
@@ -52,7 +53,10 @@ std::string label_of(std::string literal) {
 
 Axis read_axis(config::Table& table) {
   const std::vector<std::string> keys = read_keys(table);
-  Axis axis{table.text("name").value_or(keys.front().substr(keys.front().rfind('.') + 1)), table.where("values"), {}};
+  Axis axis{table.text("name").value_or(keys.front().substr(keys.front().rfind('.') + 1)),
+            table.where("values"),
+            table.flag("alone").value_or(false),
+            {}};
   check_name(table, "name", axis.name);
   const auto literals = table.literals("values");
   if (!literals || literals->empty())
@@ -100,17 +104,34 @@ std::vector<Variant> read_variant_tables(config::Table& document) {
     if (!seen.insert(variants.back().name).second)
       table.fail("name", fmt::format("variant \"{}\" is here twice", variants.back().name), "", "rename one");
   }
-  seen = {"variant"};
+  std::set<std::string> axes{"variant"};
+  bool crossed = false;
+  std::vector<Variant> alone;
   for (config::Table& table : document.tables("axis")) {
     const Axis axis = read_axis(table);
-    if (!seen.insert(axis.name).second)
+    if (!axes.insert(axis.name).second)
       table.fail("name", fmt::format("axis \"{}\" is here twice", axis.name), "", "give one of them a name of its own");
+    if (axis.alone ? crossed : !alone.empty())
+      table.fail("alone", "axes that are alone stand beside crossed ones",
+                 "a point of either has no value on the other", "use one kind only");
+    if (axis.alone) {
+      for (const Axis::Point& point : axis.points) {
+        Variant& variant = alone.emplace_back(at({}, axis, point));
+        if (!seen.insert(variant.name).second)
+          table.fail("values", fmt::format("variant \"{}\" is here twice", variant.name), "", "rename one");
+        variant.alone = variant.axes.front();
+        variant.axes = {{"variant", variant.name}};
+      }
+      continue;
+    }
+    crossed = true;
     if (variants.empty()) variants.emplace_back();
     std::vector<Variant> grid;
     for (const Variant& variant : variants)
       for (const Axis::Point& point : axis.points) grid.push_back(at(variant, axis, point));
     variants = std::move(grid);
   }
+  variants.insert(variants.end(), alone.begin(), alone.end());
   return variants;
 }
 

@@ -14,11 +14,12 @@ struct Variant {
   std::vector<std::string> set;  // key=value
   std::vector<NamedValue> axes;  // where it stands on each axis
   bool held_out = false;
-  std::string where;  // file:line:col of what sets the most
+  std::string where;   // file:line:col of what sets the most
+  NamedValue alone{};  // the axis that it alone moves along; none of a grid
 };
 
 // Every point of the grid that the axes span, the last axis fastest, for each [[variant]] (or once, where there is none); empty
-// when there is neither. Throws ConfigError with file:line:col.
+// when there is neither. The points of an axis that is `alone` are variants of their own, after the others. Throws ConfigError with file:line:col.
 std::vector<Variant> read_variant_tables(config::Table& document);
 
 // names go into CSV cells and file names as they are

@@ -163,7 +163,7 @@ TEST(Indi, SaysWhatIsWrong) {
 
 // GIVEN a constant force WHEN an adaptive law has settled THEN its estimate is that force, in newton
 TEST(AdaptiveControllers, EstimateTheForce) {
-  for (const auto& make : {make_asindy, make_daiml, make_l1})
+  for (const auto& make : {make_asindy, make_daiml, make_l1, make_mpc})
     for (const VehicleModel& vehicle : {crazyflie(), iris()})
       for (const char* from : {"command", "rotor_speed"}) {
         const auto controller = make();
@@ -182,7 +182,7 @@ TEST(AdaptiveControllers, BeatTheirOwnTrackingLawInAGust) {
     const auto plain = make_geometric();
     set_number(*plain, "integral", 0.0);
     const double without = hover(*plain, vehicle, gust(0.06 * vehicle.weight_N())).rmse_xy_m;
-    for (const auto& make : {make_asindy, make_daiml, make_l1}) {
+    for (const auto& make : {make_asindy, make_daiml, make_l1, make_mpc}) {
       const auto controller = make();
       EXPECT_LT(hover(*controller, vehicle, gust(0.06 * vehicle.weight_N())).rmse_xy_m, 0.6 * without) << vehicle.name;
     }
@@ -191,12 +191,85 @@ TEST(AdaptiveControllers, BeatTheirOwnTrackingLawInAGust) {
 
 TEST(AdaptiveControllers, LimitWhatTheyCancel) {
   const VehicleModel vehicle = iris();
-  for (const auto& make : {make_asindy, make_daiml, make_l1}) {
+  for (const auto& make : {make_asindy, make_daiml, make_l1, make_mpc}) {
     const auto controller = make();
     set_number(*controller, "limit_weights", 0.02);
     hover(*controller, vehicle, [=](double) { return Vector3(0.05 * vehicle.weight_N(), 0.0, 0.0); });
     EXPECT_NEAR(telemetry_of(*controller)["force_x_N"], 0.02 * vehicle.weight_N(), 1e-9);
   }
+}
+
+// poses reach the controller so late, with their time stamps, as they do over a link
+struct LateLink {
+  double late_s;
+  std::vector<Observation> past{};
+  void operator()(Observation& seen) {
+    past.push_back(seen);
+    const auto late = static_cast<std::size_t>(std::lround(late_s * 500.0));
+    const Observation& old = past[past.size() > late ? past.size() - 1 - late : 0];
+    seen.pose_time_s = old.pose_time_s;
+    seen.position_W_m = old.position_W_m;
+    seen.velocity_W_mps = old.velocity_W_mps;
+  }
+};
+
+ControllerFlight link_flight(Controller& controller, const Trajectory& trajectory, double late_s) {
+  ControllerFlight flight;
+  flight.controller = &controller;
+  flight.trajectory = &trajectory;
+  flight.vehicle = crazyflie();
+  flight.duration_s = 20.0;
+  flight.sensor = LateLink{late_s};
+  return flight;
+}
+
+// root mean square of the horizontal force that a law estimates on a quick figure of eight in still air, without drag: there is none
+double estimate_of_nothing(Controller& controller, double late_s) {
+  const auto eight = make_lemniscate();
+  set_number(*eight, "period_s", 4.0);
+  eight->prepare();
+  ControllerFlight flight = link_flight(controller, *eight, late_s);
+  flight.vehicle.effects.clear();
+  double sum = 0.0, count = 0.0;
+  flight.heard = [&](const RotorCommand&) {
+    const Telemetry told = telemetry_of(controller);
+    sum += told["force_x_N"] * told["force_x_N"] + told["force_y_N"] * told["force_y_N"];
+    count += 1.0;
+  };
+  fly(flight);
+  return std::sqrt(sum / count);
+}
+
+// GIVEN poses that are 100 ms old WHEN the thrust beside their acceleration ends at their time stamp THEN the vehicle's own turning is not taken
+// for a force
+TEST(Offboard, ThrustUpToTheTimeStampBelongsToTheAcceleration) {
+  for (const auto& make : {make_l1, make_mpc}) {
+    const auto arrival = make(), stamp = make();
+    set_text(*stamp, "thrust_until", "stamp");
+    EXPECT_LT(estimate_of_nothing(*stamp, 0.1), 0.1 * estimate_of_nothing(*arrival, 0.1));
+    EXPECT_EQ(estimate_of_nothing(*stamp, 0.0), estimate_of_nothing(*arrival, 0.0));
+  }
+  const auto wrong = make_l1();
+  set_text(*wrong, "thrust_until", "whenever");
+  EXPECT_THAT(reset_message(*wrong, crazyflie()), testing::HasSubstr("\"whenever\" is unknown"));
+}
+
+// a law that moves late poses to the present loses less by them than the same feedback on the late ones
+TEST(Mpc, MovesLatePosesToThePresent) {
+  const auto mpc = make_mpc(), plain = make_geometric();
+  const auto error = [](Controller& controller, double late_s) {
+    const auto trajectory = make_hover();
+    ControllerFlight flight = link_flight(controller, *trajectory, late_s);
+    flight.force = gust(0.06 * flight.vehicle.weight_N());
+    return fly(flight).rmse_xy_m;
+  };
+  for (Controller* controller : {mpc.get(), plain.get()}) {
+    set_number(*controller, "bandwidth_radps", 3.0);
+    set_text(*controller, "thrust_until", "stamp");
+  }
+  set_number(*plain, "integral", 0.0);
+  const double lost = error(*mpc, 0.2) / error(*mpc, 0.0);
+  EXPECT_LT(lost, 0.5 * error(*plain, 0.2) / error(*plain, 0.0));
 }
 
 TEST(Asindy, FliesWithThePapersTermsAndThePrintedLaw) {

@@ -86,6 +86,25 @@ TEST(Compare, SaysItInMarkdown) {
                   "| a | 40 | 900 | crash | – |\n| b | 40 | 900 | nominal | crash |\n| c | 40 | 900 | – | – |\n"));
 }
 
+// GIVEN an axis whose points were flown alone WHEN a controller breaks and holds again THEN its margin is the last value before it first broke
+TEST(Compare, MarginIsTheLastValueBeforeTheFirstThatBreaks) {
+  std::vector<NamedResults> flown{variant("nominal", 0.2, 0.1, 0.3)};
+  for (const auto& [value, a_m, b_m] : std::vector<std::tuple<std::string, double, double>>{
+           {"0.1", 0.2, 0.2}, {"0.2", 0.9, 0.2}, {"0.3", 0.2, 0.9}, {"0.4", 0.2, 0.9}}) {
+    flown.push_back(variant("late_" + value, a_m, b_m, value == "0.4" ? 0.9 : 0.3));
+    flown.back().alone = {"late", value};
+  }
+  flown.push_back(variant("gain_2", 0.9, 0.2, 0.3));
+  flown.back().alone = {"gain", "2"};
+  const auto compared = compare(flown, 0.5);
+  const auto margins = margins_of(compared);
+  ASSERT_EQ(margins.size(), 2u);
+  EXPECT_EQ(margins[0].held, (std::vector<std::size_t>{1, 2, 3}));
+  const std::string text = to_markdown(compared, 0.5);
+  EXPECT_THAT(text, testing::HasSubstr("| late | 0.1 | 0.2 | 0.3 | 0.1, 0.2, 0.3, 0.4 |"));
+  EXPECT_THAT(text, testing::HasSubstr("| gain | – | ≥ 2 | ≥ 2 | 2 |"));
+}
+
 TEST(Compare, NeedsTheSameRuns) {
   std::vector<NamedResults> variants{variant("nominal", 0.2, 0.1, 0.3), variant("less", 0.2, 0.1, 0.3)};
   variants[1].results.rows.erase(variants[1].results.rows.begin() + 117, variants[1].results.rows.end());

@@ -25,12 +25,13 @@ class Schemas(unittest.TestCase):
         for path in (ROOT / "schemas").glob("*.schema.json"):
             name = path.name.removesuffix(".schema.json")
             jsonschema.Draft202012Validator.check_schema(schema(name))
-            self.assertEqual(schema(name)["$id"], f"urn:gustlab:{name}:1")
+            version = schema(name)["properties"]["format"]["const"].removeprefix(f"gustlab-{name}/") if "format" in schema(name)["properties"] else "1"
+            self.assertEqual(schema(name)["$id"], f"urn:gustlab:{name}:{version}")
 
     def test_every_json_format_has_one(self):
         found = set()
         for path in [*(ROOT / "src").rglob("*.cpp"), *(ROOT / "apps").rglob("*.cpp"), *(ROOT / "scripts").rglob("*.py")]:
-            found |= set(re.findall(r'"gustlab-([a-z-]+)/1"', path.read_text(encoding="utf-8")))
+            found |= set(re.findall(r'"gustlab-([a-z-]+)/[0-9]+"', path.read_text(encoding="utf-8")))
         self.assertEqual({name for name in found - OTHERS if not (ROOT / "schemas" / f"{name}.schema.json").exists()}, set())
 
     def test_the_example_of_a_diagnosis_follows_it(self):
@@ -45,10 +46,14 @@ class Schemas(unittest.TestCase):
                                               'controllers = ["pid"]\nduration_s = 4\n', encoding="utf-8")
             gustlab("run", "e.toml", "--trajectory", "lemniscate", "--controller", "pid", "--out", "run")
             gustlab("sweep", "e.toml", "--out", "sweep")
+            Path(folder, "axes.toml").write_text(Path(folder, "e.toml").read_text(encoding="utf-8") +
+                                                 '[[axis]]\nkey = "offboard_delay_s"\nvalues = [0.0, 0.1]\nalone = true\n', encoding="utf-8")
+            gustlab("sweep", "axes.toml", "--out", "axes")
             for name, text in (
                 ("outcome", Path(folder, "run/outcome.json").read_text(encoding="utf-8")),
                 ("metrics", gustlab("metrics", "run/flight.csv", "--format", "json")),
                 ("table", gustlab("table", "sweep", "--format", "json")),
+                ("comparison", gustlab("compare", "axes.toml", "axes", "--format", "json")),
                 ("replay", gustlab("replay", "run/flight.csv", "--format", "json")),
                 ("vehicle-check", gustlab("vehicle", "check", "crazyflie", "--format", "json")),
             ):

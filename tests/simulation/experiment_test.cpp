@@ -222,6 +222,21 @@ TEST_F(Variants, AxesAreZippedRowByRowAndCrossedWithVariants) {
   EXPECT_EQ(grid[3].axes, (std::vector<NamedValue>{{"variant", "b"}, {"seed", "2"}}));
 }
 
+// GIVEN axes that are alone WHEN they are read THEN each point is a variant beside the others, which changes nothing else
+TEST_F(Variants, AxesThatAreAloneAreNotCrossed) {
+  const auto all = read(
+      "[[variant]]\nname = \"nominal\"\n[[axis]]\nkey = \"seed\"\nvalues = [4, 5]\nalone = true\n[[axis]]\nname = "
+      "\"late\"\nkey = \"offboard_delay_s\"\nvalues = [0.1]\nalone = true\n");
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_EQ(all[0].alone, NamedValue{});
+  EXPECT_EQ(all[1].variant, "seed_4");
+  EXPECT_EQ(all[1].axes, (std::vector<NamedValue>{{"variant", "seed_4"}}));
+  EXPECT_EQ(all[2].seed, 5);
+  EXPECT_EQ(all[2].flight.offboard_delay_s, 0.0);
+  EXPECT_EQ(all[3].seed, 1);
+  EXPECT_EQ(all[3].alone, (NamedValue{"late", "0.1"}));
+}
+
 TEST_F(Variants, SayWhatIsWrongWithAnAxis) {
   for (const auto& [table, says] : std::vector<std::pair<std::string, std::string>>{
            {"[[axis]]\nvalues = [1]\n", "e.toml:18:1: an axis needs \"key\" or \"keys\""},
@@ -230,7 +245,11 @@ TEST_F(Variants, SayWhatIsWrongWithAnAxis) {
            {"[[axis]]\nkey = \"sead\"\nvalues = [1]\n", "e.toml:20:10: unknown key \"sead\" did you mean \"seed\"?"},
            {"[[axis]]\nkeys = [\"seed\", \"settle_s\"]\nvalues = [[1, 2, 3]]\n", "has 3 values for 2 keys"},
            {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nkey = \"seed\"\nvalues = [2]\n",
-            "axis \"seed\" is here twice"}})
+            "axis \"seed\" is here twice"},
+           {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nkey = \"settle_s\"\nvalues = [0.5]\nalone = true\n",
+            "axes that are alone stand beside crossed ones"},
+           {"[[variant]]\nname = \"seed_1\"\n[[axis]]\nkey = \"seed\"\nvalues = [1]\nalone = true\n",
+            "variant \"seed_1\" is here twice"}})
     EXPECT_THAT(message(table), HasSubstr(says));
   EXPECT_THAT(message("[[variant]]\nname = \"calm\"\n", {}, {"clam"}),
               HasSubstr("there is no variant \"clam\" (it has calm) did you mean \"calm\"?"));

@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "gustlab/errors.hpp"
 #include "simulation/recorder.hpp"
 #include "support/experiments.hpp"
 
@@ -196,6 +197,68 @@ TEST(Flight, ArcsSayHowMuchOfATrajectoryIsFlown) {
 }
 
 // the thrust that a force law subtracts is that between the poses it saw: 40 Hz of poses against its own 50 Hz bias nothing
+// GIVEN a lap between two hovers WHEN it is flown THEN the reference stands where the vehicle starts, flies the lap, and stands at its end
+TEST(Flight, HoversBeforeAndAfterALap) {
+  const Experiment experiment =
+      read_text_experiment(small_experiment, {"trajectories=circle", "laps=1", "duration_s=0", "hover_before_s=0.5",
+                                              "hover_after_s=0.25", "trajectory.circle.start=center"});
+  Flight flight(experiment, plan(experiment).front());
+  EXPECT_DOUBLE_EQ(flight.manoeuvre_s, 5.0);
+  EXPECT_DOUBLE_EQ(flight.options.duration_s, 5.75);
+  EXPECT_EQ(flight.ticks, 2875);
+  EXPECT_EQ(flight.reference_at(0.25).position_W_m, flight.trajectory->start_position_W_m());
+  EXPECT_EQ(flight.reference_at(0.25).velocity_W_mps, Vector3::Zero());
+  EXPECT_EQ(flight.reference_at(1.5).position_W_m, flight.trajectory->at(1.0).position_W_m);
+  EXPECT_EQ(flight.reference_at(1.5).velocity_W_mps, flight.trajectory->at(1.0).velocity_W_mps);
+  EXPECT_EQ(flight.reference_at(5.6).position_W_m, flight.trajectory->at(5.0).position_W_m);
+  EXPECT_EQ(flight.reference_at(5.6).velocity_W_mps, Vector3::Zero());
+  EXPECT_NE(arcs_of(experiment).front().value.find("1.00 laps, 0.5 s of hover before, 0.25 s of hover after"),
+            std::string::npos);
+}
+
+TEST(Flight, SaysWhatIsWrongWithItsLength) {
+  const auto message = [](const std::vector<std::string>& overrides) -> std::string {
+    try {
+      read_text_experiment(small_experiment, overrides);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(message({"laps=1"}).find("stands beside \"duration_s\""), std::string::npos);
+  EXPECT_NE(message({"laps=1", "duration_s=0", "trajectories=hover"}).find("has no laps"), std::string::npos);
+  EXPECT_NE(message({"set_points=velocity"}).find("\"velocity\" is unknown"), std::string::npos);
+}
+
+TEST(Flight, StreamedSetPointsHoldPositionAndHeadingAlone) {
+  const Experiment experiment = read_text_experiment(small_experiment, {"set_points=position"});
+  Flight flight(experiment, plan(experiment).front());
+  auto recording = std::make_unique<Recording>(experiment.vehicle.hover_speed_radps());
+  const Recording& seen = *recording;
+  flight.controller = std::move(recording);
+  TrackingError error(0.0, static_cast<std::size_t>(flight.ticks));
+  fly(flight, error, nullptr);
+  ASSERT_GT(seen.references.size(), 100u);
+  EXPECT_EQ(seen.references[100].position_W_m, flight.trajectory->at(100 * flight.tick_s).position_W_m);
+  EXPECT_EQ(seen.references[100].velocity_W_mps, Vector3::Zero());
+  EXPECT_EQ(seen.references[100].acceleration_W_mps2, Vector3::Zero());
+}
+
+// up to the hand-over the vehicle's own loop flies; then the controller starts afresh, with what it sees then
+TEST(Flight, HandsOverAfterTakeOff) {
+  const Experiment experiment = read_text_experiment(small_experiment, {"hand_over_s=0.5"});
+  Flight flight(experiment, plan(experiment).front());
+  auto recording = std::make_unique<Recording>(experiment.vehicle.hover_speed_radps());
+  const Recording& seen = *recording;
+  flight.controller = std::move(recording);
+  TrackingError error(0.0, static_cast<std::size_t>(flight.ticks));
+  fly(flight, error, nullptr);
+  ASSERT_EQ(seen.observations.size(), static_cast<std::size_t>(flight.ticks - 250));
+  EXPECT_DOUBLE_EQ(seen.observations.front().time_s, 0.5);
+  // the first loop flew after the reference
+  EXPECT_GT(seen.observations.front().velocity_W_mps.norm(), 0.05);
+}
+
 TEST(Flight, SeldomPosesDoNotBiasTheMeasuredForce) {
   const RunRecord record = fly_first(R"(
 format = "gustlab-experiment/1"

@@ -262,6 +262,20 @@ class Axes(Commands):
         self.call("gate", "a", "--baseline", "base.csv", "--update")
         self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv")[0])
 
+    @unittest.skipUnless(shutil.which("pdflatex"), "no pdflatex here: apt-get install texlive-latex-recommended texlive-latex-extra")
+    def test_latex_of_a_grid_compiles(self):
+        self.sweep("a")
+        table = self.call("table", "a", "--format", "latex", "--columns", "rmse,p95,max", "--bold-best", "--names",
+                          "pid=PID_{50 %} & ^~\\\\#$", "--label", "grid")[0]
+        (self.folder / "paper.tex").write_text("\\documentclass[twocolumn]{article}\\usepackage{multirow}\\begin{document}\n"
+                                               f"{table}Table~\\ref{{tab:grid}}\n\\end{{document}}\n")
+        for _ in range(2):
+            tex = subprocess.run(["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "paper.tex"], cwd=self.folder,
+                                 capture_output=True, text=True, errors="replace", timeout=300)
+            self.assertEqual(tex.returncode, 0, tex.stdout[-3000:])
+        self.assertNotIn("undefined", tex.stdout)
+        self.assertNotIn("Overfull", tex.stdout)
+
     def test_shards_and_threads_of_a_grid_are_the_same_bytes(self):
         self.sweep("one", "--jobs", "1")
         for part in (1, 2):
