@@ -4,11 +4,11 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from gustlab_import.progress import Progress
 
 from . import scene as scenes
 from .flight_file import FlightFile
 from .problems import IO, USAGE, Refusal
-from .progress import Progress
 from .write import replace_file
 
 ENDINGS = (".mp4", ".gif")
