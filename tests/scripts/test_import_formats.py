@@ -267,6 +267,20 @@ class DataFlash(FormatCase):
         self.assertEqual((code, "ArduPlane, not a multirotor" in err), (3, True), err)
 
 
+class Blackbox(unittest.TestCase):
+    def test_electrical_turns_become_speeds_of_the_rotors(self):
+        from types import SimpleNamespace
+
+        from gustlab_import.read_blackbox import _recording
+        names = ["time", *(f"motor[{k}]" for k in range(4)), *(f"eRPM[{k}]" for k in range(4))]
+        # 12 poles are 6 pairs: 600 hundreds of electrical turns a minute are 10000 rpm
+        rows = [[1000 * k, 1000, 1000, 1000, 1000, 600, 660, 720, 780] for k in range(200)]
+        log = SimpleNamespace(main_field_names=names, main_frames=rows, frame_defs={}, stats={}, sys_config={"motor_poles": 12})
+        speeds = _recording("a.bbl", b"", log, 1).streams["rotor"]
+        np.testing.assert_allclose(speeds.values[0], np.array([10000, 11000, 12000, 13000]) * 2 * np.pi / 60)
+        self.assertEqual(round(speeds.rate_hz()), 1000)
+
+
 class Frames(FormatCase):
     """A recording in aviation frames comes out as the same one in the flight log's."""
 
