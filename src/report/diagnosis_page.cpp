@@ -79,7 +79,7 @@ std::string log_findings(const Json& diagnosis) {
     items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(capital(plain_label(text(line, "kind")))),
                          escape(in_plain_words(text(line, "says"))));
   return items.empty() ? ""
-                       : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
+                       : "<div class=\"findings\"><h2>About the recordings</h2><ul>" + items + "</ul></div>";
 }
 
 std::string region(const Json& where) {

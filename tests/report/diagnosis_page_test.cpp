@@ -43,7 +43,7 @@ TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
                              "It leans toward rotor 3",
                              "The vehicle weighs 8.1 % more than its model",
                              "cannot tell it from thrust scale",
-                             "First, about the recordings",
+                             "About the recordings",
                              "battery sag cannot be told",
                              "Before and after",
                              "Path from above",
@@ -103,7 +103,7 @@ TEST(DiagnosisPage, WhatIsMissingIsLeftOut) {
   for (const char* verdict : {"consistent", "insufficient_data", "unexplained", "explained", "partly_explained"}) {
     const std::string html = diagnosis_page({{"verdict", verdict}, {"augmented_model", "augmented.toml"}}, {});
     expect_sound(html);
-    for (const char* absent : {"<figure>", "<table>", "First, about", "What to fly next", "Fly the improved model"})
+    for (const char* absent : {"<figure>", "<table>", "About the recordings", "What to fly next", "Fly the improved model"})
       EXPECT_THAT(html, Not(HasSubstr(absent)));
   }
 }
