@@ -103,7 +103,8 @@ TEST(DiagnosisPage, WhatIsMissingIsLeftOut) {
   for (const char* verdict : {"consistent", "insufficient_data", "unexplained", "explained", "partly_explained"}) {
     const std::string html = diagnosis_page({{"verdict", verdict}, {"augmented_model", "augmented.toml"}}, {});
     expect_sound(html);
-    for (const char* absent : {"<figure>", "<table>", "About the recordings", "What to fly next", "Fly the improved model"})
+    for (const char* absent :
+         {"<figure>", "<table>", "About the recordings", "What to fly next", "Fly the improved model"})
       EXPECT_THAT(html, Not(HasSubstr(absent)));
   }
 }
