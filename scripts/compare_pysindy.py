@@ -12,6 +12,7 @@ the last, PySINDy's default settings, whose single optimization stops after so f
 
 import argparse
 import json
+import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
 import os
 import subprocess
 import sys

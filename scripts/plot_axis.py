@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Draws an error over an axis of a sweep, a line for each controller, a panel for each point of the other axes and each trajectory."""
 
+import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
 import argparse
 import sys
 from pathlib import Path

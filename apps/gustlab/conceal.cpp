@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 #include "simulation/concealed_trials.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
@@ -24,7 +25,10 @@ void conceal(const ConcealArguments& options) {
   const TrialsFile file = read_trials_file(options.trials, options.overrides);
   check_file_can_be_written(options.answers);
   check_folder_can_be_made(options.out);
-  const std::string answers = fly_concealed_trials(file, options.out, options.jobs);
+  Progress progress;
+  const std::string answers = fly_concealed_trials(
+      file, options.out, options.jobs, [&](std::size_t done, std::size_t all) { progress.show(done, all, "flights"); });
+  progress.end();
   write_file(options.answers, answers);
   std::printf("%s\n", sha256(answers).c_str());
 }

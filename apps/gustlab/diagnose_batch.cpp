@@ -11,6 +11,7 @@
 #include "flight_log/sidecar.hpp"
 #include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
+#include "progress.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
 #include "util/sha256.hpp"
@@ -107,17 +108,27 @@ void diagnose_batch(const std::string& sets_path, const std::string& out, int jo
   const std::vector<FlightSet> sets = read_sets(sets_path, jobs);
   check_folder_can_be_made(out);
   std::map<std::string, std::size_t> verdicts, names;
+  Progress progress;
+  double begun = 0.0;  // sets that are through
   for (const FlightSet& set : sets) {
     throw_if_interrupted();
     const std::string folder = (fs::path(out) / set.name).string();
     Said said{"unusable", {}};
     try {
       const std::string key = key_of(set);
-      if (diagnosed_key(folder) != key) diagnose_into(folder, set.wanted, key);
+      if (diagnosed_key(folder) != key) {
+        diagnosis::DiagnoseOptions wanted = set.wanted;
+        wanted.progress = [&](std::string_view stage, double done) {
+          progress.show(fmt::format("{}: {}", set.name, stage), (begun + done) / static_cast<double>(sets.size()));
+        };
+        diagnose_into(folder, wanted, key);
+      }
       said = read_said(folder);
     } catch (const DataError& error) {
       spdlog::warn("{}: {}", set.name, error.what());
     }
+    begun += 1.0;
+    progress.end();
     fmt::print("{}: {}{}{}\n", set.name, said.verdict, said.named.empty() ? "" : " ", fmt::join(said.named, ", "));
     ++verdicts[said.verdict];
     for (const std::string& name : std::set<std::string>(said.named.begin(), said.named.end())) ++names[name];

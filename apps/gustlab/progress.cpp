@@ -8,10 +8,18 @@
 
 namespace gustlab {
 
-Progress::Progress() : visible_(spdlog::should_log(spdlog::level::info) && isatty(STDERR_FILENO) != 0) {}
+namespace {
+
+constexpr std::chrono::milliseconds between_rewrites{100};
+constexpr std::chrono::seconds between_lines{30};
+
+}  // namespace
+
+Progress::Progress()
+    : visible_(spdlog::should_log(spdlog::level::info)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
 
 void Progress::end() {
-  if (shown_) std::fputs("\n", stderr);
+  if (shown_ && terminal_) std::fputs("\n", stderr);
   shown_ = false;
 }
 
@@ -21,27 +29,34 @@ std::string Progress::left(double done) const {
   return fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / (done - first_));
 }
 
-void Progress::print(const std::string& text) {
+bool Progress::due(bool last_one) {
+  if (!visible_) return false;
+  const Clock::time_point now = Clock::now();
+  const bool waited = terminal_ ? !shown_ || last_one || now - last_ >= between_rewrites
+                                : now - (shown_ ? last_ : start_) >= between_lines;
+  if (waited) last_ = now;
+  return waited;
+}
+
+void Progress::print(const std::string& text) const {
   // carriage return, then clear what the line had more
-  fmt::print(stderr, "\r{}\033[K", text);
+  if (terminal_) fmt::print(stderr, "\r{}\033[K", text);
+  else fmt::print(stderr, "{}\n", text);
   std::fflush(stderr);
 }
 
-void Progress::show(std::size_t done, std::size_t all) {
-  if (!visible_) return;
-  const Clock::time_point now = Clock::now();
+void Progress::show(std::size_t done, std::size_t all, std::string_view what) {
   const double share = static_cast<double>(done) / static_cast<double>(all);
-  if (!shown_) first_ = share, start_ = now;
-  else if (done < all && now - last_ < std::chrono::milliseconds(100)) return;
-  last_ = now;
+  if (!begun_) first_ = share, start_ = Clock::now(), begun_ = true;
+  if (!due(done == all)) return;
   shown_ = true;
-  print(fmt::format("{}/{} runs{}", done, all, left(share)));
+  print(fmt::format("{}/{} {}{}", done, all, what, left(share)));
 }
 
 void Progress::show(std::string_view stage, double done) {
-  if (!visible_) return;
-  last_ = Clock::now();
-  if (!shown_) first_ = done, start_ = last_;
+  if (!begun_) first_ = done, start_ = Clock::now(), begun_ = true;
+  // a stage is said as it begins
+  if (!due(terminal_)) return;
   shown_ = true;
   print(fmt::format("{:.0f} %, {}{}", 100.0 * done, stage, left(done)));
 }

@@ -1,4 +1,5 @@
-// A line on stderr that says how far long work is and how long it still takes, on a terminal only and not with --quiet.
+// A line on stderr that says how far long work is and how long it still takes: rewritten on a terminal, a new one every half a minute
+// elsewhere (a log of a cluster), none with --quiet.
 #pragma once
 
 #include <chrono>
@@ -14,8 +15,8 @@ class Progress {
  public:
   Progress();
   ~Progress() { end(); }
-  // Runs that are done, of all.
-  void show(std::size_t done, std::size_t all);
+  // What is done, of all.
+  void show(std::size_t done, std::size_t all, std::string_view what = "runs");
   // A stage and the share of all that is done.
   void show(std::string_view stage, double done);
   ProgressReport report();
@@ -25,10 +26,12 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   // ", 12 s left"; empty while nothing tells
   std::string left(double done) const;
-  void print(const std::string& text);
+  // Whether it is time for a line; counts the line as printed.
+  bool due(bool last_one);
+  void print(const std::string& text) const;
 
-  bool visible_;
-  bool shown_ = false;
+  bool visible_, terminal_;
+  bool begun_ = false, shown_ = false;
   double first_ = 0.0;  // share that was done before this program began
   Clock::time_point start_, last_;
 };

@@ -10,6 +10,7 @@
 #include "diagnosis/rollout/replay.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 #include "util/parallel.hpp"
 #include "vehicle/gaps.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -73,6 +74,7 @@ void run(const ReplayArguments& options) {
 
   std::vector<diagnosis::FitErrors> before, after;
   double assumed_V = 0.0;
+  Progress progress;
   for (const std::string& path : options.flights) {
     const FlightLog log = read_flight_log(path);
     for (const LogRepair& repair : log.repairs) spdlog::warn(repair.says);
@@ -87,7 +89,9 @@ void run(const ReplayArguments& options) {
     before.push_back(diagnosis::replay(log, vehicle, vehicle.effects, wanted));
     wanted.with_noise = false;
     if (with) after.push_back(diagnosis::replay(log, vehicle, config::merge_effects(vehicle.effects, *with), wanted));
+    progress.show(before.size(), options.flights.size(), "flights");
   }
+  progress.end();
   const nlohmann::ordered_json block = diagnosis::fit_block(before, after);
   if (options.format == "json") fmt::print("{}\n", block.dump(1));
   else print_text(block);

@@ -8,6 +8,7 @@
 #include "gustlab/errors.hpp"
 #include "learning/train_daiml.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
 #include "util/parallel.hpp"
@@ -69,7 +70,9 @@ void train(TrainArguments options) {
   const std::vector<Experiment> variants = options.experiment.read_variants();
   check_file_can_be_written(options.out);
   const std::vector<Condition> conditions = collect(variants, options.jobs);
-  Training training = train_daiml(conditions, options.training);
+  Progress progress;
+  Training training = train_daiml(conditions, options.training, progress.report());
+  progress.end();
   training.network.provenance = account(options, variants, conditions, training);
   write_file(options.out, network_text(training.network));
   for (const auto& [key, value] : training.network.provenance) fmt::print("{}: {}\n", key, value);

@@ -4,11 +4,11 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from gustlab_import.progress import Progress
 
 from . import scene as scenes
 from .flight_file import FlightFile
 from .problems import IO, USAGE, Refusal
-from .progress import Progress
 from .write import replace_file
 
 ENDINGS = (".mp4", ".gif")
@@ -16,7 +16,7 @@ ENDINGS = (".mp4", ".gif")
 
 def arguments(argv: list) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="gustlab render", description="draws a flight as a film: the vehicle, its path (blue) and "
-                                     "reference (grey), the gust (orange; as long as ten vehicles where it pushes with the weight) "
+                                     "reference (grey), the gust (orange; as long as five vehicles where it pushes with the weight) "
                                      "and the rotors' thrust (green)", epilog="needs no display. exit codes: 0 written, 2 usage, 3 "
                                      "the log cannot be drawn, 4 a file cannot be read or written")
     parser.add_argument("flight", type=Path, metavar="FLIGHT", help="a flight log NAME.csv[.gz], or the --out of `gustlab run`")

@@ -173,8 +173,8 @@ class Scene:
         self._add(scene, self.mujoco.mjtGeom.mjGEOM_LINE, 1.0, middle, foot, PLUMB)
         self._add(scene, self.mujoco.mjtGeom.mjGEOM_CYLINDER, 0.1 * self.span_m, foot, [*foot[:2], self.floor_m + 0.002], PLUMB)
         if shown.gust_N is not None:
-            # as long as ten spans where the gust pushes with the weight
-            self._arrow(scene, middle, middle + 10.0 * self.span_m / self.weight_N * shown.gust_N[k], 0.05, GUST)
+            # as long as five spans where the gust pushes with the weight
+            self._arrow(scene, middle, middle + 5.0 * self.span_m / self.weight_N * shown.gust_N[k], 0.05, GUST)
         if shown.lift is not None:
             for site, lift in zip(self.sites, shown.lift[k]):
                 foot = self.data.site_xpos[site]
@@ -195,8 +195,10 @@ class Scene:
             self._add(scene, self.mujoco.mjtGeom.mjGEOM_LINE, width, start, end, color)
 
     def _arrow(self, scene, start, end, width: float, color) -> None:
-        if np.linalg.norm(np.asarray(end) - start) > 1e-3 * self.span_m:
-            self._add(scene, self.mujoco.mjtGeom.mjGEOM_ARROW, width * self.span_m, start, end, color)
+        # MuJoCo draws an arrow half as long as it is told
+        reach = 2.0 * (np.asarray(end) - start)
+        if np.linalg.norm(reach) > 1e-3 * self.span_m:
+            self._add(scene, self.mujoco.mjtGeom.mjGEOM_ARROW, width * self.span_m, start, start + reach, color)
 
 
 def floor_of(flight: FlightFile) -> float:

@@ -11,6 +11,7 @@ from .from_table import import_table
 from .kinds import kind_of, reader_of
 from .outcome import FORMAT, as_document, as_json, as_text
 from .problems import DATA, IO, USAGE, ImportFailure
+from .progress import Progress
 from .vehicle_file import read_vehicle
 from .write_log import csv_text, write_all
 
@@ -51,7 +52,9 @@ def run(argv: list) -> int:
     column_map = load_map(options.map) if options.map else None
     vehicle = read_vehicle(options.vehicle, options.out) if options.vehicle else None
     outcomes, names = [], {}
+    progress = Progress("logs", options.quiet)
     for path in options.inputs:
+        progress.show(len(outcomes), len(options.inputs))
         name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
         if name in names:
             raise ImportFailure(f"{path}: would be written over {names[name]} (both give {name}); use two --out", USAGE)
@@ -60,6 +63,7 @@ def run(argv: list) -> int:
             outcomes.append(import_table(path, name, column_map, vehicle, options))
         else:
             outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
+    progress.end()
     if not options.quiet:
         print(as_json(as_document(outcomes)) if options.format == "json" else as_text(outcomes, options.verbose), end="")
     # one unusable recording holds all back: a set of flights with a silent hole would be worse

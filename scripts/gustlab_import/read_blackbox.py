@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from . import airframes
+from .motors import put_speeds
 from .problems import Finding, ImportFailure
 from .streams import BATTERY, FORCE, RATE, Recording, stream
 from .tables import read_bytes
@@ -70,6 +71,11 @@ def _recording(name: str, data: bytes, log, sessions: int) -> Recording:
         out.put("u", stream([f"u{k + 1}" for k in range(len(motors))], time_s, u, f"motor, {low:g} to {high:g}"))
         if len(motors) != 4:
             out.rotors, out.airframe = [], f"{airframes.NAMES.get(len(motors), str(len(motors)) + ' rotors')}"
+    reported = [f"eRPM[{k}]" for k in range(len(motors))]
+    if motors and all(field in column for field in reported):
+        # hundreds of electrical turns a minute; a pair of poles turns once an electrical turn
+        poles = float(config.get("motor_poles") or 14)
+        put_speeds(out, time_s, np.column_stack([column[field] for field in reported]) * 100.0 / (0.5 * poles), f"eRPM, {poles:g} poles")
     if "vbatLatest" in column:
         # firmware before 3.4.1 logs tenths of a volt, newer hundredths: its own limits of a cell tell
         unit = 0.01 if float(config.get("vbatmaxcellvoltage") or 43) > 100 else 0.1

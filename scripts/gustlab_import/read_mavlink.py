@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from . import airframes, frames
-from .motors import pulse_share
+from .motors import pulse_share, put_speeds
 from .problems import ImportFailure
 from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, spans, stream
 from .tables import read_bytes
@@ -197,6 +197,23 @@ class _DataFlash(_Messages):
         low, high = self.parameters.get("MOT_PWM_MIN", 0) or 1000.0, self.parameters.get("MOT_PWM_MAX", 0) or 2000.0
         self.out.put("u", stream([f"u{k + 1}" for k in range(len(names))], found[0], pulse_share(found[1], low, high),
                                  f"RCOU {names[0]} to {names[-1]}, {low:g} to {high:g} us"))
+        self.speeds(numbers)
+
+    def speeds(self, numbers: list) -> None:
+        """What the speed controllers report (ESC, one message for each), at the times of the first."""
+        mine = [[(t - self.zero, float(m.RPM)) for t, m in self.messages.get("ESC", []) if int(m.Instance) == number - 1] for number in numbers]
+        if not mine or any(len(one) < 2 for one in mine):
+            return
+        first = np.array([t for t, _ in mine[0]])
+        columns = []
+        for one in mine:
+            time_s, rpm = np.array(one).T
+            # the others answer within the same round: the nearest sample is theirs
+            place = np.clip(np.searchsorted(time_s, first), 1, len(time_s) - 1)
+            nearest = place - (first - time_s[place - 1] < time_s[place] - first)
+            apart = np.abs(time_s[nearest] - first) > 0.5 * np.median(np.diff(first))
+            columns.append(np.where(apart, np.nan, rpm[nearest]))
+        put_speeds(self.out, first, np.column_stack(columns), "ESC")
 
     def battery(self) -> None:
         for label in ("BAT", "CURR"):

@@ -1,5 +1,6 @@
 """PX4 ULog (pyulog) -> Recording: north-east-down and forward-right-down become the flight log's frames here."""
 
+import contextlib
 import hashlib
 import io
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from . import airframes, frames
-from .motors import allocated_motors, pulse_share
+from .motors import allocated_motors, pulse_share, put_speeds, thrust_share
 from .problems import Finding, ImportFailure
 from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, Rotor, spans, stream
 from .tables import read_bytes
@@ -17,6 +18,7 @@ NO_MULTIROTOR = {1: "a fixed-wing aircraft", 3: "a coaxial helicopter", 4: "a he
                  10: "a ground vehicle", 11: "a boat", 12: "a submarine",
                  **{number: "a VTOL (tiltrotor, tailsitter or other)" for number in range(19, 26)}}
 MAX_ROTORS = 8
+FIRST_MOTOR = 101     # OutputFunction Motor1, of esc_status
 LOGGER_GAP_s = 60.0   # without any message
 RESET_m, RESET_rad = 0.1, 0.035   # jumps of the estimate that a prediction over a second would show
 SETTINGS = {"rate": "SDLOG_PROFILE: set bits 3 (system identification) and 4 (high rate)",
@@ -34,15 +36,18 @@ def _load(name: str, data: bytes):
     from pyulog import ULog  # a second to import
     if data[:7] != b"ULog\x01\x12\x35":
         raise ImportFailure(f"{name}: byte 0: not a PX4 ULog (the file does not begin with its mark); fetch it again")
+    said = io.StringIO()
     try:
-        return ULog(io.BytesIO(data))
+        # what pyulog prints would stand in the middle of the document
+        with contextlib.redirect_stdout(said):
+            return ULog(io.BytesIO(data)), " ".join(dict.fromkeys(said.getvalue().split("\n"))).strip()
     except Exception as error:  # pyulog raises whatever a damaged byte leads to
         raise ImportFailure(f"{name}: the ULog cannot be read ({type(error).__name__}: {error}); fetch it again") from error
 
 
 class _Reader:
     def __init__(self, name: str, data: bytes):
-        self.log = _load(name, data)
+        self.log, damage = _load(name, data)
         self.data = {(d.name, d.multi_id): d.data for d in self.log.data_list if len(d.data.get("timestamp", ()))}
         if not self.data:
             raise ImportFailure(f"{name}: the ULog holds no samples (cut off after its header?); fetch it again")
@@ -51,6 +56,9 @@ class _Reader:
         self.end_s = self.seconds(np.array([self.log.last_timestamp]))[0]
         self.out = Recording(name, hashlib.sha256(data).hexdigest(), "px4-ulog", self.version(), end_s=float(self.end_s),
                              settings=SETTINGS)
+        if damage:
+            self.out.findings.append(Finding("gap", "time_s", 0.0, float(self.end_s), "warning",
+                                             f"the file is damaged in places ({damage[:160]})"))
 
     def version(self) -> str:
         release = (self.log.get_version_info_str() or "").lstrip("v")
@@ -78,6 +86,7 @@ class _Reader:
             self.pose()
             self.inertial()
             self.motors()
+            self.speeds()
             self.battery()
             self.reference()
         return self.out
@@ -202,7 +211,10 @@ class _Reader:
                 low, high = self.parameters.get("PWM_MIN", 1000), self.parameters.get("PWM_MAX", 2000)
                 others = [str(n) for n in self.instances("actuator_outputs") if n != number]
                 beside = f" (instance {', '.join(others)} does not hold the motors)" if others else ""
-                return self.commands(data, pulse_share(pulses, low, high), f"actuator_outputs[{number}] {low:g} to {high:g}{beside}")
+                factor = float(self.parameters.get("THR_MDL_FAC", 0.0))
+                curve = f", back through THR_MDL_FAC {factor:.3g}" if 0.0 < factor <= 1.0 else ""
+                return self.commands(data, thrust_share(pulse_share(pulses, low, high), factor),
+                                     f"actuator_outputs[{number}] {low:g} to {high:g}{curve}{beside}")
         return None
 
     def commands(self, data: dict, u: np.ndarray, source: str) -> None:
@@ -225,6 +237,22 @@ class _Reader:
             self.out.facts["allocation"] = says
         elif says:
             self.out.facts["allocation"] = says
+
+    def speeds(self) -> None:
+        """What the speed controllers report; from 1.13 on each says which motor it drives."""
+        data, motors = self.get("esc_status"), self.out.streams.get("u")
+        if data is None or motors is None:
+            return
+        place = {}
+        for k in range(MAX_ROTORS):
+            if f"esc[{k}].esc_rpm" not in data:
+                break
+            function = data.get(f"esc[{k}].actuator_function")
+            motor = int(function[-1]) - FIRST_MOTOR if function is not None and function[-1] >= FIRST_MOTOR else k
+            place.setdefault(motor, k)
+        if all(motor in place for motor in range(motors.values.shape[1])):
+            rpm = np.column_stack([data[f"esc[{place[motor]}].esc_rpm"] for motor in range(motors.values.shape[1])])
+            put_speeds(self.out, self.seconds(data["timestamp"]), rpm, "esc_status[0]")
 
     def battery(self) -> None:
         best = None

@@ -41,35 +41,55 @@ struct Disagreement {
   std::optional<std::size_t> first_row;
 };
 
+// Rows in which every one of some columns has a sample, and the usual step from one to the next.
+struct Samples {
+  std::vector<std::size_t> rows;
+  double step_s = 0.0;
+};
+
+template <std::size_t n>
+Samples samples_of(const std::vector<double>& time_s, const std::vector<double>* const (&columns)[n]) {
+  Samples samples;
+  for (std::size_t row = 0; row < time_s.size(); ++row) {
+    double sum = 0.0;
+    for (const auto* column : columns) sum += (*column)[row];
+    if (!std::isnan(sum)) samples.rows.push_back(row);
+  }
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < samples.rows.size(); ++i)
+    steps.push_back(time_s[samples.rows[i]] - time_s[samples.rows[i - 1]]);
+  if (steps.empty()) return {};
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  samples.step_s = *middle;
+  return samples;
+}
+
+// Attitude and body rate each have samples of their own, at their own rates.
 class Judge {
  public:
-  explicit Judge(const AttitudeColumns& columns) : columns_(columns) {
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < columns.time_s.size(); ++i) steps.push_back(columns.time_s[i] - columns.time_s[i - 1]);
-    std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-    step_s_ = steps[steps.size() / 2];
-  }
+  explicit Judge(const AttitudeColumns& columns)
+      : columns_(columns), q_(samples_of(columns.time_s, columns.q)), w_(samples_of(columns.time_s, columns.w)) {}
 
   Disagreement judge(const Convention& convention) const {
     Disagreement result;
+    if (q_.rows.empty() || w_.rows.empty()) return result;
     double wrong = 0.0, all = 0.0;
-    const std::size_t rows = columns_.time_s.size();
-    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(window_s / step_s_)));
-    for (std::size_t begin = 0; begin + length < rows; begin += length) {
-      Quaternion turned = Quaternion::Identity();
-      bool usable = complete(begin), still = true;
-      for (std::size_t i = begin; i < begin + length && usable; ++i) {
-        const double dt = columns_.time_s[i + 1] - columns_.time_s[i];
-        usable = complete(i + 1) && dt < 3.0 * step_s_;
-        const Vector3 half = 0.25 * dt * convention.rate_scale * (rate(i) + rate(i + 1));
-        turned = turned * Quaternion(1.0, half.x(), half.y(), half.z()).normalized();
-        still = still && attitude(i, convention).coeffs() == attitude(i + 1, convention).coeffs();
+    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(window_s / q_.step_s)));
+    std::size_t before = 0;  // the last rate at or before the window's begin
+    for (std::size_t k = 0; k + length < q_.rows.size(); k += length) {
+      const std::size_t begin = q_.rows[k], end = q_.rows[k + length];
+      while (before + 1 < w_.rows.size() && w_.rows[before + 1] <= begin) ++before;
+      bool still = true, whole = true;
+      for (std::size_t i = k; i < k + length; ++i) {
+        whole = whole && time(q_.rows[i + 1]) - time(q_.rows[i]) < 3.0 * q_.step_s;
+        still = still && attitude(q_.rows[i], convention).coeffs() == attitude(q_.rows[i + 1], convention).coeffs();
       }
+      Quaternion turned;
       // an attitude that is held or frozen is another finding
-      if (!usable || still) continue;
+      if (!whole || still || !integrate(before, begin, end, convention.rate_scale, turned)) continue;
       const Vector3 by_rate = turn_of(turned);
-      const Vector3 by_attitude =
-          turn_of(attitude(begin, convention).conjugate() * attitude(begin + length, convention));
+      const Vector3 by_attitude = turn_of(attitude(begin, convention).conjugate() * attitude(end, convention));
       const double turn = std::max(by_rate.norm(), by_attitude.norm());
       if (turn < least_turn_rad) continue;
       const double error = (by_rate - by_attitude).norm();
@@ -83,12 +103,30 @@ class Judge {
   }
 
  private:
-  bool complete(std::size_t row) const {
-    double sum = 0.0;
-    for (const auto* column : columns_.q) sum += (*column)[row];
-    for (const auto* column : columns_.w) sum += (*column)[row];
-    return !std::isnan(sum);
+  // The turn between two rows by the rate, linear between its samples, from sample number `first` on; false across a gap of it, or
+  // where it begins later or ends earlier.
+  bool integrate(std::size_t first, std::size_t begin, std::size_t end, double scale, Quaternion& turned) const {
+    turned = Quaternion::Identity();
+    if (w_.rows[first] > begin) return false;
+    for (std::size_t i = first; w_.rows[i] < end; ++i) {
+      if (i + 1 == w_.rows.size()) return false;
+      const double from_s = time(w_.rows[i]), to_s = time(w_.rows[i + 1]);
+      if (to_s - from_s >= 3.0 * w_.step_s) return false;
+      const double a_s = std::max(from_s, time(begin)), b_s = std::min(to_s, time(end));
+      const Vector3 a = rate_between(i, a_s), b = rate_between(i, b_s), half = 0.25 * (b_s - a_s) * scale * (a + b);
+      turned = turned * Quaternion(1.0, half.x(), half.y(), half.z()).normalized();
+    }
+    return true;
   }
+  // between samples i and i + 1
+  Vector3 rate_between(std::size_t i, double time_s) const {
+    const double from_s = time(w_.rows[i]), to_s = time(w_.rows[i + 1]);
+    if (time_s <= from_s) return rate(w_.rows[i]);
+    if (time_s >= to_s) return rate(w_.rows[i + 1]);
+    const double share = (time_s - from_s) / (to_s - from_s);
+    return (1.0 - share) * rate(w_.rows[i]) + share * rate(w_.rows[i + 1]);
+  }
+  double time(std::size_t row) const { return columns_.time_s[row]; }
   Vector3 rate(std::size_t row) const { return {(*columns_.w[0])[row], (*columns_.w[1])[row], (*columns_.w[2])[row]}; }
   Quaternion attitude(std::size_t row, const Convention& convention) const {
     double c[4];
@@ -99,7 +137,7 @@ class Judge {
   }
 
   const AttitudeColumns& columns_;
-  double step_s_ = 0.0;
+  Samples q_, w_;
 };
 
 }  // namespace

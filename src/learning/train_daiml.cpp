@@ -112,7 +112,8 @@ void check(std::span<const Condition> conditions, const TrainingOptions& options
 
 }  // namespace
 
-Training train_daiml(std::span<const Condition> conditions, const TrainingOptions& options) {
+Training train_daiml(std::span<const Condition> conditions, const TrainingOptions& options,
+                     const ProgressReport& progress) {
   check(conditions, options);
   const Normalisation normal = normalisation_of(conditions);
   std::vector<Samples> normalised;
@@ -136,6 +137,7 @@ Training train_daiml(std::span<const Condition> conditions, const TrainingOption
   Training training;
   for (std::int64_t epoch = 0; epoch < options.epochs; ++epoch) {
     throw_if_interrupted();
+    if (progress) progress("epochs", static_cast<double>(epoch) / static_cast<double>(options.epochs));
     double prediction = 0.0, confusion = 0.0;
     // Fisher–Yates
     for (std::size_t i = order.size() - 1; i > 0; --i)

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "learning/training_data.hpp"
+#include "util/progress.hpp"
 
 namespace gustlab {
 
@@ -44,6 +45,7 @@ struct Training {
 };
 
 // The same bytes for the same conditions and seed. Throws ConfigError when a condition has too few samples.
-Training train_daiml(std::span<const Condition> conditions, const TrainingOptions& options);
+Training train_daiml(std::span<const Condition> conditions, const TrainingOptions& options,
+                     const ProgressReport& progress = {});
 
 }  // namespace gustlab

@@ -78,8 +78,7 @@ std::string log_findings(const Json& diagnosis) {
   for (const Json& line : part(diagnosis, "log_findings_in_short"))
     items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(capital(plain_label(text(line, "kind")))),
                          escape(in_plain_words(text(line, "says"))));
-  return items.empty() ? ""
-                       : "<div class=\"findings\"><h2>First, about the recordings</h2><ul>" + items + "</ul></div>";
+  return items.empty() ? "" : "<div class=\"findings\"><h2>About the recordings</h2><ul>" + items + "</ul></div>";
 }
 
 std::string region(const Json& where) {

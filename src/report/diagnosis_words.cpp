@@ -299,7 +299,7 @@ std::string one_sentence(const Json& diagnosis) {
         vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")");
   }
 
-  return findings_in_words(diagnosis) + (verdict == "partly_explained" ? "; something else remains." : ".");
+  return findings_in_words(diagnosis) + (verdict == "partly_explained" ? ". Something else remains." : ".");
 }
 
 std::string gain_sentence(const Json& diagnosis) {

@@ -166,7 +166,12 @@ const Words table[] = {
                   e, {{{"farther forward", "farther back"}, {"farther left", "farther right"}, {"higher", "lower"}}}) +
               " than the model has it";
      },
-     [](E) -> Text { return "Hover needs a lasting trim in roll or pitch; without one it drifts to the heavy side."; }},
+     [](E e) -> Text {
+       if (!surely(e, "x") && !surely(e, "y"))
+         return fmt::format("Quick rolls and pitches swing it about a point {} its middle.",
+                            down(e, "z") ? "below" : "above");
+       return "Hover needs a lasting trim in roll or pitch; without one it drifts to the heavy side.";
+     }},
     {"inertia", turning,
      [](E) -> Text {
        return "It answers the sticks at another pace than its tuning expects: it overshoots, or shakes.";

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -193,7 +194,8 @@ TrialsFile read_trials_file(const std::string& path, const std::vector<std::stri
   return file;
 }
 
-std::string fly_concealed_trials(const TrialsFile& file, const std::string& out, int jobs) {
+std::string fly_concealed_trials(const TrialsFile& file, const std::string& out, int jobs,
+                                 const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<PlannedFlight> flights;
   std::string answers;
   // every flight has air of its own
@@ -209,9 +211,14 @@ std::string fly_concealed_trials(const TrialsFile& file, const std::string& out,
   }
 
   std::vector<FlightLog> logs(flights.size());
+  std::mutex counting;
+  std::size_t flown = 0;
   parallel_for(static_cast<std::int64_t>(flights.size()), jobs, [&](std::int64_t i) {
     const auto n = static_cast<std::size_t>(i);
     logs[n] = without_secrets(fly_one(flights[n]), file.sensors);
+    const std::lock_guard<std::mutex> lock(counting);
+    ++flown;
+    if (progress) progress(flown, flights.size());
   });
   for (std::size_t i = 0; i < flights.size(); ++i) {
     const std::filesystem::path folder = std::filesystem::path(out) / flights[i].trial->name;

@@ -2,6 +2,7 @@
 // (FORMATS.md §5). The recordings hold what sensors would say and nothing of what was concealed.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,9 @@ struct TrialsFile {
 TrialsFile read_trials_file(const std::string& path, const std::vector<std::string>& overrides = {});
 
 // Flies every trial and writes OUT/<trial>/{fit,holdout}_N.csv; returns the answers, one JSON object per line. Throws
-// ConfigError for a flight that does not come to its end. The same bytes for any `jobs`.
-std::string fly_concealed_trials(const TrialsFile& file, const std::string& out, int jobs);
+// ConfigError for a flight that does not come to its end. The same bytes for any `jobs`. `progress` is called with flights that are
+// flown, of all, from one thread at a time.
+std::string fly_concealed_trials(const TrialsFile& file, const std::string& out, int jobs,
+                                 const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 }  // namespace gustlab

@@ -41,7 +41,8 @@ struct Files {
 std::string said(const std::string& csv, const std::string& meta = meta_text) { return Files().read(csv, meta); }
 
 // a vehicle that turns about changing axes; the quaternion's order and direction and the rate's unit can be wrong
-std::string turning(bool scalar_last, bool world_to_body, double rate_scale) {
+// attitude in every fifth row and the rate in the odd ones, where each has a clock of its own
+std::string turning(bool scalar_last, bool world_to_body, double rate_scale, bool own_clocks = false) {
   std::string csv = "time_s,qw,qx,qy,qz,wx,wy,wz,u1,u2,u3,u4\n";
   Quaternion q(0.9, 0.3, -0.2, 0.1);
   q.normalize();
@@ -51,8 +52,9 @@ std::string turning(bool scalar_last, bool world_to_body, double rate_scale) {
     const Quaternion p = world_to_body ? q.conjugate() : q;
     const double c[4] = {p.w(), p.x(), p.y(), p.z()};
     csv += std::to_string(t);
-    for (int k = 0; k < 4; ++k) csv += "," + std::to_string(c[scalar_last ? (k + 1) % 4 : k]);
-    for (int k = 0; k < 3; ++k) csv += "," + std::to_string(rate_scale * rate[k]);
+    const bool has_attitude = !own_clocks || i % 5 == 0, has_rate = !own_clocks || i % 2 == 1;
+    for (int k = 0; k < 4; ++k) csv += has_attitude ? "," + std::to_string(c[scalar_last ? (k + 1) % 4 : k]) : ",";
+    for (int k = 0; k < 3; ++k) csv += has_rate ? "," + std::to_string(rate_scale * rate[k]) : ",";
     csv += ",1,1,1,1\n";
     const Vector3 half = 0.005 * rate;
     q = q * Quaternion(1.0, half.x(), half.y(), half.z()).normalized();
@@ -187,6 +189,16 @@ TEST(FlightLog, AttitudeThatContradictsTheBodyRateIsAnErrorThatNamesTheConventio
   EXPECT_THAT(said(turning(true, true, 1.0)), EndsWith("the quaternion looks scalar-last and world-to-body"));
   EXPECT_THAT(said(turning(false, false, 180.0 / pi)), EndsWith("the body rate looks like degrees per second"));
   EXPECT_THAT(said(turning(false, false, -1.0)), StartsWith("a.csv:2:10: the attitude contradicts the body rate"));
+}
+
+TEST(FlightLog, ASlowAttitudeIsComparedWithTheRateBetweenItsSamples) {
+  EXPECT_EQ(said(turning(false, false, 1.0, true)), "");
+  EXPECT_THAT(said(turning(true, false, 1.0, true)), EndsWith("turn differently) the quaternion looks scalar-last"));
+  EXPECT_THAT(said(turning(false, true, 1.0, true)), EndsWith("the quaternion looks world-to-body"));
+  EXPECT_THAT(said(turning(false, false, 180.0 / pi, true)), EndsWith("the body rate looks like degrees per second"));
+  // the first attitude has no rate before it
+  EXPECT_THAT(said(turning(false, false, -1.0, true)),
+              StartsWith("a.csv:22:10: the attitude contradicts the body rate"));
 }
 
 TEST(FlightLog, SidecarErrorsAreDataErrorsWithTheirPlace) {

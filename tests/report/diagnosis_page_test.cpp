@@ -43,7 +43,7 @@ TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
                              "It leans toward rotor 3",
                              "The vehicle weighs 8.1 % more than its model",
                              "cannot tell it from thrust scale",
-                             "First, about the recordings",
+                             "About the recordings",
                              "battery sag cannot be told",
                              "Before and after",
                              "Path from above",
@@ -103,7 +103,8 @@ TEST(DiagnosisPage, WhatIsMissingIsLeftOut) {
   for (const char* verdict : {"consistent", "insufficient_data", "unexplained", "explained", "partly_explained"}) {
     const std::string html = diagnosis_page({{"verdict", verdict}, {"augmented_model", "augmented.toml"}}, {});
     expect_sound(html);
-    for (const char* absent : {"<figure>", "<table>", "First, about", "What to fly next", "Fly the improved model"})
+    for (const char* absent :
+         {"<figure>", "<table>", "About the recordings", "What to fly next", "Fly the improved model"})
       EXPECT_THAT(html, Not(HasSubstr(absent)));
   }
 }
@@ -159,7 +160,7 @@ TEST(OneSentence, FitsTheVerdict) {
   diagnosis["verdict"] = "partly_explained";
   EXPECT_EQ(report::one_sentence(diagnosis),
             "Rotor drag of 0.0147 N s/m holds it back; and the vehicle weighs 8.1 % more than its model (or thrust "
-            "scale); something else remains.");
+            "scale). Something else remains.");
   diagnosis["effects"].clear();
   diagnosis["verdict"] = "unexplained";
   EXPECT_EQ(report::one_sentence(diagnosis),
@@ -248,6 +249,10 @@ TEST(TradeWords, SayASignADirectionAndAReference) {
                       {"z", {{"value", 0.02}, {"std", 0.001}, {"unit", "m"}}}}}};
   EXPECT_EQ(report::headline_of(centre),
             "The centre of mass sits 3.0 mm farther back and 20 mm higher than the model has it");
+  EXPECT_THAT(report::notice_of(centre), HasSubstr("lasting trim"));
+  Json high = centre;
+  high["parameters"].erase("x");
+  EXPECT_THAT(report::notice_of(high), HasSubstr("a point above its middle"));
 }
 
 TEST(TradeWords, AnUnnamedTermIsLikeSomethingThatIsKnown) {

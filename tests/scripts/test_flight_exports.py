@@ -217,6 +217,27 @@ class Films(WithFlight):
         self.assertIsNone(without.gust_N)
         self.assertLess(self.near(bare, scene.GUST), self.near(last, scene.GUST) + 1)
 
+    def test_an_arrow_is_as_long_as_what_it_shows(self):
+        from gustlab_flights import render, scene
+        drawn = render.Pictures(FlightFile(self.log), render.arguments([str(self.log), "--out", "x.gif", "--size", "400x400"]))
+        try:
+            camera = drawn.camera.look(0)
+            camera.lookat[:], camera.distance, camera.elevation = (0.0, 0.0, 1.2), 1.5, 0.0
+            drawn.renderer.update_scene(drawn.scene.data, camera)
+            # an arrow and a line of the same height, equally far from the camera, left and right of the vehicle
+            turn = np.radians(camera.azimuth)
+            aside = 0.3 * np.array([-np.sin(turn), np.cos(turn), 0.0])
+            low, high = np.array([0.0, 0.0, 1.1]), np.array([0.0, 0.0, 1.5])
+            drawn.scene._arrow(drawn.renderer.scene, low - aside, high - aside, 0.05, scene.GUST)
+            drawn.scene._path(drawn.renderer.scene, np.array([low + aside, high + aside]), scene.FLOWN, 3.0)
+            picture = drawn.renderer.render().astype(int)
+            orange = np.flatnonzero((picture[:, :, 0] - picture[:, :, 2] > 60).any(axis=1))
+            blue = np.flatnonzero((picture[:, :, 2] - picture[:, :, 0] > 60).any(axis=1))
+            self.assertGreater(len(blue), 50)
+            self.assertAlmostEqual(np.ptp(orange) / np.ptp(blue), 1.0, delta=0.1)
+        finally:
+            drawn.close()
+
     def test_films_are_written_whole(self):
         for ending, mark, at in (("mp4", b"ftyp", 4), ("gif", b"GIF8", 0)):
             out = self.root / f"film.{ending}"

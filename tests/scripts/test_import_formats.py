@@ -178,7 +178,7 @@ class DataFlash(FormatCase):
 
     LAYOUT = {"Q": "Q", "f": "f", "C": "H", "H": "H", "B": "B", "c": "h", "N": "16s", "Z": "64s", "n": "4s", "h": "h", "M": "B"}
 
-    def write_log(self, version: str = "ArduCopter V4.5.1 (abcdef01)"):
+    def write_log(self, version: str = "ArduCopter V4.5.1 (abcdef01)", speeds_every: int = 0):
         out, formats = b"", {}
 
         def define(number, name, kinds, columns):
@@ -202,6 +202,7 @@ class DataFlash(FormatCase):
         define(7, "EV", "QB", "TimeUS,Id")
         define(8, "BAT", "Qf", "TimeUS,Volt")
         define(9, "XKF4", "QBB", "TimeUS,C,PI")
+        define(10, "ESC", "QBf", "TimeUS,Instance,RPM")
         put("MSG", 10**6, version.encode())
         for name, value in (("FRAME_CLASS", 1), ("FRAME_TYPE", 1), ("AHRS_EKF_TYPE", 3), ("MOT_PWM_MIN", 1100), ("MOT_PWM_MAX", 1900),
                             ("SERVO1_FUNCTION", 33), ("SERVO2_FUNCTION", 34), ("SERVO3_FUNCTION", 36), ("SERVO4_FUNCTION", 35)):
@@ -218,6 +219,9 @@ class DataFlash(FormatCase):
                 put("IMU", us, core, np.radians(10.0 * np.cos(2 * t)), 0.0, 0.0, 0.1 * core, 0.0, -9.81)
                 put("XKF1", us, core, np.cos(t), 0.0, -0.1 * np.cos(t), np.sin(t) + core, 0.0, -2.0 - 0.1 * np.sin(t))
             put("XKF4", us, 0, 1)
+            for output in range(4) if speeds_every and k % speeds_every == 0 else ():
+                # one speed controller answers after the other
+                put("ESC", us + 300 * output, output, 5000.0 + 1000.0 * output + 50.0 * np.sin(t))
             if k % 2 == 0:
                 put("RCOU", us, 1500, 1480, *(round(v) for v in 1500 + 20 * noise.normal(size=2)), 0, 0, 65000, 65000)
                 put("BAT", us, 12.0 - 0.02 * t)
@@ -245,9 +249,36 @@ class DataFlash(FormatCase):
         # motor 3 is on output 4
         self.assertIn("RCOU C1 to C3", log["flights"][0]["sources"]["u"])
 
+    def test_speeds_of_the_controllers_follow_the_outputs(self):
+        _, log, _ = self.take(self.write_log(speeds_every=2))
+        self.assertEqual(log["flights"][0]["rates_hz"]["rotor"], 50)
+        written = self.written("flight_1.csv")
+        rows = np.isfinite(written["rotor1"])
+        # motors 3 and 4 are on outputs 4 and 3
+        for k, base in enumerate((5000.0, 6000.0, 8000.0, 7000.0), 1):
+            wanted = (base + 50.0 * np.sin(written["time_s"][rows])) * 2.0 * np.pi / 60.0
+            np.testing.assert_allclose(written[f"rotor{k}"][rows], wanted, rtol=1e-5)
+        _, log, _ = self.take(self.write_log(speeds_every=20), "--out", self.out.with_name("slow"))
+        self.assertEqual(log["flights"][0]["rates_hz"]["rotor"], 0)
+        self.assertTrue(any("more seldom than the motors' commands" in f["says"] for f in log["findings"]))
+
     def test_a_plane_is_refused(self):
         code, _, err = self.take(self.write_log("ArduPlane V4.5.1 (abcdef01)"))
         self.assertEqual((code, "ArduPlane, not a multirotor" in err), (3, True), err)
+
+
+class Blackbox(unittest.TestCase):
+    def test_electrical_turns_become_speeds_of_the_rotors(self):
+        from types import SimpleNamespace
+
+        from gustlab_import.read_blackbox import _recording
+        names = ["time", *(f"motor[{k}]" for k in range(4)), *(f"eRPM[{k}]" for k in range(4))]
+        # 12 poles are 6 pairs: 600 hundreds of electrical turns a minute are 10000 rpm
+        rows = [[1000 * k, 1000, 1000, 1000, 1000, 600, 660, 720, 780] for k in range(200)]
+        log = SimpleNamespace(main_field_names=names, main_frames=rows, frame_defs={}, stats={}, sys_config={"motor_poles": 12})
+        speeds = _recording("a.bbl", b"", log, 1).streams["rotor"]
+        np.testing.assert_allclose(speeds.values[0], np.array([10000, 11000, 12000, 13000]) * 2 * np.pi / 60)
+        self.assertEqual(round(speeds.rate_hz()), 1000)
 
 
 class Frames(FormatCase):

@@ -59,6 +59,56 @@ class PX4(ImportCase):
         wanted = np.column_stack([truth["torque"], truth["thrust"]])[place] @ MIX.T
         np.testing.assert_allclose(u, wanted, atol=2e-6)
 
+    def with_speeds(self, rate_hz: int, functions=None, swapped=False):
+        """A log whose four speed controllers report 6000 to 9000 rpm; the written flight, if any, and the log's entry"""
+        truth = synthetic()
+        log, every = px4_flight(truth), slice(0, None, 250 // rate_hz)
+        rpm = np.zeros((len(truth["time_s"]), 8), dtype=int)
+        rpm[:, :4] = np.rint(np.array([6000, 7000, 8000, 9000]) + 100 * np.sin(truth["time_s"])[:, None])
+        if swapped:
+            rpm[:, :4] = rpm[:, [3, 2, 1, 0]]
+        log.esc_status(truth["time_s"][every], rpm[every], functions)
+        _, entry, _ = self.take(log)
+        return self.written("flight_1.csv"), entry
+
+    def test_speeds_that_the_controllers_report(self):
+        written, log = self.with_speeds(125)
+        rows = np.isfinite(written["rotor1"])
+        self.assertEqual(log["flights"][0]["rates_hz"]["rotor"], 125)
+        for k, base in enumerate((6000, 7000, 8000, 9000), 1):
+            wanted = np.rint(base + 100 * np.sin(written["time_s"][rows])) * 2 * np.pi / 60
+            np.testing.assert_allclose(written[f"rotor{k}"][rows], wanted, rtol=1e-6)
+
+    def test_speeds_go_to_the_motor_that_they_are_of(self):
+        written, _ = self.with_speeds(125, functions=[104, 103, 102, 101, 0, 0, 0, 0], swapped=True)
+        rows = np.isfinite(written["rotor1"])
+        np.testing.assert_allclose(written["rotor1"][rows].mean(), 6000 * 2 * np.pi / 60, rtol=0.01)
+        np.testing.assert_allclose(written["rotor4"][rows].mean(), 9000 * 2 * np.pi / 60, rtol=0.01)
+
+    def test_speeds_that_come_too_seldom_are_said_and_not_used(self):
+        written, log = self.with_speeds(5)
+        self.assertNotIn("rotor1", written)
+        self.assertIn("rotor speeds of esc_status[0] come at 5 Hz, more seldom than the motors' commands at 50 Hz: not used",
+                      [f["says"] for f in log["findings"]])
+
+    def test_outputs_are_behind_the_thrust_curve_and_motors_before_it(self):
+        truth = synthetic()
+        share = np.column_stack([truth["torque"], truth["thrust"]]) @ MIX.T
+        factor = 0.3
+        # as the driver does it: the signal whose thrust f s^2 + (1 - f) s is the share
+        signal = (np.sqrt((1 - factor)**2 + 4 * factor * share) - (1 - factor)) / (2 * factor)
+        pulses = np.zeros((len(signal), 16))
+        pulses[:, :4] = 1000.0 + 1000.0 * signal
+        log = px4_flight(truth, motors_logged=False)
+        log.parameter("THR_MDL_FAC", factor)
+        log.topic("actuator_outputs", truth["time_s"], {"uint32_t noutputs": np.full(len(pulses), 4), "float[16] output": pulses})
+        _, entry, _ = self.take(log)
+        self.assertIn("back through THR_MDL_FAC 0.3", entry["flights"][0]["sources"]["u"])
+        written = self.written("flight_1.csv")
+        rows = np.isfinite(written["u1"])
+        place = np.rint(written["time_s"][rows] * 250).astype(int)
+        np.testing.assert_allclose(np.column_stack([written[f"u{k}"][rows] for k in (1, 2, 3, 4)]), share[place], atol=2e-6)
+
     def test_set_points_that_contradict_the_motors_are_not_used(self):
         truth = synthetic()
         log = px4_flight(truth)
@@ -215,6 +265,16 @@ class Damaged(ImportCase):
                 self.assertIn(name, err)
                 self.assertEqual(len(err.strip().splitlines()), 1, err)
                 self.assertFalse(self.out.exists() and list(self.out.glob("*.csv")))
+
+    def test_a_damaged_log_is_said_beside_the_document_and_not_in_it(self):
+        log = px4_flight(synthetic())
+        # samples of a topic that was never announced, as after lost bytes
+        log.data.append((log.start_us, log.message(b"D", b"\x63\x00" + bytes(16))))
+        path = self.write("holes.ulg", log.bytes())
+        code, out, _ = self.run_import(path, "--format", "json")
+        self.assertEqual(code, 0)
+        said = [f["says"] for f in json.loads(out)["logs"][0]["findings"]]
+        self.assertTrue(any(line.startswith("the file is damaged in places") for line in said), said)
 
     def test_a_log_that_was_cut_off_keeps_what_is_there(self):
         good = px4_flight(synthetic()).bytes()

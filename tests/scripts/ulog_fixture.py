@@ -43,6 +43,20 @@ class ULogFile:
             stamp = self.start_us + round(1e6 * t)
             self.data.append((stamp, self.message(b"D", struct.pack("<H", number) + struct.pack(layout, stamp, *row))))
 
+    def esc_status(self, time_s, rpm, functions=None) -> None:
+        """Speed controllers' reports, a nested type: rpm (n, 8); functions: what each drives, 101 for motor 1, or None as before 1.13."""
+        inner = "uint64_t timestamp;int32_t esc_rpm;" + ("uint8_t actuator_function;" if functions is not None else "")
+        for name, text in (("esc_report", inner), ("esc_status", "uint64_t timestamp;uint8_t esc_count;esc_report[8] esc;")):
+            self.head += self.message(b"F", f"{name}:{text}".encode())
+        number, self.next_id = self.next_id, self.next_id + 1
+        self.data.append((-1, self.message(b"A", struct.pack("<BH", 0, number) + b"esc_status")))
+        for t, row in zip(time_s, rpm):
+            stamp = self.start_us + round(1e6 * t)
+            body = struct.pack("<HQB", number, stamp, 4)
+            for k in range(8):
+                body += struct.pack("<Qi", stamp, int(row[k])) + (struct.pack("<B", functions[k]) if functions is not None else b"")
+            self.data.append((stamp, self.message(b"D", body)))
+
     def bytes(self) -> bytes:
         out = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", self.start_us) + self.message(b"B", bytes(40)) + self.head
         return out + b"".join(part for _, part in sorted(self.data, key=lambda item: item[0]))
@@ -57,7 +71,8 @@ MIX = np.array([[-0.7071, 0.7071, 1.0, 1.0], [0.7071, -0.7071, 1.0, 1.0], [0.707
 
 
 def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 17.0), instance: int = 0, rate_hz: int = 250,
-               reset_s: float = None) -> ULogFile:
+               reset_s: float = None,
+               motors_logged: bool = True) -> ULogFile:
     """A flight as PX4's default profile logs it.
 
     flight: (n, ...) in z-up world and FLU body at rate_hz: time_s, p, v, q (scalar first), w, a, torque (n, 3; FRD, normalised),
@@ -92,15 +107,16 @@ def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 
                                                   **{f"float v{name}": v[:, k] for k, name in enumerate("xyz")}})
     asked = np.column_stack([flight["torque"], flight["thrust"]])
     motors = asked @ MIX.T
-    if instance:
+    if instance and motors_logged:
         log.topic("actuator_motors", t[slow], {"uint64_t timestamp_sample": stamps(log, t[slow]),
                                                "float[12] control": np.full((len(t[slow]), 12), np.nan)})
     control = np.full((len(t[slow]), 12), np.nan)
     control[:, :4] = motors[slow]
-    log.topic("actuator_motors", t[slow] + 2e-4, {"uint64_t timestamp_sample": stamps(log, t[slow]), "float[12] control": control},
-              instance)
+    if motors_logged:
+        log.topic("actuator_motors", t[slow] + 2e-4, {"uint64_t timestamp_sample": stamps(log, t[slow]), "float[12] control": control},
+                  instance)
     thrust = np.column_stack([np.zeros((len(t[half]), 2)), -flight["thrust"][half]])
-    for name, values in (("vehicle_torque_setpoint", flight["torque"][half]), ("vehicle_thrust_setpoint", thrust)):
+    for name, values in (("vehicle_torque_setpoint", flight["torque"][half]), ("vehicle_thrust_setpoint", thrust)) * motors_logged:
         log.topic(name, t[half] + 1e-4, {"uint64_t timestamp_sample": stamps(log, t[half]), "float[3] xyz": values})
     log.topic("battery_status", t[fifth], {"float voltage_v": 16.0 - 0.02 * t[fifth] + 0.01 * np.sin(t[fifth])})
     every = np.arange(0.0, t[-1], 0.5)

@@ -1,4 +1,4 @@
-"""How far long work is, on stderr: one line that is rewritten on a terminal, a line every ten seconds elsewhere."""
+"""How far long work is, on stderr: one line that is rewritten on a terminal, a line every half a minute elsewhere."""
 
 import sys
 import time
@@ -12,7 +12,7 @@ class Progress:
 
     def show(self, done: int, of: int) -> None:
         now = time.monotonic()
-        wait = 0.1 if self.terminal else 10.0
+        wait = 0.1 if self.terminal else 30.0
         if self.quiet or now - self.begin < 2.0 or now - self.last < wait or done == 0:
             return
         self.last = now
