@@ -13,7 +13,7 @@ from pathlib import Path
 FOLDERS = {"controller": "controllers", "effect": "effects", "trajectory": "trajectories"}
 ROWS = {
     "controller": '    {{.name = "{name}", .says = "{says}",\n     .source = "", .make = make_{name}}},\n',
-    "effect": '    {{.name = "{name}", .place = Place::wrench, .order = 10,\n     .per_flight = false, .diagnosable = false, .external = false,\n'
+    "effect": '    {{.name = "{name}", .place = Place::wrench, .order = 10, .diagnosable = false,\n'
               '     .says = "{says}",\n     .shows_in = "", .confused_with = "",\n     .source = "", .make = make_{name}}},\n',
     "trajectory": '    {{.name = "{name}", .says = "{says}", .make = make_{name}}},\n',
 }

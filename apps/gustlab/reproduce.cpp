@@ -46,7 +46,10 @@ struct Report {
 };
 
 // what still air lacks; a constant force stays, which is a vehicle's own as well
-bool is_wind(std::string_view effect) { return effect == "gust" || effect == "fans" || effect == "steady_wind"; }
+bool is_wind(std::string_view effect) {
+  const EffectRow& row = *find_effect(effect);
+  return row.air == Airflow::wind || (row.external && !row.is_predictable());
+}
 
 // flies what the folder does not hold yet
 std::vector<ResultRow> fly_table(const Experiment& experiment, const std::string& folder, int jobs) {

@@ -52,7 +52,7 @@ void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const st
 // physics of the vehicle itself: not of one flight, of the room, of a sensor, and no damage
 bool is_constant(const EffectRow& row) {
   return !row.per_flight && !row.external && !row.replay_only && row.diagnosable && row.place != Place::measurement &&
-         row.name != "rotor_loss" && row.name != "slung_load" && row.name != "wall_effect";
+         !row.per_rotor && row.column != ColumnFrom::swing && !row.asks(Need::wall);
 }
 
 std::string with_spread(double value, double deviation) { return fmt::format("{:.4g} ± {:.2g}", value, deviation); }

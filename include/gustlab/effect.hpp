@@ -8,6 +8,7 @@
 // that it is handed, so that a snapshot of the plant carries everything.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -139,23 +140,65 @@ constexpr Need operator&(Need a, Need b) {
   return static_cast<Need>(static_cast<unsigned>(a) & static_cast<unsigned>(b));
 }
 
+// Where the column of an effect's strength comes from: the regression of the diagnosis has one per parameter.
+enum class ColumnFrom {
+  model,        // the forward model, perturbed
+  swing,        // a history: the force of a load whose swing a scan found
+  speed_limit,  // a history: what changes under a speed limit that a scan found
+  nowhere       // known by its statistics only: sought in what is left, and left out of predictions
+};
+// How an effect has to do with the velocity of the air past the vehicle.
+enum class Airflow {
+  ignored,
+  felt,
+  drag,  // felt, and there in any motion
+  wind   // moves the air: nothing without those that feel it
+};
+// How late an effect makes what goes through its place, in its first parameter.
+enum class Latency { none, lag, delay };
+// What of the recorded motion an effect corrects, parameter by parameter. A late pose is Latency::delay of a measurement.
+enum class Corrects { nothing, attitude, heading, rate_scale };
+// What mean commands of hover show of an effect.
+enum class InHover { nothing, weight, center, rotor };
+// No flight tells an effect from the last number of another one, except where one of `unless` is there as well.
+struct ExactAlias {
+  std::string_view effect = {};
+  std::array<std::string_view, 2> unless = {};
+};
+
 // A row of the registry: what is said of an effect without making one. Order of rows is the catalogue's (DIAGNOSIS.md §5).
+// The diagnosis asks for these traits and never for a name; tests/contract/effect_traits_test.cpp holds each of them.
 struct EffectRow {
   std::string_view name;
   Place place;
   int order;                 // of application within its place
-  bool per_flight;           // fitted per flight, otherwise per vehicle
-  bool diagnosable;          // false: simulator only (measurement_noise, sindy_residual)
-  bool external;             // a disturbance from outside, logged as fx…tz
+  bool per_flight = false;   // fitted per flight, otherwise per vehicle
+  bool diagnosable = true;   // false: simulator only (measurement_noise, sindy_residual)
+  bool external = false;     // a disturbance from outside, logged as fx…tz
   bool replay_only = false;  // true of the loop that was recorded and of no other
+  bool describes = false;    // what the diagnosis writes for a remainder without a name
   bool commanded = false;    // seen only in how the vehicle answers its commands
-  Need needs = Need::nothing;
+  bool per_rotor = false;    // one candidate for each rotor, by its integer parameter `rotor`
+  ColumnFrom column = ColumnFrom::model;
+  Airflow air = Airflow::ignored;
+  Latency latency = Latency::none;
+  Corrects corrects = Corrects::nothing;
+  InHover in_hover = InHover::nothing;
+  Need needs = Need::nothing;      // each of these
+  Need needs_any = Need::nothing;  // one of these; `lacking` says why
+  std::string_view lacking = {};
+  std::string_view hidden_by_filter = {};  // why low-pass filtered logs do not tell it; empty: they do
+  std::string_view stand_in = {};          // the effect that is named by logs which do not tell this one
+  std::string_view never_beside = {};      // an exact alias of this one where the moments of inertia are free
+  ExactAlias alias = {};
   std::string_view says;           // one plain sentence of what it does
   std::string_view shows_in;       // the flight that makes it visible
   std::string_view confused_with;  // rivals, and what separates them
   std::string_view source;
   std::unique_ptr<Effect> (*make)();
   bool asks(Need need) const { return (needs & need) != Need::nothing; }
+  bool is_history() const { return column == ColumnFrom::swing || column == ColumnFrom::speed_limit; }
+  bool is_predictable() const { return column != ColumnFrom::nowhere; }
 };
 
 // An effect with the row that it came from.
@@ -167,5 +210,7 @@ struct NamedEffect {
 
 std::span<const EffectRow> effect_registry();
 const EffectRow* find_effect(std::string_view name);
+// The first row, in the catalogue's order, of which this is true; throws when there is none.
+const EffectRow& first_effect(bool (*is)(const EffectRow&));
 
 }  // namespace gustlab

@@ -23,6 +23,15 @@ enum class Scale {
   yaw_inertia,             // J_zz, kg m²
 };
 
+// When a number of an effect is a column of the diagnosis.
+enum class Fitted {
+  always,
+  with_voltage,     // only where the logs tell the battery's voltage
+  without_voltage,  // only where they do not
+  unless_negative,  // negative: as the number before it, until logs tell the two apart
+  never             // found by a scan beforehand, or left as it is
+};
+
 struct ParameterInfo {
   std::string_view unit = "-";
   std::string_view help = "";
@@ -37,6 +46,7 @@ struct ParameterInfo {
   double plausible = 0.0;
   // the tolerance where the logged attitude is an estimate, which follows the sensor that it is compared with
   double estimate_tolerance = 0.0;
+  Fitted fitted = Fitted::always;
 };
 
 // A file that a parameter names. Its bytes, not its place, are part of a run's key.

@@ -156,6 +156,37 @@ class Objective {
   std::map<std::vector<double>, double> known_;
 };
 
+// Minimises the loss of a stage from a start in units of the parameters' ranges; the objective keeps its best.
+void search_stage(Objective& objective, std::vector<double> at, std::int64_t evaluations, const std::atomic<bool>& stop,
+                  const std::function<void()>& evaluated) {
+  // Bobyqa wants two dimensions
+  nlopt::opt search(at.size() > 1 ? nlopt::LN_BOBYQA : nlopt::LN_SBPLX, static_cast<unsigned>(at.size()));
+  auto evaluate = [&](const std::vector<double>& x) {
+    if (stop) search.force_stop();
+    evaluated();
+    return objective(x);
+  };
+  using Evaluate = decltype(evaluate);
+  search.set_min_objective(
+      [](const std::vector<double>& x, std::vector<double>&, void* data) { return (*static_cast<Evaluate*>(data))(x); },
+      &evaluate);
+  search.set_lower_bounds(0.0);
+  search.set_upper_bounds(1.0);
+  search.set_initial_step(0.15);
+  search.set_xtol_abs(1e-3);
+  search.set_maxeval(static_cast<int>(std::max<std::int64_t>(evaluations - 1, 1)));
+  try {
+    double loss = 0.0;
+    search.optimize(at, loss);
+  } catch (const nlopt::forced_stop&) {
+  } catch (const nlopt::roundoff_limited&) {
+    // the loss has steps as fine as three digits: as good as it gets
+  } catch (const std::runtime_error&) {
+    // what NLopt makes of an Interrupted
+    if (!stop) throw;
+  }
+}
+
 }  // namespace
 
 std::vector<StageResult> calibrate(const std::string& experiment_path, const std::vector<std::string>& overrides,
@@ -187,32 +218,8 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
     const double start_loss = objective(start);
     std::int64_t used = 1;
 
-    // Bobyqa wants two dimensions
-    nlopt::opt search(start.size() > 1 ? nlopt::LN_BOBYQA : nlopt::LN_SBPLX, static_cast<unsigned>(start.size()));
-    auto evaluate = [&](const std::vector<double>& at) {
-      if (stop) search.force_stop();
-      progress(before + static_cast<std::size_t>(++used), all);
-      return objective(at);
-    };
-    using Evaluate = decltype(evaluate);
-    search.set_min_objective([](const std::vector<double>& at, std::vector<double>&,
-                                void* data) { return (*static_cast<Evaluate*>(data))(at); },
-                             &evaluate);
-    search.set_lower_bounds(0.0);
-    search.set_upper_bounds(1.0);
-    search.set_initial_step(0.15);
-    search.set_xtol_abs(1e-3);
-    search.set_maxeval(static_cast<int>(std::max<std::int64_t>(stage.evaluations - 1, 1)));
-    try {
-      double loss = start_loss;
-      search.optimize(start, loss);
-    } catch (const nlopt::forced_stop&) {
-    } catch (const nlopt::roundoff_limited&) {
-      // the loss has steps as fine as three digits: as good as it gets
-    } catch (const std::runtime_error&) {
-      // what NLopt makes of an Interrupted
-      if (!stop) throw;
-    }
+    search_stage(objective, start, stage.evaluations, stop,
+                 [&] { progress(before + static_cast<std::size_t>(++used), all); });
     if (stop) break;
 
     objective.best.start_loss = start_loss;

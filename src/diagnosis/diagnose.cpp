@@ -12,7 +12,7 @@
 #include "diagnosis/alignment/align.hpp"
 #include "diagnosis/estimation/rotor_speeds.hpp"
 #include "diagnosis/evidence/challenge.hpp"
-#include "diagnosis/evidence/shadow.hpp"
+#include "diagnosis/evidence/suspect.hpp"
 #include "diagnosis/hover/quasi_static.hpp"
 #include "diagnosis/output/explain.hpp"
 #include "diagnosis/output/habit.hpp"
@@ -20,6 +20,7 @@
 #include "diagnosis/output/residual_effect.hpp"
 #include "diagnosis/recording/recordings.hpp"
 #include "diagnosis/recording/sensor_lateness.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/rollout/verify.hpp"
 #include "diagnosis/selection/reference_fit.hpp"
 #include "diagnosis/selection/select_effects.hpp"
@@ -28,8 +29,6 @@
 
 namespace gustlab::diagnosis {
 namespace {
-
-constexpr double explained_share = 0.1;  // of all structure, what the omnibus test may still find
 
 // the first group with a value that ran into its bound: the model is bent to something that it is not
 std::string at_its_bound(const Catalogue& catalogue, const std::vector<Evidence>& records) {
@@ -157,7 +156,7 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
         fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not "
                     "told from those of the filter, "
                     "which the commands did not pass",
-                    1e3 * filter_feigns_s));
+                    1e3 * decisions::filter_lag_s));
   tell(options, "choosing effects", 0.1);
   Selection selection = select_effects(session, {});
   tell(options, "testing them on other flights", 0.5);
@@ -220,7 +219,7 @@ void suspect_unfelt(const Session& session, const VehicleModel& vehicle, Diagnos
   for (const EffectFinding& effect : out.effects) named.push_back(session.catalogue().find(effect.effect));
   if (!SubsetSearch(session.catalogue(), vehicle, 0.0).allowed(named))
     suspect(out, "only suspected: without a drag no wind is felt",
-            [](const EffectFinding& effect) { return effect.effect != "steady_wind"; });
+            [](const EffectFinding& effect) { return find_effect(effect.effect)->air != Airflow::wind; });
 }
 
 Verdict conclude(const Diagnosis& out, const Remainder& rest, bool at_bound, bool commands_jitter) {
@@ -228,7 +227,7 @@ Verdict conclude(const Diagnosis& out, const Remainder& rest, bool at_bound, boo
   if (out.effects.empty()) return rest.alarms.empty() && !at_bound ? Verdict::consistent : Verdict::unexplained;
   const bool quiet =
       std::all_of(rest.alarms.begin(), rest.alarms.end(), [](const Alarm& a) { return a.kind == "omnibus"; });
-  return quiet && rest.omnibus_share < explained_share ? Verdict::explained : Verdict::partly_explained;
+  return quiet && rest.omnibus_share < decisions::explained_share ? Verdict::explained : Verdict::partly_explained;
 }
 
 // what goes before what a diagnosis says already

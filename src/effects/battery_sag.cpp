@@ -19,13 +19,15 @@ class BatterySag final : public Effect {
                     .help = "thrust goes with this power of the voltage, where it is known",
                     .min = -5.0,
                     .max = 5.0,
-                    .natural = 0.5});
+                    .natural = 0.5,
+                    .fitted = Fitted::with_voltage});
     visitor.number("rate", rate_ps_,
                    {.unit = "1/s",
                     .help = "share of thrust lost per second of flight, where voltage is not known",
                     .min = 0.0,
                     .max = 0.1,
-                    .natural = 0.002});
+                    .natural = 0.002,
+                    .fitted = Fitted::without_voltage});
   }
 
   void on_actuation(Actuation& actuation) const override {

@@ -26,7 +26,8 @@ class MotorLag final : public Effect {
                     .min = -1.0,
                     .max = 1.0,
                     .natural = 0.01,
-                    .tolerance = 0.004});
+                    .tolerance = 0.004,
+                    .fitted = Fitted::unless_negative});
   }
 
   void prepare(const VehicleModel&, double step_s, const RandomStream&) override {

@@ -19,7 +19,8 @@ class Saturation final : public Effect {
                     .help = "share of the range below which a rotor stands",
                     .min = 0.0,
                     .max = 1.0,
-                    .natural = 0.05});
+                    .natural = 0.05,
+                    .fitted = Fitted::never});
   }
 
   void prepare(const VehicleModel& vehicle, double, const RandomStream&) override {

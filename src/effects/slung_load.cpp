@@ -19,7 +19,12 @@ class SlungLoad final : public Effect {
     visitor.number("mass", mass_kg_,
                    {.unit = "kg", .help = "of the load", .min = 0.0, .natural = 0.01, .scale = Scale::weight});
     visitor.number("length", length_m_,
-                   {.unit = "m", .help = "of the cable", .min = 0.02, .natural = 6.0, .scale = Scale::arm});
+                   {.unit = "m",
+                    .help = "of the cable",
+                    .min = 0.02,
+                    .natural = 6.0,
+                    .scale = Scale::arm,
+                    .fitted = Fitted::never});
   }
 
   int state_size() const override { return 6; }

@@ -62,7 +62,7 @@ VehicleReport examine_vehicle(const VehicleModel& vehicle) {
   }
   for (const EffectSpec& effect : vehicle.effects)
     for (const auto& [key, value] : effect.values) {
-      if (effect.type != "motor_lag") continue;
+      if (find_effect(effect.type)->latency != Latency::lag) continue;
       if (key == "time_constant") report.lag_up_s = std::stod(value);
       if (key == "time_constant_down") report.lag_down_s = std::stod(value);
     }

@@ -189,6 +189,20 @@ std::vector<RunRecord> fly_all(const Experiment& experiment, std::span<const Run
   return records;
 }
 
+namespace {
+
+// Runs of another program are not mixed with ours; says what differs.
+std::string start_over_if_different(RunStore& store, const Provenance& here) {
+  std::string because;
+  for (const std::string& name : differences(store.provenance(), here))
+    because += fmt::format("{}{} was {}, is {}", because.empty() ? "" : "; ", name, store.provenance().at(name),
+                           here.at(name));
+  if (!because.empty()) store.start_over(here);
+  return because;
+}
+
+}  // namespace
+
 SweepReport sweep(const Experiment& experiment, const SweepOptions& options, const std::atomic<bool>& stop,
                   const std::function<void(std::size_t done, std::size_t planned)>& progress) {
   const std::string path = store_path(options.out);
@@ -213,15 +227,8 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
     store.close();  // without a log beside it
     throw;
   }
-  if (store.provenance().empty()) {
-    store.begin(here, experiment, runs);
-  } else {
-    // runs of another program are not mixed with ours
-    for (const std::string& name : differences(store.provenance(), here))
-      report.redone_because += fmt::format("{}{} was {}, is {}", report.redone_because.empty() ? "" : "; ", name,
-                                           store.provenance().at(name), here.at(name));
-    if (!report.redone_because.empty()) store.start_over(here);
-  }
+  if (store.provenance().empty()) store.begin(here, experiment, runs);
+  else report.redone_because = start_over_if_different(store, here);
 
   const std::size_t planned = runs.size();
   std::erase_if(runs, [&](const RunSpec& spec) { return !options.shard.has(spec.index); });

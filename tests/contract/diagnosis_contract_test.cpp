@@ -100,13 +100,13 @@ diagnosis::Diagnosis diagnose_with(const EffectRow& row, const Values& values) {
                                                 .concealed = text + "}"}));
 }
 
-class DiagnosisContract : public ::testing::TestWithParam<std::string_view> {
+class DiagnosisContractTrials : public ::testing::TestWithParam<std::string_view> {
  protected:
   const EffectRow& row = *find_effect(GetParam());
   const VehicleModel vehicle = crazyflie();
 };
 
-TEST_P(DiagnosisContract, FindsWhatIsPlantedAndNothingElse) {
+TEST_P(DiagnosisContractTrials, FindsWhatIsPlantedAndNothingElse) {
   const diagnosis::Diagnosis d = diagnose_with(row, strong_values(row, vehicle, 3.0));
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   const diagnosis::EffectFinding& found = d.effects.front();
@@ -114,7 +114,7 @@ TEST_P(DiagnosisContract, FindsWhatIsPlantedAndNothingElse) {
       << found.effect << " was named for " << row.name;
 }
 
-TEST_P(DiagnosisContract, DoesNotNameWhatIsBelowItsTolerance) {
+TEST_P(DiagnosisContractTrials, DoesNotNameWhatIsBelowItsTolerance) {
   const Values values = small_values(row, vehicle);
   if (values.empty()) GTEST_SKIP() << "has no tolerance";
   EXPECT_THAT(diagnose_with(row, values).effects, IsEmpty());
@@ -129,7 +129,7 @@ std::vector<std::string_view> tested_effects() {
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, DiagnosisContract, ::testing::ValuesIn(tested_effects()),
+INSTANTIATE_TEST_SUITE_P(Registry, DiagnosisContractTrials, ::testing::ValuesIn(tested_effects()),
                          [](const auto& tested) { return std::string(tested.param); });
 
 }  // namespace

@@ -79,14 +79,14 @@ std::vector<std::string> names(const Diagnosis& d) {
   return result;
 }
 
-TEST(Diagnose, NamesNothingWhereNothingIsMissing) {
+TEST(DiagnoseTrials, NamesNothingWhereNothingIsMissing) {
   const TemporaryFolder folder;
   const Diagnosis d = diagnose_trials(fly_trials(folder, ""));
   EXPECT_THAT(names(d), IsEmpty());
   EXPECT_EQ(to_string(d.verdict), "consistent") << to_json(d).dump(1);
 }
 
-TEST(Diagnose, FindsPlantedRotorDragWithItsTotalValue) {
+TEST(DiagnoseTrials, FindsPlantedRotorDragWithItsTotalValue) {
   const TemporaryFolder folder;
   const auto paths = fly_trials(folder, "[[effect]]\ntype = \"rotor_drag\"\nat_hover = 0.025\n");
   const Diagnosis d = diagnose_trials(paths);
@@ -99,7 +99,7 @@ TEST(Diagnose, FindsPlantedRotorDragWithItsTotalValue) {
   EXPECT_EQ(to_json(d).dump(), to_json(diagnose_trials(paths, 1)).dump());
 }
 
-TEST(Diagnose, FindsTheRotorThatLostThrust) {
+TEST(DiagnoseTrials, FindsTheRotorThatLostThrust) {
   const TemporaryFolder folder;
   const Diagnosis d =
       diagnose_trials(fly_trials(folder, "[[effect]]\ntype = \"rotor_loss\"\nrotor = 3\nloss = 0.06\n"));
@@ -108,7 +108,7 @@ TEST(Diagnose, FindsTheRotorThatLostThrust) {
   EXPECT_NEAR(d.effects[0].parameters[1].value, 0.06, 0.006);
 }
 
-TEST(Diagnose, DoesNotNameAMassWithinCalibration) {
+TEST(DiagnoseTrials, DoesNotNameAMassWithinCalibration) {
   const TemporaryFolder folder;
   EXPECT_THAT(names(diagnose_trials(fly_trials(folder, "[[effect]]\ntype = \"mass\"\ndelta = 0.006\n"))), IsEmpty());
 }
@@ -123,7 +123,7 @@ void swap_inputs(const std::string& path) {
   write_flight_log(log, path);
 }
 
-TEST(Diagnose, GoesOnWithTheRotorOrderThatTheFlightsShow) {
+TEST(DiagnoseTrials, GoesOnWithTheRotorOrderThatTheFlightsShow) {
   const TemporaryFolder folder;
   const auto paths = fly_trials(folder, "");
   for (const std::string& path : paths) swap_inputs(path);
@@ -136,7 +136,7 @@ TEST(Diagnose, GoesOnWithTheRotorOrderThatTheFlightsShow) {
   for (const FlightUse& flight : d.flights) EXPECT_EQ(flight.time_offset_s, 0.0) << flight.file;
 }
 
-TEST(Diagnose, SetsAFlightWithImpossibleInputsAsideAndGoesOn) {
+TEST(DiagnoseTrials, SetsAFlightWithImpossibleInputsAsideAndGoesOn) {
   const TemporaryFolder folder;
   const auto paths = fly_trials(folder, "");
   FlightLog log = read_flight_log(paths[0]);

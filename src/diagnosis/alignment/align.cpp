@@ -12,6 +12,7 @@
 #include "diagnosis/recording/log_filters.hpp"
 #include "diagnosis/recording/sensor_lateness.hpp"
 #include "diagnosis/recording/vehicle_check.hpp"
+#include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -46,7 +47,7 @@ bool find_jitter(const std::vector<FlightData>& flights, std::vector<LogFinding>
   bool any = false;
   for (const FlightData& flight : flights) {
     const double share = command_jitter_share(flight);
-    if (share < most_command_jitter) continue;
+    if (share < decisions::most_command_jitter) continue;
     any = true;
     findings.push_back(
         {flight.label, "u1…uN", "inconsistent", flight.start_s, flight.start_s + flight.duration_s(),

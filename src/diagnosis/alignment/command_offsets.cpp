@@ -7,12 +7,11 @@
 #include "diagnosis/estimation/session.hpp"
 #include "diagnosis/recording/log_checks.hpp"
 #include "diagnosis/recording/vehicle_check.hpp"
+#include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
-
-constexpr double surely = 9.0;  // twice a log likelihood
 
 // −2 log likelihood of one flight, its commands read some time later, each with the noise that fits it best
 double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
@@ -22,7 +21,7 @@ double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
   one.push_back(std::move(flight));
   Session session(std::move(one), vehicle, 1);
   // a lag is no delay: it is late by more in slow turns than in quick ones
-  const std::vector<int> free = session.with_biases({session.catalogue().find("motor_lag")});
+  const std::vector<int> free = session.with_biases({session.catalogue().find(Place::actuation, Latency::lag)});
   session.linearise(session.value(), free);
   session.learn_noise(5, free);
   const Fit fit = solve(session.grams(free).total(), free);
@@ -44,7 +43,7 @@ std::vector<double> command_offsets(const std::vector<FlightData>& fit, const st
     if (delay[i] && *delay[i] < least) least = *delay[i], promptest = i;
   std::vector<double> offset(all.size(), 0.0);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!delay[i] || *delay[i] - least <= 0.6 * all[i]->sample_s) continue;
+    if (!delay[i] || *delay[i] - least <= decisions::least_offset_samples * all[i]->sample_s) continue;
     // a controller that answers sensor noise moves the correlation's peak, not the likelihood's; a lag that all flights share
     // moves both, but then the promptest flight does not refute later commands, either
     const double later_s = *delay[i] - least;
@@ -52,7 +51,7 @@ std::vector<double> command_offsets(const std::vector<FlightData>& fit, const st
       return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, later_s);
     };
     const double own = gain(*all[i]);
-    if (own < 100.0 || gain(*all[promptest]) > -surely) continue;
+    if (own < decisions::least_offset_gain || gain(*all[promptest]) > -decisions::least_offset_loss) continue;
     offset[i] = later_s;
     findings.push_back({all[i]->label, "u1…uN", "delay", all[i]->start_s, all[i]->start_s + all[i]->duration_s(),
                         fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: "

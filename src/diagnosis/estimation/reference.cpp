@@ -3,17 +3,16 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "diagnosis/result/decisions.hpp"
+
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double prior =
-    1.0;  // information on a number that the reference flights do not show: the file is right to its natural size
-
 // numbers that a vehicle has: not those of one flight, and no history that a scan of these flights found
 bool is_shared(const Catalogue& catalogue, const Column& column) {
   return column.group >= 0 && column.flight < 0 &&
-         !is_history(catalogue.groups()[static_cast<std::size_t>(column.group)].row->name);
+         !catalogue.groups()[static_cast<std::size_t>(column.group)].row->is_history();
 }
 
 std::pair<std::string, int> name_of(const Catalogue& catalogue, const Column& column) {
@@ -50,7 +49,7 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
   if (known.empty()) return grams;
   const Eigen::MatrixXd total = grams.total();
   Eigen::MatrixXd H = reference.information(at, at);
-  H.diagonal().array() += prior;
+  H.diagonal().array() += decisions::reference_prior;
   const Eigen::MatrixXd sum = total(known, known) + H;
   const Eigen::VectorXd scale = sum.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd unit = scale.asDiagonal() * sum * scale.asDiagonal();

@@ -7,6 +7,7 @@
 
 #include "diagnosis/model/propagation.hpp"
 #include "diagnosis/model/speed_comparison.hpp"
+#include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -16,7 +17,6 @@ constexpr double settling_s = 0.3;  // after a gap, until the speed before it is
 constexpr double least_hover = 0.2,
                  most_limit = 0.98;  // shares of the hover speed and of the limit between which a map holds
 constexpr double latest_s = 0.1;
-constexpr double most_left = 0.25;          // of the speeds' changes, that commands do not foretell
 constexpr double least_white_share = 2e-4;  // of the hover speed, sd: integrators differ
 
 }  // namespace
@@ -135,7 +135,7 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
       left += std::pow(slow[k] - slow[k - 1], 2), changes += std::pow(measured[k][i] - measured[k - 1][i], 2);
     for (std::size_t k = 0; k < n; ++k) correction[k][i] = coefficient.dot(map(k)) + slow[k];
   }
-  if (left > most_left * changes) return;
+  if (left > decisions::most_speed_left * changes) return;
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t next = k + 1 < n && !flight.samples[k + 1].starts_segment ? k + 1 : k;
     const double interval_s = next > k ? flight.samples[next].time_s - flight.samples[k].time_s : flight.sample_s;

@@ -8,6 +8,7 @@
 #include "diagnosis/estimation/rotor_speeds.hpp"
 #include "diagnosis/model/command_surprise.hpp"
 #include "diagnosis/model/linear_model.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "util/parallel.hpp"
 
 namespace gustlab::diagnosis {
@@ -54,13 +55,6 @@ constexpr double fastest_sample_s = 0.008;
 // of all flights together, about
 constexpr double most_windows = 600.0;
 
-// of innovations, sample to sample (white errors: up to 0.05); of twice the logarithm of a likelihood, per innovation (white errors in
-// slow flight: 0.012, interpolated poses: 0.66)
-constexpr double least_correlation = 0.1, least_gain_of_memory = 0.03;
-
-// a third of what a calm room leaves (measured: below it the two integrators' difference is named)
-constexpr double least_share_of_floor = 0.35;
-
 std::array<double, disturbance_groups> reference_floor(const VehicleModel& vehicle) {
   // 0.106 m/s² of force; torques in proportion to that force at 0.23 (0.20 in yaw) of the arm
   const double force = 0.106, lever = force * vehicle.mass_kg * vehicle.arm_m();
@@ -73,7 +67,7 @@ NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleMo
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     // the air of a calm room, and for what is faster some times the least that is believed
     noise.variance[g] = (g < 2 ? 0.36 : 0.25) * floor[g] * floor[g];
-    noise.least_white[g] = 2.0 * white_mean_s(g) * std::pow(least_share_of_floor * floor[g], 2);
+    noise.least_white[g] = 2.0 * white_mean_s(g) * std::pow(decisions::least_share_of_floor * floor[g], 2);
     noise.white[g] = (g < 2 ? 2.0 : 8.0) * noise.least_white[g];
   }
   noise.time_s = {0.2, 0.2, 0.1, 0.1};
@@ -265,7 +259,7 @@ void Session::search_noise(const std::vector<int>& columns) {
   for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], rest[f], noise); });
   const auto correlated = [](const auto& of_channels) {
     return std::any_of(of_channels.begin(), of_channels.end(),
-                       [](double r) { return std::abs(r) > least_correlation; });
+                       [](double r) { return std::abs(r) > decisions::lasting_correlation; });
   };
   const auto correlation = lag_correlation(whitened, 3);
   if (std::none_of(correlation.begin(), correlation.end(), correlated)) return;
@@ -277,7 +271,7 @@ void Session::search_noise(const std::vector<int>& columns) {
   const double rows = std::accumulate(whitened.begin(), whitened.end(), 0.0, [](double sum, const Whitened& w) {
     return sum + static_cast<double>(w.time_s.size());
   });
-  if (remembering < forgetful - least_gain_of_memory * rows) noise = lasting;
+  if (remembering < forgetful - decisions::lasting_gain * rows) noise = lasting;
 }
 
 double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const {
@@ -439,7 +433,7 @@ double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& c
 }
 
 void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const {
-  const int delay = catalogue_.find("actuation_delay");
+  const int delay = catalogue_.find(Place::actuation, Latency::delay);
   if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().foretold.empty())
     return;
   const int c = catalogue_.groups()[static_cast<std::size_t>(delay)].columns.front();

@@ -116,7 +116,7 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
 }
 
 // histories come from scans; a lever shows in an accelerometer only
-bool has_no_prediction(std::string_view name) { return is_history(name) || name == "imu_lever"; }
+bool has_no_prediction(const EffectRow& row) { return row.is_history() || row.asks(Need::accelerometer); }
 
 }  // namespace
 
@@ -153,7 +153,7 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
                         column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
     } else {
       const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
-      if (has_no_prediction(row.name)) continue;
+      if (has_no_prediction(row)) continue;
       if (row.place == Place::measurement) {
         moved = residuals(Reading(flight, flight_index, catalogue, to), forces, rotors, windows);
       } else {

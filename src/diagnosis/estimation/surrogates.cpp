@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/result/decisions.hpp"
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr int draws = 199;          // p ≥ 0.005
-constexpr int places = 60;          // moved signatures of one flight, each also mirrored
-constexpr double nearest = 0.1;     // of a flight, to which a signature is not moved
-constexpr double most_alike = 0.7;  // mean square correlation of a signature with itself, moved
+constexpr int draws = 199;       // p ≥ 0.005
+constexpr int places = 60;       // moved signatures of one flight, each also mirrored
+constexpr double nearest = 0.1;  // of a flight, to which a signature is not moved
 
 // the candidate's signature beside what is known, and what the whole model leaves
 struct Part {
@@ -98,7 +98,7 @@ SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& kn
       alike += std::pow(fitted.dot(a * fitted) / (fitted.dot(b * fitted) + 1e-300), 2), alikes += 1.0;
     }
   }
-  test.movable = alikes > 0.0 && alike / alikes < most_alike;
+  test.movable = alikes > 0.0 && alike / alikes < decisions::most_alike;
 
   const RandomStream random(20261123, 0, "surrogates");
   int beyond = 0;

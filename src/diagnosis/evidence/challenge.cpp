@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "diagnosis/evidence/judge.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/select_effects.hpp"
 #include "diagnosis/validation/gust_parts.hpp"
@@ -11,9 +12,6 @@
 namespace gustlab::diagnosis {
 
 namespace {
-
-constexpr double hopeless =
-    0.1;  // below it candidates go together, from it on one at a time: what goes may have hidden what speaks for others
 
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
@@ -28,14 +26,15 @@ void ask_sensors(const Session& session, const Selection& selection,
   }
 }
 
-// candidates that do not stand: all that are hopeless, otherwise the weakest
+// candidates that do not stand: all that are hopeless, otherwise the weakest alone, because it may have hidden what speaks for others
 std::vector<std::size_t> weakest(const Selection& selection, const std::vector<Evidence>& records,
                                  const std::vector<int>& means) {
   std::vector<std::size_t> failed;
   std::size_t worst = records.size();
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (selection.findings[i].calibration) continue;
-    if (records[i].probability < hopeless || std::find(means.begin(), means.end(), records[i].group) != means.end())
+    if (records[i].probability < decisions::hopeless ||
+        std::find(means.begin(), means.end(), records[i].group) != means.end())
       failed.push_back(i);
     if (records[i].probability < suspected_from &&
         (worst == records.size() || records[i].probability < records[worst].probability))

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/estimation/surrogates.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/trims.hpp"
 #include "diagnosis/validation/parts.hpp"
 #include "diagnosis/validation/regimes.hpp"
@@ -15,7 +16,6 @@ namespace {
 
 constexpr int parts_of_flight = 6;
 constexpr double shortest_part_s = 4.0;
-constexpr double equivalent_z = 2.6;
 
 // which sixth of which flight a block of the Gram matrices belongs to
 std::vector<int> clusters_of(const Session& session, const Grams& grams) {
@@ -175,7 +175,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.size_in_tolerances = size_in_tolerances(session, selection.value, finding.group);
     record.inclusion = finding.inclusion;
     for (const Rival& rival : finding.rivals)
-      if (rival.z >= equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain))
+      if (rival.z >= decisions::equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain))
         record.rival_gain = rival.delta_score, record.rival_z = rival.z;
     if (group.row->commanded) record.unpredicted_commands = selection.unforetold_gain;
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;

@@ -1,12 +1,13 @@
 // One function turns a record of evidence into the probability that its name is right, and that into named, suspected or rejected.
 #pragma once
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/result/evidence.hpp"
 
 namespace gustlab::diagnosis {
 
 // From here on a candidate is named, is said to be suspected; below it is rejected (FORMATS.md §4).
-inline constexpr double named_from = 0.8, suspected_from = 0.5;
+using decisions::named_from, decisions::suspected_from;
 
 // Fills `features` and `probability` of a record: logistic in the features, with weights that are not negative, so that nothing that speaks
 // for a name can speak against it. The weights and what they were fitted on: judge.cpp.

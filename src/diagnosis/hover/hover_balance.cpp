@@ -12,7 +12,6 @@ namespace {
 // hover: half seconds this slow on average, this far from take-off, landing and gaps
 constexpr double slow_mps = 0.3, slow_vertical_mps = 0.15, margin_s = 1.0;
 using decisions::block_s;
-constexpr double often_limited = 0.25;  // of hover
 
 }  // namespace
 
@@ -23,53 +22,71 @@ Eigen::Vector4d wrench_per_newton(const VehicleModel& vehicle, int rotor_index) 
   return {rotor.axis_B.z(), moment.x(), moment.y(), moment.z()};
 }
 
-std::optional<HoverBalance> hover_balance(const FlightData& flight, const VehicleModel& vehicle) {
-  if (flight.collective_only || flight.samples.empty()) return std::nullopt;
+namespace {
+
+// blocks of hover: the mean thrust of every rotor in each, the speeds of all their samples, and the sum of their mean voltages
+struct HoverBlocks {
+  std::vector<std::vector<double>> thrust_N, speed_radps;  // per block; per rotor
+  double volts = 0.0;
+};
+
+// one block, when it is hover
+void add_block(const FlightData& flight, const VehicleModel& vehicle, std::size_t first, std::size_t length,
+               HoverBlocks& out) {
   const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
   const auto rotors = static_cast<std::size_t>(vehicle.rotor_count);
-  const auto length = static_cast<std::size_t>(std::max(1.0, std::round(block_s / flight.sample_s)));
+  double level = 0.0, vertical = 0.0, mean_V = 0.0;
+  bool known = true;
+  std::vector<double> thrust(rotors, 0.0);
+  std::vector<RotorArray> speeds;
+  const double n = static_cast<double>(length);
+  for (std::size_t k = first; k < first + length; ++k) {
+    const Sample& sample = flight.samples[k];
+    known = known && (sample.channels & (has_position | has_velocity));
+    level += flight.motion[k].velocity_W_mps.head<2>().norm() / n;
+    vertical += std::abs(flight.motion[k].velocity_W_mps.z()) / n;
+    mean_V += sample.voltage_V / n;
+    speeds.push_back(record.mean(sample.time_s - flight.sample_s, sample.time_s));
+    for (std::size_t i = 0; i < rotors; ++i)
+      thrust[i] += vehicle.rotors[i].thrust_coefficient_Ns2 * speeds.back()[i] * speeds.back()[i] / n;
+  }
+  if (!known || level > slow_mps || vertical > slow_vertical_mps) return;
+  out.thrust_N.push_back(thrust);
+  out.volts += mean_V;
+  for (const RotorArray& speed : speeds)
+    for (std::size_t i = 0; i < rotors; ++i) out.speed_radps[i].push_back(speed[i]);
+}
 
-  // half seconds of hover, each with the mean thrust of every rotor
-  std::vector<std::vector<double>> block;
-  std::vector<std::vector<double>> fastest(rotors);  // every sample's speed
-  double volts = 0.0;
+HoverBlocks hover_blocks(const FlightData& flight, const VehicleModel& vehicle) {
+  HoverBlocks blocks;
+  blocks.speed_radps.resize(static_cast<std::size_t>(vehicle.rotor_count));
+  const auto length = static_cast<std::size_t>(std::max(1.0, std::round(block_s / flight.sample_s)));
   for (std::size_t begin = 0; begin < flight.samples.size();) {
     std::size_t end = begin + 1;
     while (end < flight.samples.size() && flight.samples[end].time_s - flight.samples[end - 1].time_s < block_s) ++end;
     const double from_s = flight.samples[begin].time_s + margin_s, to_s = flight.samples[end - 1].time_s - margin_s;
-    for (std::size_t first = begin; first + length <= end; first += length) {
-      if (flight.samples[first].time_s < from_s || flight.samples[first + length - 1].time_s > to_s) continue;
-      double level = 0.0, vertical = 0.0, mean_V = 0.0;
-      bool known = true;
-      std::vector<double> thrust(rotors, 0.0);
-      std::vector<RotorArray> speeds;
-      const double n = static_cast<double>(length);
-      for (std::size_t k = first; k < first + length; ++k) {
-        const Sample& sample = flight.samples[k];
-        known = known && (sample.channels & (has_position | has_velocity));
-        level += flight.motion[k].velocity_W_mps.head<2>().norm() / n;
-        vertical += std::abs(flight.motion[k].velocity_W_mps.z()) / n;
-        mean_V += sample.voltage_V / n;
-        speeds.push_back(record.mean(sample.time_s - flight.sample_s, sample.time_s));
-        for (std::size_t i = 0; i < rotors; ++i)
-          thrust[i] += vehicle.rotors[i].thrust_coefficient_Ns2 * speeds.back()[i] * speeds.back()[i] / n;
-      }
-      if (!known || level > slow_mps || vertical > slow_vertical_mps) continue;
-      block.push_back(thrust);
-      volts += mean_V;
-      for (const RotorArray& speed : speeds)
-        for (std::size_t i = 0; i < rotors; ++i) fastest[i].push_back(speed[i]);
-    }
+    for (std::size_t first = begin; first + length <= end; first += length)
+      if (!(flight.samples[first].time_s < from_s) && !(flight.samples[first + length - 1].time_s > to_s))
+        add_block(flight, vehicle, first, length, blocks);
     begin = end;
   }
-  if (static_cast<double>(block.size()) * block_s < least_hover_s) return std::nullopt;
+  return blocks;
+}
 
+}  // namespace
+
+std::optional<HoverBalance> hover_balance(const FlightData& flight, const VehicleModel& vehicle) {
+  if (flight.collective_only || flight.samples.empty()) return std::nullopt;
+  const HoverBlocks blocks = hover_blocks(flight, vehicle);
+  const double n = static_cast<double>(blocks.thrust_N.size());
+  if (n * block_s < least_hover_s) return std::nullopt;
+
+  const auto rotors = static_cast<std::size_t>(vehicle.rotor_count);
   HoverBalance balance;
-  const double n = static_cast<double>(block.size());
   balance.hover_s = n * block_s;
   balance.thrust_N.assign(rotors, 0.0);
   Eigen::Vector4d square = Eigen::Vector4d::Zero();
-  for (const auto& thrust : block) {
+  for (const auto& thrust : blocks.thrust_N) {
     Eigen::Vector4d wrench = Eigen::Vector4d::Zero();
     for (std::size_t i = 0; i < rotors; ++i) {
       balance.thrust_N[i] += thrust[i] / n;
@@ -82,14 +99,15 @@ std::optional<HoverBalance> hover_balance(const FlightData& flight, const Vehicl
 
   // a speed that is often the highest of all, or that needs more voltage than there was
   const double share_V =
-      flight.has_voltage && vehicle.nominal_voltage_V > 0.0 ? volts / n / vehicle.nominal_voltage_V : 1.0;
+      flight.has_voltage && vehicle.nominal_voltage_V > 0.0 ? blocks.volts / n / vehicle.nominal_voltage_V : 1.0;
   for (std::size_t i = 0; i < rotors; ++i) {
-    const double top = *std::max_element(fastest[i].begin(), fastest[i].end());
-    const auto at_top =
-        std::count_if(fastest[i].begin(), fastest[i].end(), [&](double speed) { return speed > 0.999 * top; });
+    const std::vector<double>& speed = blocks.speed_radps[i];
+    const double top = *std::max_element(speed.begin(), speed.end());
+    const auto at_top = std::count_if(speed.begin(), speed.end(), [&](double s) { return s > 0.999 * top; });
     const double most_N = vehicle.rotors[i].thrust_coefficient_Ns2 * std::pow(vehicle.max_speed_radps * share_V, 2);
     balance.limited.push_back(balance.thrust_N[i] > most_N ||
-                              static_cast<double>(at_top) > often_limited * static_cast<double>(fastest[i].size()));
+                              static_cast<double>(at_top) >
+                                  decisions::often_limited * static_cast<double>(speed.size()));
   }
   return balance;
 }

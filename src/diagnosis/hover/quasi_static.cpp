@@ -8,24 +8,16 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "diagnosis/result/decisions.hpp"
+
 namespace gustlab::diagnosis {
+
+using namespace decisions;
 
 namespace {
 
 using Vector4 = Eigen::Vector4d;
 
-// Between normal flights of one vehicle, as a share of weight (moments: of weight times lever, yaw: of weight times
-// torque ratio). Two vehicles, two flights each, CrazyPAD: 0.019, 0.006, 0.015, 0.014.
-constexpr double flight_to_flight = 0.02;
-constexpr double prior_flights = 4.0;  // what that figure counts for when several references are given
-constexpr double significance = 0.001;
-constexpr double parameter_cost = 6.6;  // squared standard deviations, p = 0.01, to be added
-constexpr double other_cost = 2.0;      // Akaike's, to be another explanation
-constexpr double equivalent_z = 2.6;
-constexpr double checked_confidence = 0.95, unchecked_confidence = 0.85;
-// what hover means can tell at all
-constexpr std::string_view seen_in_hover[] = {"constant_force", "slung_load", "mass",       "center_of_mass",
-                                              "thrust_scale",   "rotor_loss", "battery_sag"};
 constexpr std::array<const char*, 4> channel_name = {"force_z", "torque_x", "torque_y", "torque_z"};
 
 // wrench of a flight whose lever in each channel carries the whole weight
@@ -61,7 +53,8 @@ struct Reference {
       within += f->balance.deviation.cwiseQuotient(unit).cwiseAbs2() / (n * n);
     }
     const Vector4 between =
-        (Vector4::Constant(prior_flights * flight_to_flight * flight_to_flight) + spread) / (prior_flights + n - 1.0);
+        (Vector4::Constant(flight_to_flight_counts * flight_to_flight * flight_to_flight) + spread) /
+        (flight_to_flight_counts + n - 1.0);
     deviation = (between * (1.0 + 1.0 / n) + within).cwiseSqrt();
   }
   Vector4 difference(const Flight& f) const { return (f.balance.wrench - mean).cwiseQuotient(unit); }
@@ -69,7 +62,7 @@ struct Reference {
     return (deviation.cwiseAbs2() + f.balance.deviation.cwiseQuotient(unit).cwiseAbs2()).cwiseSqrt();
   }
   double distance(const Flight& f) const { return difference(f).cwiseQuotient(deviation_of(f)).squaredNorm(); }
-  bool agrees(const Flight& f) const { return tail(distance(f), 4) > significance; }
+  bool agrees(const Flight& f) const { return tail(distance(f), 4) > hover_significance; }
 };
 
 // a change of the vehicle, as directions in which the balance moves
@@ -146,7 +139,7 @@ void fit(Hypothesis& h, const Reference& reference, const std::vector<const Flig
     h.misfit += (y - A * h.value).squaredNorm();
   }
   // loss is positive: as many rows as the flights give, less what was fitted
-  h.adequate = tail(h.misfit, static_cast<int>(rows.size() * flights.size()) - h.size()) > significance;
+  h.adequate = tail(h.misfit, static_cast<int>(rows.size() * flights.size()) - h.size()) > hover_significance;
   for (int i = h.size() - static_cast<int>(h.rotors.size()); i < h.size(); ++i)
     h.adequate = h.adequate && h.value[i] > 0.0;
 }
@@ -157,13 +150,9 @@ std::string labels(const std::vector<const Flight*>& flights) {
   return text;
 }
 
-bool seen(std::string_view name) {
-  return std::find(std::begin(seen_in_hover), std::end(seen_in_hover), name) != std::end(seen_in_hover);
-}
-
 void cannot_tell(Diagnosis& out, bool anything) {
   for (const EffectRow& row : effect_registry())
-    if (row.diagnosable && !(anything && seen(row.name)))
+    if (row.diagnosable && !(anything && row.in_hover != InHover::nothing))
       out.not_identifiable.push_back(
           {std::string(row.name),
            anything ? "mean commands of hover do not show it, and the log has neither attitude nor body rate"
@@ -174,21 +163,42 @@ void cannot_tell(Diagnosis& out, bool anything) {
 std::vector<std::string> names_of(const std::vector<const Hypothesis*>& alike) {
   std::vector<std::string> names;
   for (const EffectRow& row : effect_registry())
-    if (seen(row.name) && std::any_of(alike.begin(), alike.end(), [&](const Hypothesis* h) {
-          if (row.name == "rotor_loss") return !h->rotors.empty();
-          if (row.name == "center_of_mass") return h->center_of_mass;
-          return h->weight && !h->center_of_mass;
+    if (std::any_of(alike.begin(), alike.end(), [&](const Hypothesis* h) {
+          switch (row.in_hover) {
+            case InHover::nothing:
+              return false;
+            case InHover::rotor:
+              return !h->rotors.empty();
+            case InHover::center:
+              return h->center_of_mass;
+            case InHover::weight:
+              return h->weight && !h->center_of_mass;
+          }
+          return false;
         }))
       names.emplace_back(row.name);
   return names;
 }
 
-EffectFinding finding(std::string_view name, std::vector<NamedValue> parameters) {
-  const EffectRow* row = find_effect(name);
+// of the names for one change the first of the catalogue; beside a moved centre of mass it is the body that is heavier
+const EffectRow& moved_center() {
+  return first_effect([](const EffectRow& row) { return row.in_hover == InHover::center; });
+}
+const EffectRow& lost_thrust() {
+  return first_effect([](const EffectRow& row) { return row.in_hover == InHover::rotor; });
+}
+const EffectRow& more_weight() {
+  return first_effect([](const EffectRow& row) { return row.in_hover == InHover::weight; });
+}
+const EffectRow& heavier_body() {
+  return first_effect([](const EffectRow& row) { return row.in_hover == InHover::weight && row.place == Place::body; });
+}
+
+EffectFinding finding(const EffectRow& row, std::vector<NamedValue> parameters) {
   EffectFinding effect;
-  effect.effect = name;
-  effect.place = to_string(row->place);
-  effect.says = row->says;
+  effect.effect = row.name;
+  effect.place = to_string(row.place);
+  effect.says = row.says;
   effect.parameters = std::move(parameters);
   effect.classmates = {effect.effect};
   return effect;
@@ -207,14 +217,14 @@ std::vector<EffectFinding> effects_of(const Hypothesis& h, const Reference& refe
     // moment about x is weight times y, about y minus weight times x
     const double total = 1.0 + more, y = reference.unit[1] / weight_N / total,
                  x = -reference.unit[2] / weight_N / total;
-    effects.push_back(finding("center_of_mass", {{"x", "m", x * h.value[at + 1], std::abs(x) * sd(at + 1)},
-                                                 {"y", "m", y * h.value[at], std::abs(y) * sd(at)},
-                                                 {"z", "m", 0.0, vehicle.arm_m()}}));
+    effects.push_back(finding(moved_center(), {{"x", "m", x * h.value[at + 1], std::abs(x) * sd(at + 1)},
+                                               {"y", "m", y * h.value[at], std::abs(y) * sd(at)},
+                                               {"z", "m", 0.0, vehicle.arm_m()}}));
   }
-  if (h.weight && h.center_of_mass) effects.push_back(finding("mass", {{"delta", "-", more, more_sd}}));
+  if (h.weight && h.center_of_mass) effects.push_back(finding(heavier_body(), {{"delta", "-", more, more_sd}}));
   if (h.weight && !h.center_of_mass)
     effects.push_back(finding(
-        "constant_force",
+        more_weight(),
         {{"x", "N", 0.0, weight_N}, {"y", "N", 0.0, weight_N}, {"z", "N", -more * weight_N, more_sd * weight_N}}));
   if (h.center_of_mass) at += 2;
   for (const int rotor : h.rotors) {
@@ -224,7 +234,7 @@ std::vector<EffectFinding> effects_of(const Hypothesis& h, const Reference& refe
       asked += f->balance.thrust_N[static_cast<std::size_t>(rotor)] / static_cast<double>(flights.size());
     const double share = weight_N / asked;
     effects.push_back(finding(
-        "rotor_loss",
+        lost_thrust(),
         {{"rotor", "-", rotor + 1.0, 0.0}, {"loss", "-", std::clamp(share * h.value[at], 0.0, 1.0), share * sd(at)}}));
     ++at;
   }
@@ -244,7 +254,7 @@ void report_mismatch(const Reference& reference, const std::vector<const Flight*
     Mismatch m;
     m.channel = channel_name[static_cast<std::size_t>(c)];
     m.p_value = tail(square, static_cast<int>(flights.size()));
-    m.significant = m.p_value < significance;
+    m.significant = m.p_value < hover_significance;
     m.rms = reference.unit[c] * std::sqrt(size);
     m.noise_rms = reference.unit[c] * std::sqrt(noise);
     m.unit = c == 0 ? "N" : "N m";
@@ -261,6 +271,48 @@ std::vector<int> limited_rotors(const std::vector<const Flight*>& flights) {
   return result;
 }
 
+double score(const Hypothesis& h, double cost) { return h.misfit + cost * h.size(); }
+
+void reject_all(const std::vector<Hypothesis>& all, Diagnosis& out) {
+  for (const Hypothesis& h : all)
+    if (h.size() <= 2 && h.rotors.size() < 2)
+      out.rejected.push_back(
+          {names_of({&h}).front(), -h.misfit,
+           h.rotors.empty() ? "does not explain the mean commands"
+                            : fmt::format("of rotor {}: does not explain the mean commands", h.rotors.front() + 1)});
+  out.verdict = Verdict::insufficient_data;
+}
+
+// the best explanation and every other one that does as well and is not this one with more added; best first
+struct Alike {
+  std::vector<const Hypothesis*> hypotheses;
+  double nearest = 1e9;  // of those that do worse: by how much
+};
+
+Alike alike_to(const Hypothesis& best, const std::vector<Hypothesis>& all) {
+  Alike alike{.hypotheses = {&best}};
+  for (const Hypothesis& h : all) {
+    if (&h == &best || !h.adequate || h.contains(best) || best.contains(h)) continue;
+    const double behind = score(h, other_number_costs) - score(best, other_number_costs);
+    if (behind < equivalent_z * equivalent_z) alike.hypotheses.push_back(&h);
+    else alike.nearest = std::min(alike.nearest, behind);
+  }
+  std::stable_sort(alike.hypotheses.begin(), alike.hypotheses.end(), [](const auto* a, const auto* b) {
+    return score(*a, other_number_costs) < score(*b, other_number_costs);
+  });
+  return alike;
+}
+
+// squared standard deviations of some flights from normal, or from where a change moves it
+double misfit_of(const std::vector<const Flight*>& flights, const Reference& reference, const std::vector<int>& rows,
+                 const Vector4& moved) {
+  double sum = 0.0;
+  for (const Flight* f : flights)
+    for (const int row : rows)
+      sum += std::pow((reference.difference(*f) - moved)[row] / reference.deviation_of(*f)[row], 2);
+  return sum;
+}
+
 void name_what_changed(const Reference& reference, const std::vector<const Flight*>& fitted,
                        const std::vector<const Flight*>& checked, const VehicleModel& vehicle, Diagnosis& out) {
   // neither thrust nor reaction torque of a rotor at its limit is known: the balance of yaw, which would tell a loss from
@@ -275,61 +327,31 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
 
   std::vector<Hypothesis> all = hypotheses(vehicle, reference);
   const Hypothesis* best = nullptr;
-  const auto score = [](const Hypothesis& h, double cost) { return h.misfit + cost * h.size(); };
   for (Hypothesis& h : all) fit(h, reference, fitted, rows);
   for (const Hypothesis& h : all)
-    if (h.adequate && (!best || score(h, parameter_cost) < score(*best, parameter_cost))) best = &h;
-  if (!best) {
-    for (const Hypothesis& h : all)
-      if (h.size() <= 2 && h.rotors.size() < 2) {
-        out.rejected.push_back(
-            {names_of({&h}).front(), -h.misfit,
-             h.rotors.empty() ? "does not explain the mean commands"
-                              : fmt::format("of rotor {}: does not explain the mean commands", h.rotors.front() + 1)});
-      }
-    out.verdict = Verdict::insufficient_data;
-    return;
-  }
-
-  // every other explanation that does as well and is not this one with more added
-  std::vector<const Hypothesis*> alike{best};
-  double nearest = 1e9;
-  for (const Hypothesis& h : all) {
-    if (&h == best || !h.adequate || h.contains(*best) || best->contains(h)) continue;
-    const double behind = score(h, other_cost) - score(*best, other_cost);
-    if (behind < equivalent_z * equivalent_z) alike.push_back(&h);
-    else nearest = std::min(nearest, behind);
-  }
-  std::stable_sort(alike.begin(), alike.end(),
-                   [&](const auto* a, const auto* b) { return score(*a, other_cost) < score(*b, other_cost); });
-  const std::vector<std::string> names = names_of(alike);
-  const auto told = *std::find_if(alike.begin(), alike.end(),
-                                  [&](const Hypothesis* h) { return names_of({h}).front() == names.front(); });
-  const bool which = std::any_of(alike.begin(), alike.end(), [&](const Hypothesis* h) {
-    return !told->rotors.empty() && h->rotors != told->rotors;
-  });
+    if (h.adequate && (!best || score(h, number_costs) < score(*best, number_costs))) best = &h;
+  if (!best) return reject_all(all, out);
+  const Alike alike = alike_to(*best, all);
+  const std::vector<std::string> names = names_of(alike.hypotheses);
+  const Hypothesis& told = **std::find_if(alike.hypotheses.begin(), alike.hypotheses.end(),
+                                          [&](const Hypothesis* h) { return names_of({h}).front() == names.front(); });
+  const bool which = std::any_of(alike.hypotheses.begin(), alike.hypotheses.end(),
+                                 [&](const Hypothesis* h) { return !told.rotors.empty() && h->rotors != told.rotors; });
 
   // does it hold on flights that were not used?
-  const Vector4 moved = told->directions * told->value;
-  double before = 0.0, after = 0.0;
-  for (const Flight* f : checked)
-    for (const int row : rows) {
-      before += std::pow(reference.difference(*f)[row] / reference.deviation_of(*f)[row], 2);
-      after += std::pow((reference.difference(*f) - moved)[row] / reference.deviation_of(*f)[row], 2);
-    }
-  const bool pays = checked.empty() || after < 0.5 * before;
-  double none = 0.0;
-  for (const Flight* f : fitted)
-    for (const int row : rows) none += std::pow(reference.difference(*f)[row] / reference.deviation_of(*f)[row], 2);
-  std::vector<EffectFinding> effects = effects_of(*told, reference, vehicle, fitted);
+  const double before = misfit_of(checked, reference, rows, Vector4::Zero()),
+               after = misfit_of(checked, reference, rows, told.directions * told.value),
+               none = misfit_of(fitted, reference, rows, Vector4::Zero());
+  const bool pays = checked.empty() || after < most_left_in_hover * before;
+  std::vector<EffectFinding> effects = effects_of(told, reference, vehicle, fitted);
   // one cause that needs nothing beside it is as good: what was added beside this one is part of the class
-  if (names.size() > 1 && effects.size() > 1 && told->center_of_mass) {
+  if (names.size() > 1 && effects.size() > 1 && told.center_of_mass) {
     out.notes.push_back(fmt::format("if it is the centre of mass that moved, the vehicle is {:.1f} g heavier as well",
-                                    1e3 * told->value[0] * reference.mean[0] / vehicle.gravity_mps2));
+                                    1e3 * told.value[0] * reference.mean[0] / vehicle.gravity_mps2));
     effects.resize(1);
   }
   for (EffectFinding& effect : effects) {
-    effect.gain = none - told->misfit;
+    effect.gain = none - told.misfit;
     if (which || !pays) {
       out.rejected.push_back({effect.effect, pays ? effect.gain : before - after,
                               pays ? "another rotor explains the means as well"
@@ -337,8 +359,8 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
       continue;
     }
     if (effect.effect == names.front()) effect.classmates = names;
-    if (effect.effect == "mass") effect.classmates = names_of({&all.front()});
-    const double distinct = 1.0 - 0.25 * std::exp(-0.3 * std::max(0.0, nearest - equivalent_z * equivalent_z));
+    if (effect.effect == heavier_body().name) effect.classmates = names_of({&all.front()});
+    const double distinct = 1.0 - 0.25 * std::exp(-0.3 * std::max(0.0, alike.nearest - equivalent_z * equivalent_z));
     effect.confidence = (checked.empty() ? unchecked_confidence : checked_confidence) * distinct;
     out.effects.push_back(std::move(effect));
   }
@@ -346,6 +368,24 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
   if (names.size() < 2) return;
   out.next_trajectory = "multisine";
   out.next_why = "with attitude and body rate recorded would separate " + fmt::format("{}", fmt::join(names, " from "));
+}
+
+// without a normal flight: the one that is nearest to the vehicle file's balance, weight and no moment
+const Flight* nearest_to_file(const std::vector<const Flight*>& flights, const VehicleModel& vehicle) {
+  const Vector4 unit = unit_of(vehicle, vehicle.weight_N());
+  const auto far = [&](const Flight* f) { return (f->balance.wrench.cwiseQuotient(unit) - Vector4::Unit(0)).norm(); };
+  return *std::min_element(flights.begin(), flights.end(),
+                           [&](const Flight* a, const Flight* b) { return far(a) < far(b); });
+}
+
+void ask_for_reference(Diagnosis& out) {
+  out.notes.emplace_back(
+      "mean commands of hover tell nothing without another flight of the same vehicle: name a normal one with "
+      "--reference");
+  out.next_trajectory = "hover";
+  out.next_why =
+      "of the vehicle in its normal state, named with --reference; with attitude or body rate recorded, it would not "
+      "be needed";
 }
 
 }  // namespace
@@ -372,21 +412,11 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
     return f->label != others.front()->label;
   });
   if (others.empty() || !compared) {
-    out.notes.emplace_back(
-        "mean commands of hover tell nothing without another flight of the same vehicle: name a normal one with "
-        "--reference");
-    out.next_trajectory = "hover";
-    out.next_why =
-        "of the vehicle in its normal state, named with --reference; with attitude or body rate recorded, it would not "
-        "be needed";
+    ask_for_reference(out);
     return cannot_tell(out, false);
   }
   if (given.empty()) {
-    // nearest to the vehicle file's balance: weight, and no moment
-    const Vector4 unit = unit_of(vehicle, vehicle.weight_N());
-    const auto far = [&](const Flight* f) { return (f->balance.wrench.cwiseQuotient(unit) - Vector4::Unit(0)).norm(); };
-    agreed.push_back(*std::min_element(others.begin(), others.end(),
-                                       [&](const Flight* a, const Flight* b) { return far(a) < far(b); }));
+    agreed.push_back(nearest_to_file(others, vehicle));
     std::erase(others, agreed.front());
   }
   // flights that agree with the reference are as good as it

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "diagnosis/result/decisions.hpp"
 #include "simulation/make_effects.hpp"
 #include "vehicle/gaps.hpp"
 
@@ -28,7 +29,7 @@ class NumberCollector final : public ParameterVisitor {
   void texts(std::string_view, std::vector<std::string>&, const ParameterInfo&) override {}
 };
 
-// sets the rotor of rotor_loss
+// sets which rotor an effect of one rotor is of
 class RotorSetter final : public ParameterVisitor {
  public:
   explicit RotorSetter(int rotor) : rotor_(rotor) {}
@@ -54,8 +55,6 @@ bool is_of(const EffectSpec& spec, const Group& group) {
   return group.rotor == 0 || (rotor != spec.values.end() && rotor->second == std::to_string(group.rotor));
 }
 
-// found in the disturbance's spectrum
-bool has_no_column(std::string_view name) { return name == "gust"; }
 constexpr std::pair<Need, std::string_view> lacking[] = {
     {Need::attitude, "no attitude in the logs"},
     {Need::motion, "neither position nor velocity in the logs"},
@@ -69,14 +68,24 @@ constexpr std::pair<Need, std::string_view> lacking[] = {
 std::string why_not_told(const EffectRow& row, const Catalogue::Seen& seen) {
   for (const auto& [need, why] : lacking)
     if (row.asks(need) && !seen.tells(need)) return std::string(why);
-  if (!seen.tells(Need::torque) && !seen.tells(Need::motion) && row.name == "mass")
-    return "these logs tell thrust per mass only: see thrust_scale";
-  if (!seen.trims) return {};
-  // columns that were filtered differently differ in amplitude as if a sensor had another scale
-  if (row.name == "gyro_scale") return "the logs were low-pass filtered, each column differently";
-  if (row.name == "steady_wind")
-    return "the logs were low-pass filtered, and half a second tells no wind from a force: see constant_force";
-  return {};
+  if (row.needs_any != Need::nothing && !seen.tells(row.needs_any)) return std::string(row.lacking);
+  return seen.trims ? std::string(row.hidden_by_filter) : std::string();
+}
+
+bool is_fitted(const Number& number, const Catalogue::Seen& seen) {
+  switch (number.info.fitted) {
+    case Fitted::always:
+      return true;
+    case Fitted::with_voltage:
+      return seen.voltage;
+    case Fitted::without_voltage:
+      return !seen.voltage;
+    case Fitted::unless_negative:
+      return !(*number.value < 0.0);
+    case Fitted::never:
+      return false;
+  }
+  return true;
 }
 
 // what the vehicle file does not have and an effect needs
@@ -87,8 +96,6 @@ std::optional<VehicleGap> gap_of(const EffectRow& row, const VehicleModel& vehic
 }
 
 }  // namespace
-
-bool is_history(std::string_view name) { return name == "slung_load" || name == "saturation"; }
 
 std::vector<Number> numbers_of(Parameterized& effect) {
   NumberCollector collector;
@@ -113,64 +120,68 @@ double scale_of(Scale scale, const VehicleModel& vehicle) {
 }
 
 Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen) : vehicle_(vehicle), seen_(seen) {
-  const auto add = [&](const EffectRow& row, int rotor) {
-    Group group;
-    group.label = rotor > 0 ? fmt::format("{}#{}", row.name, rotor) : std::string(row.name);
-    group.row = &row;
-    group.rotor = rotor;
-    group.nominal = std::any_of(vehicle.effects.begin(), vehicle.effects.end(),
-                                [&](const EffectSpec& spec) { return is_of(spec, group); });
-    // a number that the file does not have has no effect; a torque ratio that was estimated is fitted, and never named
-    const auto gap = gap_of(row, vehicle);
-    group.candidate = row.diagnosable && !has_no_column(row.name) && why_not_told(row, seen).empty() &&
-                      (!gap || gap->need == Need::torque_ratio);
-    if (!group.candidate && !group.nominal) return;
-    if (row.name == "gust" || row.name == "measurement_noise") return;
-    const auto effect = make(group);
-    const auto numbers = numbers_of(*effect);
-    const int index = static_cast<int>(groups_.size());
-    for (std::size_t p = 0; group.candidate && p < numbers.size(); ++p) {
-      const Number& number = numbers[p];
-      // the battery is described by its voltage where there is one, otherwise by time
-      if (row.name == "battery_sag" && (number.name == "rate") == seen.voltage) continue;
-      if (row.name == "slung_load" && number.name != "mass") continue;
-      if (row.name == "motor_lag" && p == 1 && *number.value < 0.0) continue;
-      Column column;
-      column.group = index;
-      column.parameter = static_cast<int>(p);
-      column.name = number.name;
-      column.unit = number.info.unit;
-      const double scale = scale_of(number.info.scale, vehicle);
-      column.natural = number.info.natural * scale;
-      column.tolerance = number.info.tolerance * scale;
-      column.estimate_tolerance = number.info.estimate_tolerance * scale;
-      // how late and how smooth rotors answer, a filter feigns
-      if (seen.smoothing && row.place == Place::actuation && column.unit == "s")
-        column.tolerance = std::max(column.tolerance, filter_feigns_s);
-      column.min = number.info.min;
-      column.max = number.info.max;
-      column.nominal = *number.value;
-      if (number.info.plausible > 0.0)
-        column.max = number.info.plausible * scale, column.min = std::max(number.info.min, -column.max);
-      if (row.name == "saturation") {
-        if (number.name != "max_speed") continue;
-        column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;
-      }
-      for (int f = 0; f < (row.per_flight ? flights : 1); ++f) {
-        column.flight = row.per_flight ? f : -1;
-        group.columns.push_back(size());
-        columns_.push_back(column);
-      }
-    }
-    groups_.push_back(std::move(group));
-  };
   for (const EffectRow& row : effect_registry()) {
-    if (row.name == "rotor_loss")
-      for (int rotor = 1; rotor <= vehicle.rotor_count; ++rotor) add(row, rotor);
-    else add(row, 0);
+    if (row.per_rotor)
+      for (int rotor = 1; rotor <= vehicle.rotor_count; ++rotor) add_effect(row, rotor, flights);
+    else add_effect(row, 0, flights);
   }
+  add_biases(flights);
+  if (seen.trims) add_trims(flights);
+  else if (seen.tells(Need::torque)) add_command_surprise();
+}
+
+void Catalogue::add_effect(const EffectRow& row, int rotor, int flights) {
+  Group group;
+  group.label = rotor > 0 ? fmt::format("{}#{}", row.name, rotor) : std::string(row.name);
+  group.row = &row;
+  group.rotor = rotor;
+  group.nominal = std::any_of(vehicle_.effects.begin(), vehicle_.effects.end(),
+                              [&](const EffectSpec& spec) { return is_of(spec, group); });
+  // a number that the file does not have has no effect; a torque ratio that was estimated is fitted, and never named
+  const auto gap = gap_of(row, vehicle_);
+  group.candidate = row.diagnosable && why_not_told(row, seen_).empty() && (!gap || gap->need == Need::torque_ratio);
+  if (!row.is_predictable() || (!group.candidate && !group.nominal)) return;
+  const auto effect = make(group);
+  const auto numbers = numbers_of(*effect);
+  for (std::size_t p = 0; group.candidate && p < numbers.size(); ++p) {
+    if (!is_fitted(numbers[p], seen_)) continue;
+    Column column = column_of(row, numbers[p]);
+    column.group = static_cast<int>(groups_.size());
+    column.parameter = static_cast<int>(p);
+    for (int f = 0; f < (row.per_flight ? flights : 1); ++f) {
+      column.flight = row.per_flight ? f : -1;
+      group.columns.push_back(size());
+      columns_.push_back(column);
+    }
+  }
+  groups_.push_back(std::move(group));
+}
+
+Column Catalogue::column_of(const EffectRow& row, const Number& number) const {
+  Column column;
+  column.name = number.name;
+  column.unit = number.info.unit;
+  const double scale = scale_of(number.info.scale, vehicle_);
+  column.natural = number.info.natural * scale;
+  column.tolerance = number.info.tolerance * scale;
+  column.estimate_tolerance = number.info.estimate_tolerance * scale;
+  // how late and how smooth rotors answer, a filter feigns
+  if (seen_.smoothing && row.place == Place::actuation && column.unit == "s")
+    column.tolerance = std::max(column.tolerance, decisions::filter_lag_s);
+  column.min = number.info.min;
+  column.max = number.info.max;
+  column.nominal = *number.value;
+  if (number.info.plausible > 0.0)
+    column.max = number.info.plausible * scale, column.min = std::max(number.info.min, -column.max);
+  // a switch, near one
+  if (row.column == ColumnFrom::speed_limit)
+    column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;
+  return column;
+}
+
+void Catalogue::add_biases(int flights) {
   for (int f = 0; f < flights; ++f)
-    for (int p = 0; p < (seen.tells(Need::accelerometer) ? 6 : 3); ++p) {
+    for (int p = 0; p < (seen_.tells(Need::accelerometer) ? 6 : 3); ++p) {
       Column bias;
       bias.parameter = p;
       bias.flight = f;
@@ -181,7 +192,10 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
       bias.max = -bias.min;
       columns_.push_back(bias);
     }
-  for (int p = 0; !seen.trims && seen.tells(Need::torque) && p < Surprise::RowsAtCompileTime; ++p) {
+}
+
+void Catalogue::add_command_surprise() {
+  for (int p = 0; p < Surprise::RowsAtCompileTime; ++p) {
     Column surprise;
     surprise.parameter = command_surprise_of + p;
     surprise.name = fmt::format("command_surprise_{}", p);
@@ -189,6 +203,9 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     surprise.min = -surprise.max;
     columns_.push_back(surprise);
   }
+}
+
+void Catalogue::add_trims(int flights) {
   struct Trim {
     const char *name, *unit;
     double natural, most;
@@ -198,8 +215,8 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
                             {"torque_trim_z", "rad/s^2", torque_trim_sd, 50.0},
                             {"command_clock", "s", command_clock_sd, 0.06},
                             {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
-  for (int f = 0; seen.trims && f < flights; ++f)
-    for (int p = torque_trim; p <= (seen.smoothing ? command_smoothing : command_clock); ++p) {
+  for (int f = 0; f < flights; ++f)
+    for (int p = torque_trim; p <= (seen_.smoothing ? command_smoothing : command_clock); ++p) {
       const Trim& known = trims[p - torque_trim];
       Column trim;
       trim.parameter = p;
@@ -229,10 +246,10 @@ std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
     effect->visit(setter);
   }
   // a lag that is alike up and down becomes two equal numbers, so that both can be fitted
-  if (group.row->name == "motor_lag" && seen_.tells(Need::motion)) {
-    const auto numbers = numbers_of(*effect);
-    if (*numbers[1].value < 0.0) *numbers[1].value = *numbers[0].value;
-  }
+  const auto numbers = numbers_of(*effect);
+  for (std::size_t p = 1; p < numbers.size() && seen_.tells(Need::motion); ++p)
+    if (numbers[p].info.fitted == Fitted::unless_negative && *numbers[p].value < 0.0)
+      *numbers[p].value = *numbers[p - 1].value;
   return effect;
 }
 
@@ -248,13 +265,31 @@ int Catalogue::find(std::string_view label) const {
   return -1;
 }
 
+int Catalogue::find(const std::function<bool(const EffectRow&)>& is) const {
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    if (groups_[g].row->diagnosable && !groups_[g].columns.empty() && is(*groups_[g].row)) return static_cast<int>(g);
+  return -1;
+}
+
+int Catalogue::find(ColumnFrom column) const {
+  return find([column](const EffectRow& row) { return row.column == column; });
+}
+
+int Catalogue::find(Airflow air) const {
+  return find([air](const EffectRow& row) { return row.air == air; });
+}
+
+int Catalogue::find(Place place, Latency latency) const {
+  return find([=](const EffectRow& row) { return row.place == place && row.latency == latency; });
+}
+
 std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int flight, int also) const {
   std::vector<NamedEffect> result;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Group& group = groups_[g];
     bool acts = static_cast<int>(g) == also || !group.candidate;
     for (const int c : group.columns) acts = acts || value[c] != 0.0;
-    if (!acts || (group.candidate && is_history(group.row->name))) continue;
+    if (!acts || (group.candidate && group.row->is_history())) continue;
     auto effect = make(group);
     const auto numbers = numbers_of(*effect);
     for (const int c : group.columns) {
@@ -269,12 +304,12 @@ std::vector<NamedEffect> Catalogue::effects(const Eigen::VectorXd& value, int fl
 
 void Catalogue::set_swing(const Swing& swing) {
   for (Group& group : groups_)
-    if (group.row->name == "slung_load") group.swing = swing;
+    if (group.row->column == ColumnFrom::swing) group.swing = swing;
 }
 
 void Catalogue::set_speed_limit(double limit_radps) {
   for (Group& group : groups_)
-    if (group.row->name == "saturation") group.limit_radps = limit_radps;
+    if (group.row->column == ColumnFrom::speed_limit) group.limit_radps = limit_radps;
 }
 
 SensorCorrection Catalogue::sensor_correction(const Eigen::VectorXd& value, int flight) const {
@@ -286,11 +321,11 @@ SensorCorrection Catalogue::sensor_correction(const Eigen::VectorXd& value, int 
       if (column.parameter < force_bias) correction.rate_bias_B_radps[column.parameter] = value[c];
       continue;
     }
-    const std::string_view name = groups_[static_cast<std::size_t>(column.group)].row->name;
-    if (name == "attitude_offset") correction.attitude_offset_B_rad[column.parameter] += value[c];
-    if (name == "yaw_offset") correction.attitude_offset_B_rad[2] += value[c];
-    if (name == "pose_delay") correction.pose_delay_s = value[c];
-    if (name == "gyro_scale") correction.rate_scale = value[c];
+    const EffectRow& row = *groups_[static_cast<std::size_t>(column.group)].row;
+    if (row.corrects == Corrects::attitude) correction.attitude_offset_B_rad[column.parameter] += value[c];
+    if (row.corrects == Corrects::heading) correction.attitude_offset_B_rad[2] += value[c];
+    if (row.corrects == Corrects::rate_scale) correction.rate_scale = value[c];
+    if (row.place == Place::measurement && row.latency == Latency::delay) correction.pose_delay_s = value[c];
   }
   return correction;
 }
@@ -305,13 +340,16 @@ void Catalogue::clamp(Eigen::VectorXd& value) const {
 
 std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group) {
   std::vector<int> own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
-  // only c_τ k_f / J_z is visible: with yaw_torque_ratio the moment of inertia in yaw stays as it is, unless a drag at the
+  // only c_τ k_f / J_z is visible: with another torque ratio the moment of inertia in yaw stays as it is, unless a drag at the
   // hubs or the rotors' own inertia turns against it
   const auto in = [&](std::string_view label) {
     return std::find(groups.begin(), groups.end(), catalogue.find(label)) != groups.end();
   };
-  if (group == catalogue.find("inertia") && in("yaw_torque_ratio") && !in("rotor_drag") && !in("rotor_inertia"))
-    own.pop_back();
+  const std::string_view name = catalogue.groups()[static_cast<std::size_t>(group)].row->name;
+  for (const int g : groups) {
+    const ExactAlias& alias = catalogue.groups()[static_cast<std::size_t>(g)].row->alias;
+    if (alias.effect == name && std::none_of(alias.unless.begin(), alias.unless.end(), in)) own.pop_back();
+  }
   return own;
 }
 

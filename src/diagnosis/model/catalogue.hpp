@@ -42,23 +42,21 @@ struct Column {
 // What build tolerances and a re-seated battery leave from flight to flight: rad/s² (a third of a millimetre of a
 // Crazyflie's centre of mass), a logger's clocks, s, and the variance of a filter's kernel, s² (20 ms: 8 Hz).
 inline constexpr double torque_trim_sd = 5.0, command_clock_sd = 0.02, command_smoothing_sd = 4e-4;
-// Of a lag or delay in logs that were low-pass filtered: kernels are about as wide, and not quite as a smoothed command has it.
-inline constexpr double filter_feigns_s = 0.03;
 
 // How a load swings: length of its cable, damping ratio of small swings, and the length's standard error.
 struct Swing {
   double length_m = 0.0, damping = 0.0, length_deviation_m = 0.0;
 };
 
-// All numbers of one effect (of one rotor, for rotor_loss): selected or left out together.
+// All numbers of one effect (of one rotor, where each has its own): selected or left out together.
 struct Group {
-  std::string label;  // rotor_drag, rotor_loss#3
+  std::string label;  // name, or name#3 of the third rotor
   const EffectRow* row = nullptr;
-  int rotor = 0;             // rotor_loss: 1…N
+  int rotor = 0;             // of an effect of one rotor: 1…N
   bool nominal = false;      // part of the vehicle file
   bool candidate = true;     // false: part of the nominal model, with nothing to fit
-  Swing swing;               // slung_load: found by a scan
-  double limit_radps = 0.0;  // saturation: speed limit, found by a scan; its column is a switch near one
+  Swing swing;               // ColumnFrom::swing: found by a scan
+  double limit_radps = 0.0;  // ColumnFrom::speed_limit: found by a scan; its column is a switch near one
   std::vector<int> columns;
 };
 
@@ -70,18 +68,15 @@ struct Number {
 };
 std::vector<Number> numbers_of(Parameterized& effect);
 
-// Whether an effect's column is a history that a scan found; such an effect never flies in the linearised model.
-bool is_history(std::string_view effect);
-
 // What a parameter's natural size and tolerance are multiplied with for a vehicle.
 double scale_of(Scale scale, const VehicleModel& vehicle);
 
 class Catalogue {
  public:
-  // battery_sag is fitted by voltage where that was seen, otherwise by time. `flights`: how many, for values per flight.
+  // What sags is fitted by voltage where that was seen, otherwise by time. `flights`: how many, for values per flight.
   // Without attitude nothing fixed in the world, without position or velocity nothing that depends on them can be told,
   // and without torque nothing that only turns the vehicle. Without velocity, a speed that falls more slowly than it
-  // rises cannot be told from thrust that is lost in a climb: motor_lag then has one time constant.
+  // rises cannot be told from thrust that is lost in a climb: a lag then has one time constant.
   struct Seen {
     Need told = Need::nothing;
     bool voltage = false;
@@ -93,17 +88,21 @@ class Catalogue {
 
   const std::vector<Group>& groups() const { return groups_; }
   const std::vector<Column>& columns() const { return columns_; }
-  // lags and delays near filter_feigns_s may be a filter's
+  // lags and delays up to decisions::filter_lag_s may be a filter's
   bool filter_feigns_lags() const { return seen_.smoothing; }
   // why an effect of the registry is not among the candidates; empty when it is
   std::string why_left_out(const EffectRow& row) const;
   int size() const { return static_cast<int>(columns_.size()); }
   Eigen::VectorXd nominal() const;
   int find(std::string_view label) const;  // group index or −1
+  // The first group with columns whose effect is of this kind, or −1.
+  int find(ColumnFrom column) const;
+  int find(Airflow air) const;
+  int find(Place place, Latency latency) const;
 
   // The effects that fly in one flight at given values: those of non-zero strength, and `also` (a group) in any case.
   std::vector<NamedEffect> effects(const Eigen::VectorXd& value, int flight, int also = -1) const;
-  // The swing of slung_load, whose force is a history of each flight and never part of effects().
+  // The swing of a load, whose force is a history of each flight and never part of effects().
   void set_swing(const Swing& swing);
   void set_speed_limit(double limit_radps);
   // Sensor effects and rate biases of one flight, as smoothing takes them out.
@@ -113,6 +112,12 @@ class Catalogue {
 
  private:
   std::unique_ptr<Effect> make(const Group& group) const;
+  int find(const std::function<bool(const EffectRow&)>& is) const;
+  void add_effect(const EffectRow& row, int rotor, int flights);
+  Column column_of(const EffectRow& row, const Number& number) const;
+  void add_biases(int flights);
+  void add_trims(int flights);
+  void add_command_surprise();
 
   VehicleModel vehicle_;
   Seen seen_;

@@ -113,6 +113,276 @@ std::vector<Acceleration> mid_interval(const FlightData& flight, const ForceMode
   return result;
 }
 
+// accelerations at mid-interval and what the sensors say, of the model or of one that is perturbed
+struct Evaluation {
+  std::vector<Acceleration> acceleration;
+  std::vector<Vector12> y;
+};
+
+// accelerations per unit of a column, per sample: a slung load, a lower speed limit, commands that nothing predicts
+struct History {
+  int column;
+  std::function<Push(std::size_t)> push;
+};
+
+// One flight, linearised at given values.
+class Lineariser {
+ public:
+  Lineariser(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+             LinearFlight& out)
+      : flight_(flight),
+        index_(flight_index),
+        catalogue_(catalogue),
+        value_(value),
+        out_(out),
+        forces_(force_model(flight, catalogue, value, flight_index, -1)),
+        rotors_(rotor_history(flight, forces_)),
+        count_(static_cast<std::size_t>(rotors_.substeps)),
+        with_force_(std::any_of(flight.samples.begin(), flight.samples.end(),
+                                [](const Sample& s) { return (s.channels & has_force) != 0; })) {
+    const std::size_t n = flight.samples.size();
+    need_F_ = out.F.size() != n;
+    out.center_of_mass_B_m = forces_.vehicle().center_of_mass_B_m;
+    out.torque_known = !flight.collective_only;
+    out.forces_alone =
+        flight.collective_only && std::none_of(flight.samples.begin(), flight.samples.end(), [](const Sample& s) {
+          return (s.channels & (has_position | has_velocity | has_attitude)) != 0;
+        });
+    out.F.resize(n), out.b.resize(n), out.interval_s.resize(n), out.starts.resize(n), out.measured.resize(n);
+    out.y.resize(n), out.R_WB.resize(n), out.force_rows.resize(n);
+    for (std::size_t k = 0; k < n; ++k) x_.push_back(center_of_mass(flight.motion[k], out.center_of_mass_B_m));
+  }
+
+  void run(const std::vector<int>& wanted) {
+    feel();
+    Evaluator evaluate{forces_, {}, {}};
+    for (std::size_t k = 0; k < x_.size(); ++k) {
+      predict(evaluate, k);
+      observe(evaluate, k);
+    }
+    find_histories();
+    take_histories_in();
+    differentiate(wanted);
+  }
+
+ private:
+  double time_s(std::size_t k) const { return flight_.samples[k].time_s - flight_.start_s; }
+  const RotorArray* speed(std::size_t k) const { return &rotors_.mean[k * count_]; }
+  const RotorArray* rise(std::size_t k) const { return &rotors_.acceleration[k * count_]; }
+
+  // What the accelerometer feels and how the body turns: one that is away from the middle feels that, and a late gyro tells how
+  // it turned.
+  void feel() {
+    const std::size_t n = x_.size();
+    const bool quick_turning = (with_force_ || flight_.late.rate_s > 0.0) && out_.torque_known;
+    turning_.resize(n), force_.assign(n, Vector3::Zero());
+    Evaluator evaluate{forces_, {}, {}};
+    for (std::size_t k = 0; k < n; ++k) {
+      Vector3 modelled = turning_[k] = flight_.motion[k].angular_acceleration_B_radps2;
+      if (quick_turning || with_force_)
+        force_[k] = evaluate.specific_force(x_[k], time_s(k), flight_.samples[k].voltage_V, rotors_.at_sample[k],
+                                            *rise(k), modelled);
+      if (quick_turning) turning_[k] = modelled;
+    }
+    if (quick_turning) turning_ = angular_acceleration(flight_, turning_);
+    shown_ = shown_late(flight_, force_);
+  }
+
+  // the next sample, and how it depends on this one
+  void predict(Evaluator& evaluate, std::size_t k) {
+    const Sample& sample = flight_.samples[k];
+    const bool last = k + 1 == x_.size() || flight_.samples[k + 1].starts_segment;
+    const double interval_s = last ? flight_.sample_s : flight_.samples[k + 1].time_s - sample.time_s;
+    out_.interval_s[k] = interval_s;
+    out_.starts[k] = sample.starts_segment || sample.saturated;
+    out_.R_WB[k] = x_[k].attitude.toRotationMatrix();
+    const auto run = [&](const Point& from) {
+      return propagate(evaluate, from, time_s(k), interval_s, sample.voltage_V, rotors_.substeps, speed(k), rise(k));
+    };
+    const Point next = run(x_[k]);
+    out_.b[k] = last ? Vector12::Zero() : next.minus(x_[k + 1]);
+    for (int i = 0; need_F_ && i < error_size; ++i)
+      out_.F[k].col(i) = run(x_[k].plus(i, step_of(i))).minus(next) / step_of(i);
+  }
+
+  // what the sensors say beyond what the model says, and how an accelerometer depends on the motion
+  void observe(Evaluator& evaluate, std::size_t k) {
+    const Sample& sample = flight_.samples[k];
+    const unsigned c = sample.channels;
+    out_.measured[k] << Eigen::Vector3i::Constant((c & (has_position | has_velocity)) != 0).cast<bool>(),
+        Eigen::Vector3i::Constant((c & has_attitude) != 0).cast<bool>(),
+        Eigen::Vector3i::Constant((c & has_rate) != 0).cast<bool>(),
+        Eigen::Vector3i::Constant((c & has_force) != 0).cast<bool>();
+    Vector3 modelled;
+    for (int i = 0; with_force_ && need_F_ && i < 9; ++i)
+      out_.force_rows[k].col(i) = (evaluate.specific_force(x_[k].plus(i + 3, step_of(i + 3)), time_s(k),
+                                                           sample.voltage_V, rotors_.at_sample[k], *rise(k), modelled) -
+                                   force_[k]) /
+                                  step_of(i + 3);
+    out_.y[k] = innovation(sample, predict_sensors(forces_, flight_, k, x_[k], shown_[k], turning_[k]));
+  }
+
+  // finite-difference steps of the error state
+  static double step_of(int i) { return i / 3 % 2 == 0 ? 1e-4 : 1e-3; }
+
+  void find_histories() {
+    const auto add = [&](ColumnFrom column, bool suspected, std::function<Push(std::size_t)> push) {
+      const int g = catalogue_.find(column);
+      if (!suspected || g < 0) return;
+      histories_.push_back({catalogue_.groups()[static_cast<std::size_t>(g)].columns.front(), std::move(push)});
+    };
+    add(ColumnFrom::swing, !flight_.load_force_W_mps2.empty(), [&](std::size_t k) {
+      Push push;
+      push << flight_.load_force_W_mps2[k] / forces_.vehicle().mass_kg, Vector3::Zero();
+      return push;
+    });
+    add(ColumnFrom::speed_limit, !flight_.limit_change.empty(), [&](std::size_t k) { return flight_.limit_change[k]; });
+    for (int c = 0; c < catalogue_.size() && !flight_.surprise.empty(); ++c) {
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      if (!column.of_surprise()) continue;
+      const int p = column.parameter - command_surprise_of;
+      histories_.push_back({c, [&, p](std::size_t k) {
+                              Push push = Push::Zero();
+                              if (p % 4 < 3) push[3 + p % 4] = flight_.surprise[k][p];
+                              else push.head<3>() = flight_.surprise[k][p] * out_.R_WB[k].col(2);
+                              return push;
+                            }});
+    }
+  }
+
+  // histories at their values are part of the model
+  void take_histories_in() {
+    for (const History& history : histories_)
+      for (std::size_t k = 0; k < x_.size() && value_[history.column] != 0.0; ++k) {
+        const Push push = value_[history.column] * history.push(k);
+        if (!out_.b[k].isZero(0.0)) out_.b[k] += moved_by(push, out_.interval_s[k]);
+        out_.y[k].tail<3>() -= felt(push, out_.R_WB[k]);
+      }
+  }
+
+  // the same evaluation for the model and for every perturbed one
+  Evaluation evaluate(const ForceModel& model, const RotorHistory& history, bool sensors) const {
+    const std::size_t n = x_.size();
+    Evaluation result;
+    result.acceleration.resize(n), result.y.resize(sensors ? n : 0);
+    Evaluator at{model, {}, {}};
+    std::vector<Vector3> felt_now(n, Vector3::Zero());
+    for (std::size_t k = 0; k < n; ++k) {
+      const Sample& sample = flight_.samples[k];
+      const std::size_t k1 = k + 1 < n && !flight_.samples[k + 1].starts_segment ? k + 1 : k;
+      Point middle = x_[k];
+      middle.position = 0.5 * (x_[k].position + x_[k1].position);
+      middle.velocity = 0.5 * (x_[k].velocity + x_[k1].velocity);
+      middle.attitude = x_[k].attitude.slerp(0.5, x_[k1].attitude);
+      middle.rate = 0.5 * (x_[k].rate + x_[k1].rate);
+      result.acceleration[k] = at(middle, time_s(k) + 0.5 * out_.interval_s[k], sample.voltage_V,
+                                  mean_of(&history.mean[k * count_], history.substeps),
+                                  mean_of(&history.acceleration[k * count_], history.substeps));
+      Vector3 modelled;
+      if (with_force_)
+        felt_now[k] = at.specific_force(x_[k], time_s(k), sample.voltage_V, history.at_sample[k],
+                                        history.acceleration[k * count_], modelled);
+    }
+    if (!sensors) return result;
+    felt_now = shown_late(flight_, felt_now);
+    for (std::size_t k = 0; k < n; ++k)
+      result.y[k] = innovation(flight_.samples[k], predict_sensors(model, flight_, k, x_[k], felt_now[k], turning_[k]));
+    return result;
+  }
+
+  void differentiate(const std::vector<int>& wanted) {
+    const std::size_t n = x_.size();
+    out_.columns.clear();
+    for (const int c : wanted) {
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      if (column.flight < 0 || column.flight == index_) out_.columns.push_back(c);
+    }
+    const auto width = static_cast<Eigen::Index>(out_.columns.size());
+    out_.B.assign(n, Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, width));
+    out_.D.assign(n, Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, width));
+    base_ = evaluate(forces_, rotors_, true);
+    for (Eigen::Index j = 0; j < width; ++j) {
+      const int c = out_.columns[static_cast<std::size_t>(j)];
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const auto history =
+          std::find_if(histories_.begin(), histories_.end(), [c](const History& h) { return h.column == c; });
+      if (history != histories_.end()) push_column(j, column, *history);
+      if (column.group < 0) {
+        for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k)
+          out_.D[k](6 + column.parameter, j) = column.natural;
+        continue;
+      }
+      if (!catalogue_.groups()[static_cast<std::size_t>(column.group)].row->is_history()) perturb(j, c);
+    }
+  }
+
+  void push_column(Eigen::Index j, const Column& column, const History& history) {
+    for (std::size_t k = 0; k < x_.size(); ++k) {
+      const Push push = column.natural * history.push(k);
+      out_.B[k].col(j) = moved_by(push, out_.interval_s[k]);
+      out_.D[k].col(j).tail<3>() = felt(push, out_.R_WB[k]);
+    }
+  }
+
+  // column j by perturbing the forward model in parameter c
+  void perturb(Eigen::Index j, int c) {
+    const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+    const EffectRow& row = *catalogue_.groups()[static_cast<std::size_t>(column.group)].row;
+    Eigen::VectorXd to = value_;
+    // forces alone see rotors at the samples (where no mean of rows is taken), and quick ones are there already: a lag as long as a
+    // substep is tried
+    const bool at_sample_alone = out_.forces_alone && !flight_.read_slower && row.latency == Latency::lag;
+    const double step =
+        std::max(1e-3 * column.natural, at_sample_alone ? flight_.sample_s / flight_.substeps - value_[c] : 0.0);
+    to[c] += step;
+    const Evaluation* reference = &base_;
+    Evaluation companion;
+    if (const int drag = catalogue_.find(Airflow::drag); row.air == Airflow::wind && drag >= 0 && !dragged()) {
+      // a wind is felt only with a drag: at no drag it is tried with one of natural size
+      const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
+      Eigen::VectorXd from = value_;
+      from[d] = to[d] = catalogue_.columns()[static_cast<std::size_t>(d)].natural;
+      companion = evaluate(force_model(flight_, catalogue_, from, index_, -1), rotors_, true);
+      reference = &companion;
+    }
+    const ForceModel model = force_model(flight_, catalogue_, to, index_, column.group);
+    // forces alone change what an accelerometer shows, and no other sensor
+    const bool sensors = with_force_ || row.place == Place::body || row.place == Place::measurement;
+    const Evaluation moved =
+        evaluate(model, row.place == Place::actuation ? rotor_history(flight_, model) : rotors_, sensors);
+    const double unit = column.natural / step;
+    for (std::size_t k = 0; k < x_.size(); ++k) {
+      Push push;
+      push << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
+          moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2;
+      out_.B[k].col(j) = moved_by(unit * push, out_.interval_s[k]);
+      if (sensors) out_.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
+    }
+  }
+
+  bool dragged() const {
+    return std::any_of(catalogue_.groups().begin(), catalogue_.groups().end(), [&](const Group& group) {
+      return group.row->air == Airflow::drag &&
+             std::any_of(group.columns.begin(), group.columns.end(), [&](int c) { return value_[c] != 0.0; });
+    });
+  }
+
+  const FlightData& flight_;
+  const int index_;
+  const Catalogue& catalogue_;
+  const Eigen::VectorXd& value_;
+  LinearFlight& out_;
+  const ForceModel forces_;
+  const RotorHistory rotors_;
+  const std::size_t count_;  // substeps of a sample
+  const bool with_force_;    // some sample has an accelerometer
+  bool need_F_ = false;
+  std::vector<Point> x_;
+  std::vector<Vector3> turning_, force_, shown_;
+  std::vector<History> histories_;
+  Evaluation base_;
+};
+
 }  // namespace
 
 std::vector<std::vector<Push>> limit_changes(const FlightData& flight, int flight_index, const Catalogue& catalogue,
@@ -135,214 +405,7 @@ std::vector<std::vector<Push>> limit_changes(const FlightData& flight, int fligh
 
 void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                const std::vector<int>& wanted, LinearFlight& out) {
-  const std::size_t n = flight.samples.size();
-  const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
-  const RotorHistory rotors = rotor_history(flight, forces);
-  const auto count = static_cast<std::size_t>(rotors.substeps);
-  const Vector3 arm = forces.vehicle().center_of_mass_B_m;
-  const bool need_F = out.F.size() != n;
-  const bool with_force = n > 0 && std::any_of(flight.samples.begin(), flight.samples.end(),
-                                               [](const Sample& s) { return (s.channels & has_force) != 0; });
-  out.center_of_mass_B_m = arm;
-  out.torque_known = !flight.collective_only;
-  out.forces_alone =
-      flight.collective_only && std::none_of(flight.samples.begin(), flight.samples.end(), [](const Sample& s) {
-        return (s.channels & (has_position | has_velocity | has_attitude)) != 0;
-      });
-  out.F.resize(n), out.b.resize(n), out.interval_s.resize(n), out.starts.resize(n), out.measured.resize(n);
-  out.y.resize(n), out.R_WB.resize(n), out.force_rows.resize(n);
-
-  std::vector<Point> x(n);
-  for (std::size_t k = 0; k < n; ++k) x[k] = center_of_mass(flight.motion[k], arm);
-  Evaluator evaluate{forces, {}, {}};
-
-  // an accelerometer away from the middle feels how the body turns, and a late gyro tells how it turned
-  const bool quick_turning = (with_force || flight.late.rate_s > 0.0) && out.torque_known;
-  std::vector<Vector3> turning(n), force(n, Vector3::Zero());
-  for (std::size_t k = 0; k < n; ++k) {
-    Vector3 modelled = turning[k] = flight.motion[k].angular_acceleration_B_radps2;
-    if (quick_turning || with_force)
-      force[k] = evaluate.specific_force(x[k], flight.samples[k].time_s - flight.start_s, flight.samples[k].voltage_V,
-                                         rotors.at_sample[k], rotors.acceleration[k * count], modelled);
-    if (quick_turning) turning[k] = modelled;
-  }
-  if (quick_turning) turning = angular_acceleration(flight, turning);
-  const std::vector<Vector3> shown = shown_late(flight, force);
-
-  // finite-difference steps of the error state
-  constexpr std::array<double, 4> steps = {1e-4, 1e-3, 1e-4, 1e-3};
-  for (std::size_t k = 0; k < n; ++k) {
-    const Sample& sample = flight.samples[k];
-    const bool last = k + 1 == n || flight.samples[k + 1].starts_segment;
-    const double interval_s = last ? flight.sample_s : flight.samples[k + 1].time_s - sample.time_s;
-    const double t = sample.time_s - flight.start_s;
-    const RotorArray* speed = &rotors.mean[k * count];
-    const RotorArray* rise = &rotors.acceleration[k * count];
-    out.interval_s[k] = interval_s;
-    out.starts[k] = sample.starts_segment || sample.saturated;
-    out.R_WB[k] = x[k].attitude.toRotationMatrix();
-    const auto run = [&](const Point& from) {
-      return propagate(evaluate, from, t, interval_s, sample.voltage_V, rotors.substeps, speed, rise);
-    };
-    const Point next = run(x[k]);
-    out.b[k] = last ? Vector12::Zero() : next.minus(x[k + 1]);
-    if (need_F)
-      for (int i = 0; i < error_size; ++i) {
-        const double step = steps[static_cast<std::size_t>(i / 3)];
-        out.F[k].col(i) = run(x[k].plus(i, step)).minus(next) / step;
-      }
-
-    // sensors
-    const unsigned c = sample.channels;
-    out.measured[k] << Eigen::Vector3i::Constant((c & (has_position | has_velocity)) != 0).cast<bool>(),
-        Eigen::Vector3i::Constant((c & has_attitude) != 0).cast<bool>(),
-        Eigen::Vector3i::Constant((c & has_rate) != 0).cast<bool>(),
-        Eigen::Vector3i::Constant((c & has_force) != 0).cast<bool>();
-    Vector3 modelled;
-    if (with_force && need_F)
-      for (int i = 0; i < 9; ++i) {
-        const double step = steps[static_cast<std::size_t>(i / 3 + 1)];
-        out.force_rows[k].col(i) = (evaluate.specific_force(x[k].plus(i + 3, step), t, sample.voltage_V,
-                                                            rotors.at_sample[k], rise[0], modelled) -
-                                    force[k]) /
-                                   step;
-      }
-    out.y[k] = innovation(sample, predict_sensors(forces, flight, k, x[k], shown[k], turning[k]));
-  }
-
-  // a slung load, a lower speed limit and unforetold commands are histories: accelerations per unit of a column
-  struct History {
-    int column;
-    std::function<Push(std::size_t)> push;
-  };
-  std::vector<History> histories;
-  const auto add_history = [&](std::string_view name, bool suspected, std::function<Push(std::size_t)> push) {
-    const int g = catalogue.find(name);
-    if (!suspected || g < 0 || catalogue.groups()[static_cast<std::size_t>(g)].columns.empty()) return;
-    histories.push_back({catalogue.groups()[static_cast<std::size_t>(g)].columns.front(), std::move(push)});
-  };
-  add_history("slung_load", !flight.load_force_W_mps2.empty(), [&](std::size_t k) {
-    Push push;
-    push << flight.load_force_W_mps2[k] / forces.vehicle().mass_kg, Vector3::Zero();
-    return push;
-  });
-  add_history("saturation", !flight.limit_change.empty(), [&](std::size_t k) { return flight.limit_change[k]; });
-  for (int c = 0; c < catalogue.size() && !flight.surprise.empty(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    if (!column.of_surprise()) continue;
-    const int p = column.parameter - command_surprise_of;
-    histories.push_back({c, [&, p](std::size_t k) {
-                           Push push = Push::Zero();
-                           if (p % 4 < 3) push[3 + p % 4] = flight.surprise[k][p];
-                           else push.head<3>() = flight.surprise[k][p] * out.R_WB[k].col(2);
-                           return push;
-                         }});
-  }
-  for (const History& history : histories)
-    for (std::size_t k = 0; k < n && value[history.column] != 0.0; ++k) {
-      const Push push = value[history.column] * history.push(k);
-      if (!out.b[k].isZero(0.0)) out.b[k] += moved_by(push, out.interval_s[k]);
-      out.y[k].tail<3>() -= felt(push, out.R_WB[k]);
-    }
-
-  // columns: those wanted that act in this flight
-  out.columns.clear();
-  for (const int c : wanted) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    if (column.flight < 0 || column.flight == flight_index) out.columns.push_back(c);
-  }
-  const auto width = static_cast<Eigen::Index>(out.columns.size());
-  out.B.assign(n, Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, width));
-  out.D.assign(n, Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, width));
-
-  // the same evaluation for the base and for every perturbed model: accelerations at mid-interval, and the sensors
-  struct Column0 {
-    std::vector<Acceleration> acceleration;
-    std::vector<Vector12> y;
-  };
-  const auto evaluate_all = [&](const ForceModel& model, const RotorHistory& history, bool sensors, Column0& result) {
-    Evaluator at{model, {}, {}};
-    result.acceleration.resize(n), result.y.resize(sensors ? n : 0);
-    std::vector<Vector3> felt_now(n, Vector3::Zero());
-    for (std::size_t k = 0; k < n; ++k) {
-      const Sample& sample = flight.samples[k];
-      const std::size_t k1 = k + 1 < n && !flight.samples[k + 1].starts_segment ? k + 1 : k;
-      Point middle = x[k];
-      middle.position = 0.5 * (x[k].position + x[k1].position);
-      middle.velocity = 0.5 * (x[k].velocity + x[k1].velocity);
-      middle.attitude = x[k].attitude.slerp(0.5, x[k1].attitude);
-      middle.rate = 0.5 * (x[k].rate + x[k1].rate);
-      const double t = sample.time_s - flight.start_s;
-      result.acceleration[k] =
-          at(middle, t + 0.5 * out.interval_s[k], sample.voltage_V, mean_of(&history.mean[k * count], history.substeps),
-             mean_of(&history.acceleration[k * count], history.substeps));
-      Vector3 modelled;
-      if (with_force)
-        felt_now[k] = at.specific_force(x[k], t, sample.voltage_V, history.at_sample[k],
-                                        history.acceleration[k * count], modelled);
-    }
-    if (!sensors) return;
-    felt_now = shown_late(flight, felt_now);
-    for (std::size_t k = 0; k < n; ++k)
-      result.y[k] = innovation(flight.samples[k], predict_sensors(model, flight, k, x[k], felt_now[k], turning[k]));
-  };
-  Column0 base, moved;
-  evaluate_all(forces, rotors, true, base);
-  // a wind is felt only with a drag: at no drag it is tried with one of natural size
-  const int drag = catalogue.find("rotor_drag"), area = catalogue.find("quadratic_drag");
-  const auto strength = [&](int group) {
-    double sum = 0.0;
-    if (group >= 0)
-      for (const int c : catalogue.groups()[static_cast<std::size_t>(group)].columns) sum += std::abs(value[c]);
-    return sum;
-  };
-  for (Eigen::Index j = 0; j < width; ++j) {
-    const int c = out.columns[static_cast<std::size_t>(j)];
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    const auto history =
-        std::find_if(histories.begin(), histories.end(), [c](const History& h) { return h.column == c; });
-    if (history != histories.end())
-      for (std::size_t k = 0; k < n; ++k) {
-        const Push push = column.natural * history->push(k);
-        out.B[k].col(j) = moved_by(push, out.interval_s[k]);
-        out.D[k].col(j).tail<3>() = felt(push, out.R_WB[k]);
-      }
-    if (column.group < 0) {
-      for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k)
-        out.D[k](6 + column.parameter, j) = column.natural;
-      continue;
-    }
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(column.group)];
-    if (is_history(group.row->name)) continue;
-    Eigen::VectorXd from = value, to = value;
-    // forces alone see rotors at the samples (where no mean of rows is taken), and quick ones are there already: a lag as long as a substep is tried
-    const bool at_sample_alone = out.forces_alone && !flight.read_slower && group.row->name == "motor_lag";
-    const double step =
-        std::max(1e-3 * column.natural, at_sample_alone ? flight.sample_s / flight.substeps - value[c] : 0.0);
-    to[c] += step;
-    const Column0* reference = &base;
-    Column0 companion;
-    if (group.row->name == "steady_wind" && drag >= 0 && strength(drag) + strength(area) == 0.0) {
-      const int d = catalogue.groups()[static_cast<std::size_t>(drag)].columns.front();
-      from[d] = to[d] = catalogue.columns()[static_cast<std::size_t>(d)].natural;
-      const ForceModel model = force_model(flight, catalogue, from, flight_index, -1);
-      evaluate_all(model, rotors, true, companion);
-      reference = &companion;
-    }
-    const ForceModel model = force_model(flight, catalogue, to, flight_index, column.group);
-    const Place place = group.row->place;
-    // forces alone change what an accelerometer shows, and no other sensor
-    const bool sensors = with_force || place == Place::body || place == Place::measurement;
-    evaluate_all(model, place == Place::actuation ? rotor_history(flight, model) : rotors, sensors, moved);
-    for (std::size_t k = 0; k < n; ++k) {
-      const double unit = column.natural / step;
-      Push push;
-      push << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
-          moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2;
-      out.B[k].col(j) = moved_by(unit * push, out.interval_s[k]);
-      if (sensors) out.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
-    }
-  }
+  Lineariser(flight, flight_index, catalogue, value, out).run(wanted);
   compare_speeds(flight, flight_index, catalogue, value, out);
 }
 

@@ -10,19 +10,15 @@
 
 #include "config/toml.hpp"
 #include "diagnosis/evidence/judge.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/validation/regimes.hpp"
 
 namespace gustlab::diagnosis {
 
+using namespace decisions;
+
 namespace {
-
-constexpr double equivalent_z = 2.6;
-
-// declared exact aliases: what no flight can tell apart, whatever it does
-constexpr std::pair<std::string_view, std::string_view> exact_alias[] = {
-    {"yaw_torque_ratio", "inertia"},  // only c_τ k_f / J_z is visible, when J_x and J_y are right
-};
 
 std::string catalogue_name(const Group& group) { return std::string(group.row->name); }
 
@@ -36,7 +32,7 @@ std::string why_not_told(const Session& session, const Selection& selection, con
     if (information > 1e-9) best = std::min(best, 5.0 / std::sqrt(information));
   }
   if (best > 1e200) return fmt::format("these flights do not excite it (it shows in: {})", group.row->shows_in);
-  if (best > 6.0)
+  if (best > hardly_shown)
     return fmt::format("only a strength {:.0f} times its natural size would show (it shows in: {})", best,
                        group.row->shows_in);
   return {};
@@ -64,96 +60,129 @@ void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis
                   fmt::join(sizes, ", ")));
 }
 
-}  // namespace
+const Group& group_of(const Session& session, int group) {
+  return session.catalogue().groups()[static_cast<std::size_t>(group)];
+}
 
-void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
-  describe_sensors(session, selection.noise_selected, out);
+// values of the effect, as changes where there are reference flights, and of every flight's own
+void fill_values(const Session& session, const Selection& selection, const Group& group, EffectFinding& effect) {
   const Catalogue& catalogue = session.catalogue();
-  const auto group_of = [&](int g) -> const Group& { return catalogue.groups()[static_cast<std::size_t>(g)]; };
-  for (std::size_t i = 0; i < selection.findings.size(); ++i) {
-    const Finding& finding = selection.findings[i];
-    const Group& group = group_of(finding.group);
-    EffectFinding effect;
-    effect.effect = catalogue_name(group);
-    effect.place = to_string(group.row->place);
-    effect.says = group.row->says;
-    effect.gain = finding.gain;
-    effect.parameters = values_of(catalogue, selection, group, -1);
-    if (session.reference() && !is_history(group.row->name)) {
-      effect.total = effect.parameters;
-      Selection nominal;
-      nominal.value = catalogue.nominal(), nominal.deviation = Eigen::VectorXd::Zero(catalogue.size());
-      const std::vector<NamedValue> before = values_of(catalogue, nominal, group, -1);
-      for (std::size_t p = 0; p < before.size(); ++p)
-        if (before[p].name == effect.parameters[p].name && before[p].name != "rotor")
-          effect.parameters[p].value -= before[p].value;
-    }
-    if (group.row->per_flight)
-      for (std::size_t f = 0; f < session.flights().size(); ++f)
-        effect.per_flight.emplace_back(session.flights()[f].label,
-                                       values_of(catalogue, selection, group, static_cast<int>(f)));
-    effect.classmates = {effect.effect};
-    // what may as well be a trim of another name is not missing physics
-    bool calibration =
-        finding.calibration || (group.row->asks(Need::torque_ratio) && !session.vehicle().torque_ratio_known);
-    for (const Rival& rival : finding.rivals) {
-      const std::string name = catalogue_name(group_of(rival.group));
-      // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
-      const bool equal = rival.z < equivalent_z && rival.delta_score < 0.5 * finding.gain;
-      // or no farther apart than what unforetold commands explain
-      const bool equivalent = equal || (group.row->commanded &&
-                                        rival.delta_score < std::min(selection.unforetold_gain, 0.5 * finding.gain));
-      effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
-      if (equivalent) effect.classmates.push_back(name);
-      calibration = calibration || (equal && rival.below_tolerance);
-    }
-    // of a moment of inertia in yaw the same is true the other way round
-    if (effect.effect == "inertia" && !effect.parameters.empty()) {
-      const NamedValue& z = effect.parameters.back();
-      if (std::abs(z.value) > std::max(0.05, equivalent_z * z.deviation))
-        effect.classmates.emplace_back("yaw_torque_ratio");
-    }
-    for (const auto& [a, b] : exact_alias)
-      if (effect.effect == a &&
-          std::find(effect.classmates.begin(), effect.classmates.end(), b) == effect.classmates.end())
-        effect.classmates.emplace_back(b);
-    // what these logs cannot tell from it is not tried
-    for (const auto& [tried, left_out] : {std::pair{"thrust_scale", "mass"}, {"constant_force", "steady_wind"}})
-      if (effect.effect == tried && !catalogue.why_left_out(*find_effect(left_out)).empty())
-        effect.classmates.emplace_back(left_out);
-    // what fits best first, the others in catalogue order, each name once
-    std::vector<std::string> ordered = {effect.effect};
-    for (const EffectRow& row : effect_registry())
-      if (row.name != effect.effect &&
-          std::find(effect.classmates.begin(), effect.classmates.end(), row.name) != effect.classmates.end())
-        ordered.emplace_back(row.name);
-    effect.classmates = ordered;
-    effect.confidence = challenge.records[i].probability;
-    if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();
-    (calibration ? out.calibration : effect.confidence >= named_from ? out.effects : out.suspected).push_back(effect);
+  effect.parameters = values_of(catalogue, selection, group, -1);
+  if (session.reference() && !group.row->is_history()) {
+    effect.total = effect.parameters;
+    Selection nominal;
+    nominal.value = catalogue.nominal(), nominal.deviation = Eigen::VectorXd::Zero(catalogue.size());
+    const std::vector<NamedValue> before = values_of(catalogue, nominal, group, -1);
+    for (std::size_t p = 0; p < before.size(); ++p)
+      if (before[p].name == effect.parameters[p].name && before[p].name != "rotor")
+        effect.parameters[p].value -= before[p].value;
   }
-  for (const EffectFinding& effect : out.effects)
-    if (effect.effect == "constant_force" && session.flights().size() > 1) {
-      const double side_mps2 =
-          std::hypot(effect.parameters[0].value, effect.parameters[1].value) / session.vehicle().mass_kg;
-      out.notes.push_back(
-          fmt::format("a force to the side that is the same in every flight may as well be a position frame that is "
-                      "tilted, here by {:.2g}°",
-                      std::atan(side_mps2 / session.vehicle().gravity_mps2) * 180.0 / std::numbers::pi));
+  if (group.row->per_flight)
+    for (std::size_t f = 0; f < session.flights().size(); ++f)
+      effect.per_flight.emplace_back(session.flights()[f].label,
+                                     values_of(catalogue, selection, group, static_cast<int>(f)));
+}
+
+// Names that these flights cannot tell from the effect, and whether one of them would be a trim.
+bool fill_rivals(const Session& session, const Selection& selection, const Finding& finding, EffectFinding& effect) {
+  bool trim = false;
+  const bool commanded = group_of(session, finding.group).row->commanded;
+  for (const Rival& rival : finding.rivals) {
+    const std::string name = catalogue_name(group_of(session, rival.group));
+    // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
+    const bool equal = rival.z < equivalent_z && rival.delta_score < most_lost_to_rival * finding.gain;
+    // or no farther apart than what unforetold commands explain
+    const bool equivalent = equal || (commanded && rival.delta_score < std::min(selection.unforetold_gain,
+                                                                                most_lost_to_rival * finding.gain));
+    effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
+    if (equivalent) effect.classmates.push_back(name);
+    trim = trim || (equal && rival.below_tolerance);
+  }
+  return trim;
+}
+
+// names that no flight, or no such log, can tell from the effect
+void fill_aliases(const Catalogue& catalogue, const EffectRow& row, EffectFinding& effect) {
+  // only c_τ k_f / J_z is visible, when J_x and J_y are right
+  if (!row.alias.effect.empty()) effect.classmates.emplace_back(row.alias.effect);
+  for (const EffectRow& other : effect_registry()) {
+    // of a moment of inertia in yaw the same is true the other way round
+    if (other.alias.effect == row.name && !effect.parameters.empty()) {
+      const NamedValue& z = effect.parameters.back();
+      if (std::abs(z.value) > std::max(least_aliased, equivalent_z * z.deviation))
+        effect.classmates.emplace_back(other.name);
     }
+    // what these logs cannot tell from it is not tried
+    if (other.stand_in == row.name && !catalogue.why_left_out(other).empty())
+      effect.classmates.emplace_back(other.name);
+  }
+}
+
+// what fits best first, the others in catalogue order, each name once
+std::vector<std::string> in_order(const EffectFinding& effect) {
+  std::vector<std::string> ordered = {effect.effect};
+  for (const EffectRow& row : effect_registry())
+    if (row.name != effect.effect &&
+        std::find(effect.classmates.begin(), effect.classmates.end(), row.name) != effect.classmates.end())
+      ordered.emplace_back(row.name);
+  return ordered;
+}
+
+// named, suspected, or no missing physics at all
+void explain_finding(const Session& session, const Selection& selection, const Challenge& challenge, std::size_t i,
+                     Diagnosis& out) {
+  const Finding& finding = selection.findings[i];
+  const Group& group = group_of(session, finding.group);
+  EffectFinding effect;
+  effect.effect = catalogue_name(group);
+  effect.place = to_string(group.row->place);
+  effect.says = group.row->says;
+  effect.gain = finding.gain;
+  fill_values(session, selection, group, effect);
+  effect.classmates = {effect.effect};
+  // what may as well be a trim of another name is not missing physics
+  bool calibration =
+      finding.calibration || (group.row->asks(Need::torque_ratio) && !session.vehicle().torque_ratio_known);
+  calibration |= fill_rivals(session, selection, finding, effect);
+  fill_aliases(session.catalogue(), *group.row, effect);
+  effect.classmates = in_order(effect);
+  effect.confidence = challenge.records[i].probability;
+  if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();
+  (calibration ? out.calibration : effect.confidence >= named_from ? out.effects : out.suspected).push_back(effect);
+}
+
+void note_tilted_frame(const Session& session, Diagnosis& out) {
+  if (session.flights().size() < 2) return;
+  for (const EffectFinding& effect : out.effects) {
+    if (!find_effect(effect.effect)->external) continue;
+    const double side_mps2 =
+        std::hypot(effect.parameters[0].value, effect.parameters[1].value) / session.vehicle().mass_kg;
+    out.notes.push_back(
+        fmt::format("a force to the side that is the same in every flight may as well be a position frame that is "
+                    "tilted, here by {:.2g}°",
+                    std::atan(side_mps2 / session.vehicle().gravity_mps2) * 180.0 / std::numbers::pi));
+  }
+}
+
+// what was withdrawn, the best of what was not chosen, and of what was chosen too small to name
+void list_rejected(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   for (const Evidence& record : challenge.withdrawn)
     out.rejected.push_back({record.effect, record.gain,
                             fmt::format("its own evidence gives it a probability of {:.2f}", record.probability)});
-  // the best of what was not chosen, and of what was chosen too small to name
   std::vector<std::pair<double, int>> others;
   for (const auto& [g, gain] : selection.alone) others.emplace_back(gain, g);
   std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < std::min<std::size_t>(5, others.size()); ++i) {
-    const Group& group = group_of(others[i].second);
+    const Group& group = group_of(session, others[i].second);
     out.rejected.push_back(
         {group.rotor > 0 ? fmt::format("{} (rotor {})", group.row->name, group.rotor) : catalogue_name(group),
          others[i].first, others[i].first > 0.0 ? "gains less than the materiality of a further effect" : "no gain"});
   }
+}
+
+// what these logs, or these flights, do not tell
+void list_not_identifiable(const Session& session, const Selection& selection, Diagnosis& out) {
+  const Catalogue& catalogue = session.catalogue();
   for (const EffectRow& row : effect_registry())
     if (const std::string why = catalogue.why_left_out(row); row.diagnosable && !why.empty())
       out.not_identifiable.push_back({std::string(row.name), why});
@@ -167,14 +196,25 @@ void explain(const Session& session, const Selection& selection, const Challenge
   }
 }
 
+}  // namespace
+
+void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
+  describe_sensors(session, selection.noise_selected, out);
+  for (std::size_t i = 0; i < selection.findings.size(); ++i) explain_finding(session, selection, challenge, i, out);
+  note_tilted_frame(session, out);
+  list_rejected(session, selection, challenge, out);
+  list_not_identifiable(session, selection, out);
+}
+
 void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out) {
-  const EffectRow* row = find_effect("gust");
+  const EffectRow& row =
+      first_effect([](const EffectRow& r) { return r.diagnosable && r.column == ColumnFrom::nowhere; });
   const double mass = session.vehicle().mass_kg;
   EffectFinding effect;
-  effect.effect = "gust";
-  effect.place = to_string(row->place);
-  effect.says = row->says;
-  effect.classmates = {"gust"};
+  effect.effect = row.name;
+  effect.place = to_string(row.place);
+  effect.says = row.says;
+  effect.classmates = {effect.effect};
   // standard error of a variance from as many independent pieces as the flights have correlation times
   double duration_s = 0.0;
   for (const FlightData& flight : session.flights()) duration_s += flight.duration_s();

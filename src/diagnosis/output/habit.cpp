@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 
 #include "config/toml.hpp"
+#include "diagnosis/estimation/levenberg_marquardt.hpp"
 #include "diagnosis/output/explain.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/rollout/replay.hpp"
 #include "diagnosis/rollout/verify.hpp"
 #include "util/parallel.hpp"
@@ -20,9 +21,9 @@ namespace {
 constexpr double ahead_s = 0.5, between_starts_s = 0.41;
 constexpr int checks = 5;  // body rates along a window that are compared
 constexpr double slowest_sample_s = 0.05;
-constexpr int terms = 8, unknowns = 3 * terms, most_steps = 8, most_attempts = 6;
+constexpr int terms = 8, unknowns = 3 * terms;
+constexpr Marquardt marquardt{.damping = 1e-2, .harder = 5.0, .settled = 1e-4, .most_steps = 8, .most_attempts = 6};
 constexpr double usual_size = 1.0 / 3.0;  // an error this share of what holding leaves counts in full
-constexpr double clearly_better = 0.9;
 
 struct Window {
   const FlightData* flight = nullptr;
@@ -84,85 +85,99 @@ Eigen::Matrix<double, 3 * checks, 1> missed(const Window& window, const Habit& h
   return result;
 }
 
+using Vector = Eigen::Matrix<double, unknowns, 1>;
+using Normal = Eigen::Matrix<double, unknowns, unknowns>;
+using Equations = NormalEquations<Normal, Vector>;
+
+// Least squares over whole rollouts; large errors count less: cost √(1 + r²) of each body rate, in every flight's own unit.
+class HabitProblem {
+ public:
+  HabitProblem(const std::vector<FlightData>& flights, int jobs) : jobs_(jobs) {
+    Terms squares = Terms::Constant(1e-12);
+    double count = 0.0;
+    for (const FlightData& flight : flights) {
+      windows_.push_back(windows_of(flight));
+      double sum = 1e-12;
+      for (const Window& w : windows_.back()) {
+        const Motion &from = flight.motion[w.first], &to = flight.motion[w.check.back()];
+        sum += (to.body_rate_B_radps - from.body_rate_B_radps).squaredNorm();
+        squares +=
+            terms_of(from.attitude_WB.toRotationMatrix(), from.velocity_W_mps, from.body_rate_B_radps).cwiseAbs2();
+      }
+      // what holding leaves of it
+      const double size = static_cast<double>(std::max<std::size_t>(1, windows_.back().size()));
+      unit_.push_back(usual_size * std::sqrt(sum / size));
+      count += static_cast<double>(windows_.back().size());
+    }
+    scale_ = (squares / std::max(1.0, count)).cwiseSqrt();
+  }
+
+  double cost(const Vector& x) const {
+    double cost = 0.0;
+    for (const Sums& s : sums(x, false)) cost += s.cost;
+    return cost;
+  }
+  Equations linearise(const Vector& x) const {
+    Equations all{Normal::Zero(), Vector::Zero()};
+    for (const Sums& s : sums(x, true)) all.normal += s.equations.normal, all.right += s.equations.right;
+    return all;
+  }
+
+ private:
+  struct Sums {
+    Equations equations{Normal::Zero(), Vector::Zero()};
+    double cost = 0.0;
+  };
+  using Slopes = Eigen::Matrix<double, 3 * checks, unknowns>;
+
+  // of every flight
+  std::vector<Sums> sums(const Vector& x, bool with_slopes) const {
+    const Habit habit = Eigen::Map<const Habit>(x.data());
+    std::vector<Sums> of_flight(windows_.size());
+    parallel_for(std::ssize(windows_), jobs_, [&](std::int64_t f) {
+      const auto flight = static_cast<std::size_t>(f);
+      for (const Window& window : windows_[flight]) add(window, habit, unit_[flight], with_slopes, of_flight[flight]);
+    });
+    return of_flight;
+  }
+
+  void add(const Window& window, const Habit& habit, double unit, bool with_slopes, Sums& s) const {
+    const auto here = missed(window, habit);
+    Slopes J;
+    for (int j = 0; with_slopes && j < unknowns; ++j) {
+      Habit moved = habit;
+      const double delta = 1e-4 / scale_[j % terms];
+      moved(j % terms, j / terms) += delta;
+      J.col(j) = (missed(window, moved) - here) / delta;
+    }
+    for (int i = 0; i < checks; ++i) {
+      const double size = here.segment<3>(3 * i).norm() / unit, weight = 1.0 / std::sqrt(1.0 + size * size);
+      s.cost += std::sqrt(1.0 + size * size) - 1.0;
+      if (!with_slopes) continue;
+      const double w = weight / (unit * unit);
+      s.equations.normal += w * J.middleRows<3>(3 * i).transpose() * J.middleRows<3>(3 * i);
+      s.equations.right -= w * J.middleRows<3>(3 * i).transpose() * here.segment<3>(3 * i);
+    }
+  }
+
+  int jobs_;
+  std::vector<std::vector<Window>> windows_;
+  std::vector<double> unit_;
+  Terms scale_;  // typical sizes of the terms
+};
+
 }  // namespace
 
 Habit fit_habit(const std::vector<FlightData>& flights, int jobs) {
-  // every flight in the unit of what holding leaves of it
-  std::vector<std::vector<Window>> windows;
-  std::vector<double> unit;
-  Terms squares = Terms::Constant(1e-12);
-  for (const FlightData& flight : flights) {
-    windows.push_back(windows_of(flight));
-    double sum = 1e-12;
-    for (const Window& w : windows.back()) {
-      const Motion &from = flight.motion[w.first], &to = flight.motion[w.check.back()];
-      sum += (to.body_rate_B_radps - from.body_rate_B_radps).squaredNorm();
-      squares += terms_of(from.attitude_WB.toRotationMatrix(), from.velocity_W_mps, from.body_rate_B_radps).cwiseAbs2();
-    }
-    unit.push_back(usual_size * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, windows.back().size()))));
-  }
-  double count = 0.0;
-  for (const auto& list : windows) count += static_cast<double>(list.size());
-  const Terms scale = (squares / std::max(1.0, count)).cwiseSqrt();
-
-  using Normal = Eigen::Matrix<double, unknowns, unknowns>;
-  using Right = Eigen::Matrix<double, unknowns, 1>;
-  struct Sums {
-    Normal normal = Normal::Zero();
-    Right right = Right::Zero();
-    double cost = 0.0;
-  };
-  // large errors count less: cost √(1 + r²) of each body rate
-  const auto sums = [&](const Habit& habit, bool with_slopes) {
-    std::vector<Sums> of_flight(flights.size());
-    parallel_for(std::ssize(flights), jobs, [&](std::int64_t f) {
-      Sums& s = of_flight[static_cast<std::size_t>(f)];
-      for (const Window& window : windows[static_cast<std::size_t>(f)]) {
-        const auto here = missed(window, habit);
-        Eigen::Matrix<double, 3 * checks, unknowns> J;
-        if (with_slopes)
-          for (int j = 0; j < unknowns; ++j) {
-            Habit moved = habit;
-            const double delta = 1e-4 / scale[j % terms];
-            moved(j % terms, j / terms) += delta;
-            J.col(j) = (missed(window, moved) - here) / delta;
-          }
-        for (int i = 0; i < checks; ++i) {
-          const double size = here.segment<3>(3 * i).norm() / unit[static_cast<std::size_t>(f)],
-                       weight = 1.0 / std::sqrt(1.0 + size * size);
-          s.cost += std::sqrt(1.0 + size * size) - 1.0;
-          if (!with_slopes) continue;
-          const double w = weight / (unit[static_cast<std::size_t>(f)] * unit[static_cast<std::size_t>(f)]);
-          s.normal += w * J.middleRows<3>(3 * i).transpose() * J.middleRows<3>(3 * i);
-          s.right -= w * J.middleRows<3>(3 * i).transpose() * here.segment<3>(3 * i);
-        }
-      }
-    });
-    Sums all;
-    for (const Sums& s : of_flight) all.normal += s.normal, all.right += s.right, all.cost += s.cost;
-    return all;
-  };
+  const HabitProblem problem(flights, jobs);
   Habit habit = Habit::Zero();
   for (int axis = 0; axis < 3; ++axis) habit(axis, axis) = -5.0;
-  double damping = 1e-2;
-  for (int step = 0; step < most_steps; ++step) {
-    const Sums here = sums(habit, true);
-    bool better = false;
-    double least = here.cost;
-    for (int attempt = 0; attempt < most_attempts && !better; ++attempt) {
-      Normal damped = here.normal;
-      damped.diagonal() *= 1.0 + damping;
-      damped.diagonal().array() += 1e-12 * here.normal.diagonal().maxCoeff();
-      const Right move = damped.ldlt().solve(here.right);
-      const Habit trial = habit + Eigen::Map<const Habit>(move.data());
-      least = sums(trial, false).cost;
-      better = std::isfinite(least) && least < here.cost;
-      damping *= better ? 0.2 : 5.0;
-      if (better) habit = trial;
-    }
-    if (!better || least > here.cost * (1.0 - 1e-4)) break;
-  }
-  return habit;
+  Vector x = Eigen::Map<const Vector>(habit.data());
+  Equations last;
+  minimise(
+      x, problem.cost(x), marquardt, [&](const Vector& at) { return problem.linearise(at); },
+      [&](const Vector& at) { return problem.cost(at); }, last);
+  return Eigen::Map<const Habit>(x.data());
 }
 
 void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, int jobs, Diagnosis& out) {
@@ -173,9 +188,11 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
   if (!(physics > held)) return;
 
   const Habit habit = fit_habit(flights, jobs);
-  std::string toml =
+  const std::string_view effect = first_effect([](const EffectRow& row) { return row.replay_only; }).name;
+  std::string toml = fmt::format(
       "\n[[effect]]  # not physics: how it turned under the controller that flew it; for rollouts on its "
-      "recordings\ntype = \"recorded_loop\"\n";
+      "recordings\ntype = \"{}\"\n",
+      effect);
   constexpr std::array<const char*, 3> axis = {"roll", "pitch", "yaw"};
   for (int a = 0; a < 3; ++a) {
     std::vector<std::string> numbers;
@@ -188,9 +205,9 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
     if (half_a_second_ahead(with.fit, name, "after") >= half_a_second_ahead(out.fit, name, "after"))
       return;  // what the log lacks is no number
   const double foretold = half_a_second_ahead(with.fit, "body_rate_radps", "after");
-  if (!(foretold < clearly_better * held)) return;
+  if (!(foretold < decisions::habit_better * held)) return;
   out.habit = {
-      {"effect", "recorded_loop"},
+      {"effect", effect},
       {"says", fmt::format("half a second ahead the recorded actuators foretell the body rate to {:.2g} rad/s, holding "
                            "it to {:.2g}, and the habit of "
                            "the loop that was recorded to {:.2g}; the habit is no physics, and true of no other loop",

@@ -8,6 +8,7 @@
 
 #include "config/toml.hpp"
 #include "diagnosis/output/explain.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/validation/holdout.hpp"
 #include "gustlab/errors.hpp"
 #include "simulation/flight.hpp"
@@ -20,8 +21,7 @@ namespace {
 
 constexpr double crazyflie_arm_m = 0.046;  // the size for which the library below is written
 constexpr double flight_s = 8.0;
-// squared standard deviations that tell two names apart, and that show an effect of natural size
-constexpr double told_apart = 10.0, shows = 25.0;
+using decisions::told_apart, decisions::shows;
 
 struct Candidate {
   std::string trajectory, how;  // name in the registry, and in words
@@ -163,8 +163,8 @@ double unmatched(const Eigen::MatrixXd& gram, const std::vector<int>& columns, c
 }
 
 // histories that a scan would have to find do not fly here, and some effects need surroundings or sensors that are not there
-bool can_show(std::string_view name, const Catalogue& catalogue) {
-  return !is_history(name) && name != "gust" && catalogue.why_left_out(*find_effect(name)).empty();
+bool can_show(const EffectRow& row, const Catalogue& catalogue) {
+  return row.column == ColumnFrom::model && catalogue.why_left_out(row).empty();
 }
 
 struct Pair {
@@ -184,21 +184,16 @@ std::string in_words(const std::vector<std::string>& names, std::size_t most) {
   return names.size() > most ? text + fmt::format(" and {} more", names.size() - most) : text;
 }
 
-}  // namespace
+// the library, flown with what was found: those of its flights that a controller can fly
+struct Library {
+  std::vector<FlightData> flights;
+  std::vector<Candidate> of;
+};
 
-void suggest_flight(const Session& session, const Selection& selection, int jobs, Diagnosis& out) {
-  const bool ambiguous = std::any_of(out.effects.begin(), out.effects.end(),
-                                     [](const EffectFinding& e) { return e.classmates.size() > 1; });
+Library fly_library(const Session& session, const Diagnosis& out, int jobs) {
   const FlightData& like = session.flights().front();
-  std::vector<std::string> unseen;
-  for (const NotIdentifiable& n : out.not_identifiable)
-    if (can_show(n.effect, session.catalogue())) unseen.push_back(n.effect);
-  if (!ambiguous && unseen.empty()) return;
-
-  // fly the library with what was found
-  std::vector<EffectSpec> effects = like.vehicle.effects;
   config::Table found = config::Table::parse(augmented_toml(out), "augmented.toml");
-  effects = config::merge_effects(effects, config::read_effects(found));
+  std::vector<EffectSpec> effects = config::merge_effects(like.vehicle.effects, config::read_effects(found));
   std::erase_if(effects, [](const EffectSpec& e) { return find_effect(e.type)->external; });
   const std::vector<Candidate> candidates =
       library(session.vehicle(), like.vehicle.environment.ground_z_m.value_or(0.0));
@@ -206,97 +201,139 @@ void suggest_flight(const Session& session, const Selection& selection, int jobs
   parallel_for(static_cast<std::int64_t>(candidates.size()), jobs, [&](std::int64_t i) {
     flown[static_cast<std::size_t>(i)] = simulate(candidates[static_cast<std::size_t>(i)], like, effects);
   });
-  std::vector<FlightData> flights;
-  std::vector<const Candidate*> of;
+  Library result;
   for (std::size_t i = 0; i < flown.size(); ++i)
     if (flown[i]) {
-      flights.push_back(std::move(*flown[i]));
-      of.push_back(&candidates[i]);
+      result.flights.push_back(std::move(*flown[i]));
+      result.of.push_back(candidates[i]);
     }
-  if (flights.empty()) return;
+  return result;
+}
 
-  Session next(std::move(flights), session.vehicle(), jobs);
-  next.noise = selection.noise_selected;
-  const Catalogue &here = session.catalogue(), &there = next.catalogue();
+// what a flight should tell, as groups of the library's catalogue: pairs of names, and effects that have not shown
+struct Questions {
+  std::vector<int> chosen;  // what was found
+  std::vector<Pair> pairs;
+  std::vector<std::pair<std::string, int>> hidden;
+};
+
+Questions questions_of(const Catalogue& here, const Catalogue& there, const Selection& selection, const Diagnosis& out,
+                       const std::vector<std::string>& unseen) {
   const auto groups_there = [&](std::string_view name) {
     std::vector<int> groups;
     for (std::size_t g = 0; g < there.groups().size(); ++g)
       if (there.groups()[g].row->name == name && there.groups()[g].candidate) groups.push_back(static_cast<int>(g));
     return groups;
   };
-  std::vector<int> chosen;
-  std::vector<Pair> pairs;
+  Questions asked;
   for (const Finding& finding : selection.findings) {
     const Group& group = here.groups()[static_cast<std::size_t>(finding.group)];
     const int g = there.find(group.label);
     if (g < 0) continue;
-    chosen.push_back(g);
+    asked.chosen.push_back(g);
     const auto named = std::find_if(out.effects.begin(), out.effects.end(), [&](const EffectFinding& e) {
       return std::find(e.classmates.begin(), e.classmates.end(), group.row->name) != e.classmates.end();
     });
     if (named == out.effects.end()) continue;
     for (const std::string& other : named->classmates)
       if (other != group.row->name)
-        for (const int rival : groups_there(other)) pairs.push_back({std::string(group.row->name), other, g, rival});
+        for (const int rival : groups_there(other))
+          asked.pairs.push_back({std::string(group.row->name), other, g, rival});
   }
-  std::vector<std::pair<std::string, int>> hidden;
   for (const std::string& name : unseen)
-    for (const int g : groups_there(name)) hidden.emplace_back(name, g);
-  std::erase_if(pairs, [&](const Pair& p) { return !can_show(p.named, here) || !can_show(p.other, here); });
-  if (pairs.empty() && hidden.empty()) return;
+    for (const int g : groups_there(name)) asked.hidden.emplace_back(name, g);
+  std::erase_if(asked.pairs, [&](const Pair& p) {
+    return !can_show(*find_effect(p.named), here) || !can_show(*find_effect(p.other), here);
+  });
+  return asked;
+}
 
-  std::vector<int> wanted = join(columns_of(there, chosen), next.biases());
-  for (const Pair& p : pairs) wanted = join(wanted, columns_of(there, {p.rival}));
-  for (const auto& [name, g] : hidden) wanted = join(wanted, columns_of(there, {g}));
+std::vector<int> columns_asked(const Questions& asked, const Session& next) {
+  const Catalogue& there = next.catalogue();
+  std::vector<int> wanted = join(columns_of(there, asked.chosen), next.biases());
+  for (const Pair& p : asked.pairs) wanted = join(wanted, columns_of(there, {p.rival}));
+  for (const auto& [name, g] : asked.hidden) wanted = join(wanted, columns_of(there, {g}));
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  const Eigen::VectorXd value = carry_over(here, selection.value, there);
-  next.linearise(value, wanted);
+  return wanted;
+}
+
+// what one flight would tell: more names told apart first, then told apart more clearly, then more that shows at all
+struct Worth {
+  double score = 0.0;
+  std::vector<std::string> apart, seen;
+};
+
+Worth worth_of(const Eigen::MatrixXd& gram, const Questions& asked, const Session& next, const Eigen::VectorXd& value) {
+  const Catalogue& there = next.catalogue();
+  Worth worth;
+  for (const Pair& p : asked.pairs) {
+    std::vector<int> others = asked.chosen;
+    std::erase(others, p.group);
+    if (std::find(others.begin(), others.end(), p.rival) == others.end()) others.push_back(p.rival);
+    const std::vector<int> own = columns_of(there, {p.group});
+    Eigen::VectorXd size(static_cast<Eigen::Index>(own.size()));
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const Column& column = there.columns()[static_cast<std::size_t>(own[i])];
+      size[static_cast<Eigen::Index>(i)] = (value[own[i]] - column.nominal) / column.natural;
+    }
+    const double worse = unmatched(gram, own, size, join(columns_of(there, others), next.biases()));
+    if (worse < told_apart) continue;
+    worth.score += 1e3 + 1e2 * std::log(worse);
+    const std::string words = p.named + " from " + p.other;
+    if (std::find(worth.apart.begin(), worth.apart.end(), words) == worth.apart.end()) worth.apart.push_back(words);
+  }
+  for (const auto& [name, g] : asked.hidden) {
+    double most = 0.0;
+    for (const int c : columns_of(there, {g})) {
+      std::vector<int> free = join(columns_of(there, asked.chosen), next.biases());
+      std::erase(free, c);
+      most = std::max(most, unmatched(gram, {c}, Eigen::VectorXd::Ones(1), free));
+    }
+    if (most < shows) continue;
+    worth.score += 1.0 + 0.01 * std::log(most);
+    if (std::find(worth.seen.begin(), worth.seen.end(), name) == worth.seen.end()) worth.seen.push_back(name);
+  }
+  return worth;
+}
+
+std::string reason(const Worth& worth, const std::string& how) {
+  std::string why = worth.apart.empty() ? "" : "would separate " + in_words(worth.apart, 3);
+  if (!worth.seen.empty()) why += (worth.apart.empty() ? "would show " : ", and show ") + in_words(worth.seen, 4);
+  return why + fmt::format(" (flown {})", how);
+}
+
+}  // namespace
+
+void suggest_flight(const Session& session, const Selection& selection, int jobs, Diagnosis& out) {
+  const bool ambiguous = std::any_of(out.effects.begin(), out.effects.end(),
+                                     [](const EffectFinding& e) { return e.classmates.size() > 1; });
+  std::vector<std::string> unseen;
+  for (const NotIdentifiable& n : out.not_identifiable)
+    if (can_show(*find_effect(n.effect), session.catalogue())) unseen.push_back(n.effect);
+  if (!ambiguous && unseen.empty()) return;
+  Library flown = fly_library(session, out, jobs);
+  if (flown.flights.empty()) return;
+
+  Session next(std::move(flown.flights), session.vehicle(), jobs);
+  next.noise = selection.noise_selected;
+  const Questions asked = questions_of(session.catalogue(), next.catalogue(), selection, out, unseen);
+  if (asked.pairs.empty() && asked.hidden.empty()) return;
+  const Eigen::VectorXd value = carry_over(session.catalogue(), selection.value, next.catalogue());
+  next.linearise(value, columns_asked(asked, next));
   const Grams grams = next.grams();
 
   double best = 0.0;
-  for (std::size_t f = 0; f < of.size(); ++f) {
+  for (std::size_t f = 0; f < flown.of.size(); ++f) {
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1);
     for (std::size_t b = 0; b < grams.block.size(); ++b)
       if (grams.flight[b] == static_cast<int>(f)) gram += grams.block[b];
-    // more names told apart, then told apart more clearly, then more that shows at all
-    double score = 0.0;
-    std::vector<std::string> apart, seen;
-    for (const Pair& p : pairs) {
-      std::vector<int> others = chosen;
-      std::erase(others, p.group);
-      if (std::find(others.begin(), others.end(), p.rival) == others.end()) others.push_back(p.rival);
-      const std::vector<int> own = columns_of(there, {p.group});
-      Eigen::VectorXd size(static_cast<Eigen::Index>(own.size()));
-      for (std::size_t i = 0; i < own.size(); ++i) {
-        const Column& column = there.columns()[static_cast<std::size_t>(own[i])];
-        size[static_cast<Eigen::Index>(i)] = (value[own[i]] - column.nominal) / column.natural;
-      }
-      const double worse = unmatched(gram, own, size, join(columns_of(there, others), next.biases()));
-      if (worse < told_apart) continue;
-      score += 1e3 + 1e2 * std::log(worse);
-      const std::string words = p.named + " from " + p.other;
-      if (std::find(apart.begin(), apart.end(), words) == apart.end()) apart.push_back(words);
-    }
-    for (const auto& [name, g] : hidden) {
-      const std::vector<int> own = columns_of(there, {g});
-      double most = 0.0;
-      for (const int c : own) {
-        std::vector<int> free = join(columns_of(there, chosen), next.biases());
-        std::erase(free, c);
-        most = std::max(most, unmatched(gram, {c}, Eigen::VectorXd::Ones(1), free));
-      }
-      if (most < shows) continue;
-      score += 1.0 + 0.01 * std::log(most);
-      if (std::find(seen.begin(), seen.end(), name) == seen.end()) seen.push_back(name);
-    }
-    if (score <= best) continue;
-    best = score;
-    out.next_trajectory = of[f]->trajectory;
-    out.next_parameters = of[f]->parameters;
-    out.next_why = apart.empty() ? "" : "would separate " + in_words(apart, 3);
-    if (!seen.empty()) out.next_why += (apart.empty() ? "would show " : ", and show ") + in_words(seen, 4);
-    out.next_why += fmt::format(" (flown {})", of[f]->how);
+    const Worth worth = worth_of(gram, asked, next, value);
+    if (worth.score <= best) continue;
+    best = worth.score;
+    out.next_trajectory = flown.of[f].trajectory;
+    out.next_parameters = flown.of[f].parameters;
+    out.next_why = reason(worth, flown.of[f].how);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "config/toml.hpp"
 #include "control/feature_terms.hpp"
 #include "diagnosis/output/explain.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/rollout/replay.hpp"
 #include "diagnosis/rollout/verify.hpp"
 #include "diagnosis/validation/generic_bases.hpp"
@@ -18,11 +19,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr std::size_t most_terms = 6;
-// what each term must gain, in squared standard deviations: a share of the samples, and of what all before it gained
-constexpr double materiality = 0.001, relative_materiality = 0.1;
-// share of the held-out error above noise that must be closed in one quantity, and how much no quantity may lose
-constexpr double least_closed = 0.1, most_lost = 0.05;
+using decisions::most_terms, decisions::least_closed, decisions::most_lost;
 constexpr std::array<std::string_view, 6> channel_name = {"force_x",  "force_y",  "force_z",
                                                           "torque_x", "torque_y", "torque_z"};
 
@@ -112,8 +109,8 @@ Sparse regress(const Eigen::MatrixXd& gram, int beside, const Library& library, 
   sparse.loss = before;
   while (sparse.chosen.size() < most_terms) {
     int best = -1;
-    double least =
-        sparse.loss - std::max(materiality * std::max(rows, before), relative_materiality * (before - sparse.loss));
+    double least = sparse.loss - std::max(decisions::term_materiality * std::max(rows, before),
+                                          decisions::term_relative_materiality * (before - sparse.loss));
     for (int j = 0; j < static_cast<int>(library.columns.size()); ++j) {
       if (std::find(sparse.chosen.begin(), sparse.chosen.end(), j) != sparse.chosen.end()) continue;
       columns.push_back(beside + j);
@@ -135,7 +132,12 @@ Sparse regress(const Eigen::MatrixXd& gram, int beside, const Library& library, 
   return sparse;
 }
 
-// [[effect]] type = "sindy_residual", and the same for the report
+// the effect that describes without naming
+std::string_view description() {
+  return first_effect([](const EffectRow& row) { return row.describes; }).name;
+}
+
+// an [[effect]] table, and the same for the report
 void write(const Sparse& sparse, const VehicleModel& vehicle, std::string& toml, nlohmann::ordered_json& json) {
   std::vector<std::string> names;
   std::array<std::vector<double>, 6> value;
@@ -162,9 +164,9 @@ void write(const Sparse& sparse, const VehicleModel& vehicle, std::string& toml,
     return fmt::format("[{}]", fmt::join(texts, ", "));
   };
   toml = fmt::format(
-      "\n[[effect]]  # without a name: a description of what is left, in SI units\ntype = \"sindy_residual\"\nframe = "
+      "\n[[effect]]  # without a name: a description of what is left, in SI units\ntype = \"{}\"\nframe = "
       "\"{}\"\nterms = [\"{}\"]\n",
-      sparse.library->world ? "world" : "body", fmt::join(names, "\", \""));
+      description(), sparse.library->world ? "world" : "body", fmt::join(names, "\", \""));
   constexpr std::array<const char*, 6> key = {"fx", "fy", "fz", "tx", "ty", "tz"};
   for (std::size_t c = 0; c < 6; ++c)
     if (c < 3 || std::any_of(value[c].begin(), value[c].end(), [](double v) { return v != 0.0; }))
@@ -187,12 +189,8 @@ std::vector<Proof> compare(const nlohmann::ordered_json& without, const nlohmann
   return proofs;
 }
 
-}  // namespace
-
-void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout, int jobs,
-                    Diagnosis& out) {
-  if (out.fit.is_null()) return;
-  // what stays beside it: the effects that are written into the augmented vehicle
+// Linearises the flights with the effects that are written into the augmented vehicle, which stay beside what is sought; their columns.
+std::vector<int> linearise_beside(const Diagnosis& out, const Selection& selection, Session& session) {
   const Catalogue& catalogue = session.catalogue();
   std::set<std::string> kept;
   for (const auto* list : {&out.effects, &out.calibration})
@@ -218,7 +216,15 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
       return std::find(f.columns.begin(), f.columns.end(), c) != f.columns.end();
     });
   });
+  return beside;
+}
 
+}  // namespace
+
+void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout, int jobs,
+                    Diagnosis& out) {
+  if (out.fit.is_null()) return;
+  const std::vector<int> beside = linearise_beside(out, selection, session);
   const std::vector<Library> all = libraries();
   Sparse best;
   for (const Library& library : all) {
@@ -240,7 +246,7 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   Verification without = flown("");
   if (best.chosen.empty()) return show(std::move(without));
   std::string toml;
-  nlohmann::ordered_json json = {{"effect", "sindy_residual"}, {"frame", best.library->world ? "world" : "body"}};
+  nlohmann::ordered_json json = {{"effect", description()}, {"frame", best.library->world ? "world" : "body"}};
   write(best, session.vehicle(), toml, json);
   Verification with = flown(toml);
   const std::vector<Proof> proofs = compare(without.fit, with.fit);

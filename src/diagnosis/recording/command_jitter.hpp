@@ -11,8 +11,4 @@ namespace gustlab::diagnosis {
 // Fuller, Measurement Error Models, 1987).
 double command_jitter_share(const FlightData& flight);
 
-// Above it, and with a log that does not say how its commands are held, names are only suspected. Measured: real logs
-// 0.00–0.15; a 500 Hz loop with a noisy gyroscope that was logged at 100 Hz 0.4–0.7.
-inline constexpr double most_command_jitter = 0.25;
-
 }  // namespace gustlab::diagnosis

@@ -1,21 +1,195 @@
-// The table of decisions: thresholds that decide a name, an alarm or a verdict. Per entry: the statistic, what the value was derived from
-// or measured on, and what it costs. "No derivation" means that the value was chosen and not measured. Thresholds that have not moved
-// here yet stand at the top of the file that uses them.
+// The table of decisions: every threshold that decides a name, an alarm or a verdict. Each entry says the statistic that is compared with it,
+// what the value was derived from or measured on ("no derivation": it was chosen and not measured), and what it costs. Numbers of a
+// method (windows, steps, grids, priors of a fit) stand where they are used; tests/layers/test_decisions.py knows them. Faults of a log
+// are judged in recording/, and the weights of a name's evidence in evidence/judge.cpp, beside what they were fitted on.
 #pragma once
+
+#include <cstddef>
 
 namespace gustlab::diagnosis::decisions {
 
-// Length of a block, s: of Gram matrices, regimes, dependence, plots of residuals and hover balances. Some correlation times of a calm
-// room's air (0.2 s), so that blocks hardly depend on each other. Costs: what changes within a block is one value.
+// ---- blocks
+
+// Length of a block, s: of Gram matrices, regimes, dependence, plots of residuals and hover balances.
+// Statistic: correlation time of what nothing explains. From: some correlation times of a calm room's air (0.2 s), so that blocks hardly
+// depend on each other. Costs: what changes within a block is one value.
 inline constexpr double block_s = 0.5;
 
-// A line of a gust. Statistic: probability by chance of the periodogram's peak. Derived: one false line in 10⁶ flights with none. Costs:
+// ---- reading and alignment
+
+// Names are only suspected where commands jitter so much and the log does not say how they are held.
+// Statistic: share of the variance of the commanded torque that is white from sample to sample. From: real logs 0.00 to 0.15; a 500 Hz loop
+// with a noisy gyroscope that was logged at 100 Hz 0.4 to 0.7. Costs: not measured.
+inline constexpr double most_command_jitter = 0.25;
+// Commands of one flight are read later when its own likelihood rises so much and that of the promptest flight falls.
+// Statistic: twice the log likelihood; difference of two delays in samples. From: three standard deviations for the fall; no derivation for the
+// rise and the samples. Costs: smaller offsets between clocks stay, and look like a delay of part of the flights.
+inline constexpr double least_offset_gain = 100.0, least_offset_loss = 9.0, least_offset_samples = 0.6;
+
+// ---- noise
+
+// Errors of the sensors last: correlation of innovations from sample to sample, and what a memory of its own gains.
+// Statistic: correlation; twice the log likelihood per innovation. From: white errors correlate up to 0.05 and gain 0.012 in slow flight; interpolated
+// poses gain 0.66. Costs: errors that last less are charged to the vehicle as a disturbance.
+inline constexpr double lasting_correlation = 0.1, lasting_gain = 0.03;
+// The disturbance is never believed to be smaller than this share of a calm room's.
+// Statistic: its standard deviation. From: below it the difference of two right integrators was named. Costs: effects that only a calmer
+// room would show.
+inline constexpr double least_share_of_floor = 0.35;
+// Commands predict measured rotor speeds where they leave no more than this.
+// Statistic: share of the variance of the speeds' changes. From: no derivation. Costs: beyond it lags show in the body alone.
+inline constexpr double most_speed_left = 0.25;
+// What reference flights do not show is known as if the file were right to one natural size.
+// Statistic: information in natural sizes. From: no derivation. Costs: a file that is wrong by more is followed only in part.
+inline constexpr double reference_prior = 1.0;
+
+// ---- selection
+
+// What a further effect must gain, as a share of the degrees of freedom, as a share of the whole gain, and at most.
+// Statistic: Δχ². From: no derivation for the first; the second keeps the second-order error of a giant effect out, and is bounded where the model
+// was linearised about that effect. Costs: smaller effects are not looked at; the judge withdraws what is let in too much.
+inline constexpr double materiality = 0.0006, relative_materiality = 1e-4, most_materiality = 0.003;
+// A chosen effect is not zero.
+// Statistic: Wald test with clustered errors, over the number of groups. From: one false effect in a thousand searches (Bonferroni). Costs:
+// effects below some four standard errors.
+inline constexpr double wald_p = 0.001;
+// A history is tried: a load that explains so much, a speed limit that gains so much and is so near to what its column says.
+// Statistic: share of the horizontal disturbance; Δχ²; coefficient of the column (1: exactly that limit); samples at the limit. From: no derivation.
+// Costs: lighter loads and limits that are seldom reached are not looked at.
+inline constexpr double least_load_share = 0.01, least_limit_gain = 30.0, least_limit_strength = 0.2,
+                        fewest_limited_samples = 10.0;
+// What a history costs in the search, beyond its column: numbers that were fitted to it beforehand.
+// Statistic: parameters. From: length, damping and the swing of some flights; a limit out of twenty. Costs: histories that gain less.
+inline constexpr double swing_costs = 30.0, limit_costs = 5.0;
+// A value is a trim, no missing physics: up to so many tolerances.
+// Statistic: the larger of its sizes in reporting tolerances. From: an estimate holds a share of what alike parts scatter. Costs: effects between one
+// tolerance and this.
+inline constexpr double scatter_margin = 1.2;
+// A lag or delay below so many samples is a convention of the log, where it does not say how commands are held.
+// Statistic: delay in samples. From: a mean over an interval, stamped at its end, reads 0.62 samples late (measured). Costs: delays of part of a sample.
+inline constexpr double unknown_hold_samples = 0.7;
+// A lag or delay up to here may be a filter's, in logs that were low-pass filtered while their commands were not.
+// Statistic: difference from the vehicle file, s. From: up to 30 ms were named on filtered flights without any. Costs: lags up to there on such logs.
+inline constexpr double filter_lag_s = 0.03;
+// Trims beside everything imitate an effect: how much they scatter, and what that may cost; beside the omnibus bases they scatter more.
+// Statistic: standard deviation in reporting tolerances; Δχ². From: no derivation for the shares; three standard deviations for the cost. Costs: effects
+// that scatter of everything else could be.
+inline constexpr double trim_share = 0.25, trim_cost = 9.0, scatter_share = 0.5;
+// Of sets that fit alike, another one is taken when it says so much less.
+// Statistic: sum of sizes in tolerances squared, each at most 1. From: no derivation. Costs: none known.
+inline constexpr double least_said_less = 0.1;
+// A candidate is equal to a rival.
+// Statistic: paired differences of blocks, in standard errors; share of the effect's own gain that the rival loses. From: p = 0.01 for the first, no
+// derivation for the second. Costs: names that are told more weakly are given as a class.
+inline constexpr double equivalent_z = 2.6, most_lost_to_rival = 0.5;
+// Of a moment of inertia that a torque ratio may be as well.
+// Statistic: its relative change, at least so much. From: the reporting tolerance of inertia. Costs: none known.
+inline constexpr double least_aliased = 0.05;
+
+// ---- size and error of what is named
+
+// No effect is exactly its formula; no cable is exactly as long as sampled accelerations say.
+// Statistic: share of the value that is added to its standard error. From: intervals of drag-like effects covered 31 to 67 % at nominal 95 % without;
+// ten trials of the independent reality for the cable. Costs: wider intervals of everything else.
+inline constexpr double model_form = 0.03, cable_form = 0.005;
+// These flights hardly show an effect.
+// Statistic: strength in natural sizes that would be five standard errors. From: no derivation. Costs: a remark, no name.
+inline constexpr double hardly_shown = 6.0;
+
+// ---- evidence
+
+// A candidate is named, suspected, or withdrawn at once with the others that are hopeless.
+// Statistic: probability by its record (evidence/judge.cpp). From: of the names from 0.8 on 95 % are true on the data of the fit, of those between 0.5 and
+// 0.8 73 %; no derivation for hopeless. Costs: docs/proof/judge.md.
+inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.1;
+// A moved signature is another one.
+// Statistic: mean square correlation of a signature with itself, moved. From: no derivation. Costs: effects that are alike everywhere have no
+// such null.
+inline constexpr double most_alike = 0.7;
+// Force against moment: a push that would be seen.
+// Statistic: χ² of the push. From: five standard deviations. Costs: what is not compared is not doubted.
+inline constexpr double least_push_seen = 25.0;
+
+// ---- what is left
+
+// More than chance in a family of generic functions.
+// Statistic: Δχ² beyond its degrees of freedom, in their standard deviations, and as a share of all information. From: clean flights gave 70 to 105 on 51
+// and 21 to 44 on 24 degrees of freedom. Costs: DIAGNOSIS.md §3.5.
+inline constexpr double beyond_chance_sd = 6.0, beyond_chance_share = 0.001;
+// A channel belongs to an alarm of several; a channel, or how late rotors and pose are, to what is located.
+// Statistic: its gain as a share of the largest. From: no derivation. Costs: channels that are disturbed little are not said.
+inline constexpr double least_channel_of_alarm = 0.25, least_channel = 0.02, least_timing = 0.3;
+// Where a channel's rest stands.
+// Statistic: share of its variance that a variable explains, beside the same series moved. From: no derivation. Costs: weaker dependence is not said.
+inline constexpr double least_where = 0.1;
+// Innovations are not white.
+// Statistic: largest autocorrelation over 25 lags; where errors of the sensors last, colour that one correlation time does not follow is theirs. From:
+// clean flights up to 0.09, unknown physics 0.2 to 0.5; no derivation for the second. Costs: unknown physics between.
+inline constexpr double most_correlation = 0.15, most_correlation_of_lasting = 0.3;
+// Disturbed more than a calm room.
+// Statistic: disturbance, or what of it lasts, over the reference floor. From: DIAGNOSIS.md §3.5. Costs: it is an alarm, and withdraws no name.
+inline constexpr double most_of_floor = 2.5;
+// The disturbance grows with activity, speed or nearness to the ground.
+// Statistic: rank correlation of energy; energy of the highest quarter over that of the lowest. From: no derivation. Costs: not measured.
+inline constexpr double growth_correlation = 0.45, growth_ratio = 3.0;
+// Of all structure, what the omnibus test may still find where everything is called explained.
+// Statistic: its χ² as a share. From: no derivation. Costs: `partly_explained` instead of `explained`.
+inline constexpr double explained_share = 0.1;
+
+// ---- gusts
+
+// A line of a gust. Statistic: probability by chance of the periodogram's peak. From: one false line in 10⁶ flights with none. Costs:
 // fainter lines are not named.
 inline constexpr double surely_a_line = 1e-6;
-// A constant force beside a gust. Statistic: probability that it is more than the mean of the gust over a flight. Derived: one false
-// force in a thousand flights.
+// A constant force beside a gust. Statistic: probability that it is more than the mean of the gust over a flight. From: one false
+// force in a thousand flights. Costs: constant forces that a gust could be.
 inline constexpr double surely_no_mean = 0.999;
-// Dependence of a disturbance on the state. Statistic: standard deviations above the same series moved along its flight. No derivation.
+// Dependence of a disturbance on the state. Statistic: standard deviations above the same series moved along its flight. From: no derivation.
+// Costs: not measured.
 inline constexpr double surely_dependent = 4.9;
+// A gust lasts: correlation time, and disturbance that lasts half a second against all of a calm room's.
+// Statistic: fitted correlation time, s; ratio of standard deviations. From: clean flights have up to 0.45 of the ratio; no derivation for the times.
+// Costs: quicker and slower gusts are rough air or unnamed.
+inline constexpr double fastest_gust_s = 0.25, slowest_gust_s = 4.0, least_slow_share = 0.7;
+// It is more than rough air, which is about as strong up and down as sideways and forgets within a second.
+// Statistic: horizontal over vertical standard deviation; correlation time, s. From: outdoor air of the independent reality 0.9 to 1.2 times and 0.3 to
+// 0.7 s, its gusts 1.9 to 3.2 times. Costs: gusts that blow up and down as much.
+inline constexpr double least_sideways = 1.4, longest_of_rough_air_s = 1.0;
+
+// ---- hover without attitude and body rate
+
+// Normal flights of one vehicle differ by so much, known as well as from so many flights.
+// Statistic: share of weight (moments: of weight times lever). From: two vehicles, two flights each, CrazyPAD: 0.019, 0.006, 0.015, 0.014. Costs: changes
+// below some three times that.
+inline constexpr double flight_to_flight = 0.02, flight_to_flight_counts = 4.0;
+// A flight differs from normal, and a change of the vehicle is adequate.
+// Statistic: χ². From: one false change in a thousand flights. Costs: not measured.
+inline constexpr double hover_significance = 0.001;
+// A change has one number more, or is another explanation that does as well.
+// Statistic: squared standard deviations. From: p = 0.01; Akaike's two. Costs: classes instead of names.
+inline constexpr double number_costs = 6.6, other_number_costs = 2.0;
+// It holds on held-out flights.
+// Statistic: share of χ² that is left. From: no derivation. Costs: not measured.
+inline constexpr double most_left_in_hover = 0.5;
+// A rotor was asked for more than the battery gives.
+// Statistic: share of hover at the fastest command. From: no derivation. Costs: the balance of yaw is left out.
+inline constexpr double often_limited = 0.25;
+// What a name by hover means is said to be worth, checked on held-out flights or not.
+// Statistic: probability. From: no derivation. Costs: not calibrated.
+inline constexpr double checked_confidence = 0.95, unchecked_confidence = 0.85;
+
+// ---- what is offered beside the names
+
+// A flight tells two names apart, or shows an effect of natural size.
+// Statistic: expected Δχ². From: three and five standard deviations. Costs: advice, no name.
+inline constexpr double told_apart = 10.0, shows = 25.0;
+// A term of the unnamed model must gain so much; the model is offered when it closes and loses so much.
+// Statistic: Δχ² as a share of the samples, and of what all terms before it gained; share of the held-out error above noise, best and worst quantity. From:
+// no derivation. Costs: no model is offered.
+inline constexpr std::size_t most_terms = 6;
+inline constexpr double term_materiality = 0.001, term_relative_materiality = 0.1, least_closed = 0.1, most_lost = 0.05;
+// The habit of the recorded loop is offered when it predicts the body rate so much better than holding it.
+// Statistic: ratio of errors half a second ahead. From: no derivation. Costs: no habit is offered.
+inline constexpr double habit_better = 0.9;
 
 }  // namespace gustlab::diagnosis::decisions

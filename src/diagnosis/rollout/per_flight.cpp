@@ -65,20 +65,7 @@ std::vector<Segment> find_segments(const RecordedMotion& motion, double pose_del
 PerFlightFit::PerFlightFit(const Recording& recording, const std::vector<EffectSpec>& effects,
                            const std::vector<RotorArray>& rotor_speeds, bool wanted, int jobs)
     : specs_(effects) {
-  for (std::size_t e = 0; wanted && e < specs_.size(); ++e) {
-    const EffectRow* row = find_effect(specs_[e].type);
-    if (!row->per_flight || !is_predictable(*row)) continue;
-    const std::unique_ptr<Effect> effect = row->make();
-    config::read_parameters(specs_[e], *effect);
-    Numbers numbers(recording.vehicle);
-    effect->visit(numbers);
-    specs_[e].values.clear();
-    specs_[e].value_where.clear();
-    for (const auto& [name, value, natural] : numbers.found) {
-      parameters_.push_back({e, specs_[e].values.size(), value, step_share * natural});
-      specs_[e].values.emplace_back(name, config::shortest(value));
-    }
-  }
+  if (wanted) find_parameters(recording.vehicle);
   const auto count = static_cast<Eigen::Index>(parameters_.size());
   change_.emplace_back(Eigen::VectorXd::Zero(count));
   if (count == 0) return;
@@ -124,6 +111,23 @@ PerFlightFit::PerFlightFit(const Recording& recording, const std::vector<EffectS
       const Eigen::MatrixXd precise = gram + variance * prior * Eigen::MatrixXd::Identity(count, count);
       change_.back() = precise.ldlt().solve(right);
       variance = std::max(least_variance, (square - right.dot(change_.back())) / (3.0 * used));
+    }
+  }
+}
+
+void PerFlightFit::find_parameters(const VehicleModel& vehicle) {
+  for (std::size_t e = 0; e < specs_.size(); ++e) {
+    const EffectRow* row = find_effect(specs_[e].type);
+    if (!row->per_flight || !row->is_predictable()) continue;
+    const std::unique_ptr<Effect> effect = row->make();
+    config::read_parameters(specs_[e], *effect);
+    Numbers numbers(vehicle);
+    effect->visit(numbers);
+    specs_[e].values.clear();
+    specs_[e].value_where.clear();
+    for (const auto& [name, value, natural] : numbers.found) {
+      parameters_.push_back({e, specs_[e].values.size(), value, step_share * natural});
+      specs_[e].values.emplace_back(name, config::shortest(value));
     }
   }
 }

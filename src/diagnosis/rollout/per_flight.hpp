@@ -27,6 +27,7 @@ class PerFlightFit {
     std::size_t effect, value;  // indices into the specs
     double start, step;
   };
+  void find_parameters(const VehicleModel& vehicle);
   std::vector<EffectSpec> with(const Eigen::VectorXd& change) const;
 
   std::vector<EffectSpec> specs_;

@@ -11,7 +11,7 @@ namespace {
 
 std::vector<NamedEffect> predictable(const std::vector<EffectSpec>& specs) {
   std::vector<NamedEffect> effects = make_effects(specs);
-  std::erase_if(effects, [](const NamedEffect& e) { return !is_predictable(*e.row); });
+  std::erase_if(effects, [](const NamedEffect& e) { return !e.row->is_predictable(); });
   return effects;
 }
 
@@ -35,8 +35,6 @@ struct Still final : MeasurementContext::Past {
 };
 
 }  // namespace
-
-bool is_predictable(const EffectRow& row) { return row.name != "gust" && row.name != "measurement_noise"; }
 
 Recording::Recording(const FlightLog& flight_log, const VehicleModel& nominal, const ReplayOptions& options)
     : log(with_shared_rows(flight_log)), motion(log) {

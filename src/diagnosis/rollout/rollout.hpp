@@ -24,9 +24,6 @@ struct Recording {
   Recording(const FlightLog& log, const VehicleModel& vehicle, const ReplayOptions& options);
 };
 
-// Not pure chance, as gust and measurement_noise are.
-bool is_predictable(const EffectRow& row);
-
 class Rollout {
  public:
   // `effects`: all that act; those that are pure chance are left out.

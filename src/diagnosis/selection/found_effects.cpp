@@ -6,16 +6,14 @@
 #include <cmath>
 
 #include "config/toml.hpp"
+#include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-// of a cable: sampled accelerations leave half a per cent (ten trials of the independent reality)
-constexpr double cable_form = 0.005;
-
 double with_model_form(double deviation, double value, double nominal) {
-  return std::hypot(deviation, model_form * (value - nominal));
+  return std::hypot(deviation, decisions::model_form * (value - nominal));
 }
 
 }  // namespace
@@ -24,10 +22,11 @@ std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& s
                                   int flight) {
   std::vector<NamedValue> values;
   if (group.rotor > 0) values.push_back({"rotor", "-", static_cast<double>(group.rotor), 0.0});
-  if (group.row->name == "slung_load")
+  if (group.row->column == ColumnFrom::swing)
     values.push_back({"length", "m", group.swing.length_m,
-                      std::hypot(group.swing.length_deviation_m, cable_form * group.swing.length_m)});
-  if (group.row->name == "saturation") return {{"max_speed", "rad/s", group.limit_radps, 0.01 * group.limit_radps}};
+                      std::hypot(group.swing.length_deviation_m, decisions::cable_form * group.swing.length_m)});
+  if (group.row->column == ColumnFrom::speed_limit)
+    return {{"max_speed", "rad/s", group.limit_radps, 0.01 * group.limit_radps}};
   // mean over flights of values per flight
   std::vector<std::pair<int, std::vector<int>>> by_parameter;
   for (const int c : group.columns) {

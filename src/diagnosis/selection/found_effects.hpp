@@ -6,9 +6,6 @@
 
 namespace gustlab::diagnosis {
 
-// Model-form error: no effect is exactly its formula (DIAGNOSIS.md §3.8). A share of the value.
-inline constexpr double model_form = 0.03;
-
 // The parameters of one group as they were fitted: of one flight, or (flight < 0) their mean over the flights.
 std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& selection, const Group& group,
                                   int flight);

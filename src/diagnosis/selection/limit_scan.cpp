@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "diagnosis/model/linear_model.hpp"
+#include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double fewest_samples = 10.0, least_strength = 0.2;  // 1 when the limit is the true one
+using decisions::fewest_limited_samples, decisions::least_limit_strength;
 
 // limits at the upper quantiles of what was commanded
 std::vector<double> limits_to_try(const Session& session) {
@@ -56,7 +57,7 @@ LimitScan best_of(const Session& session, const std::vector<int>& columns, const
   for (std::size_t i = 0; i < limits.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     const double dp = gram(at, count), pp = gram(at, at);
-    if (samples[i] < fewest_samples || pp <= 0.0 || dp < least_strength * pp) continue;
+    if (samples[i] < fewest_limited_samples || pp <= 0.0 || dp < least_limit_strength * pp) continue;
     if (dp * dp / pp > best.gain) best = {limits[i], dp * dp / pp};
   }
   return best;

@@ -16,7 +16,7 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
   std::vector<EffectSpec> shared;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Group& group = catalogue.groups()[static_cast<std::size_t>(selection.findings[i].group)];
-    if (group.row->per_flight || is_history(group.row->name)) continue;
+    if (group.row->per_flight || group.row->is_history()) continue;
     shared.push_back(all[i]);
     EffectFinding& effect = fit.effects.emplace_back();
     effect.effect = group.row->name;

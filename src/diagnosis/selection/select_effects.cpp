@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/stability.hpp"
 #include "diagnosis/selection/subset_search.hpp"
 #include "diagnosis/selection/suspect_histories.hpp"
@@ -129,7 +130,7 @@ class Selector {
     const std::vector<int> columns = s_.with_biases(groups);
     Eigen::VectorXd value = value_at(columns, solve(grams.total(), columns));
     // a wind that was tried with a drag of natural size means more with a smaller one
-    const int wind = catalogue_.find("steady_wind"), drag = catalogue_.find("rotor_drag");
+    const int wind = catalogue_.find(Airflow::wind), drag = catalogue_.find(Airflow::drag);
     if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
       const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
       if (s_.value()[d] == 0.0 && value[d] > 0.1 * natural_[d])
@@ -186,7 +187,8 @@ class Selector {
 
   // Where the model was linearised a lag and a delay are the same: if one was chosen, the other is fitted in its place.
   Eigen::VectorXd likelier_lateness(std::vector<int>& chosen, const Eigen::VectorXd& value) {
-    const std::array<int, 2> late = {catalogue_.find("motor_lag"), catalogue_.find("actuation_delay")};
+    const std::array<int, 2> late = {catalogue_.find(Place::actuation, Latency::lag),
+                                     catalogue_.find(Place::actuation, Latency::delay)};
     for (const auto& [from, to] : {std::pair{late[0], late[1]}, {late[1], late[0]}}) {
       const bool chosen_alone =
           std::count(chosen.begin(), chosen.end(), from) > 0 && std::count(chosen.begin(), chosen.end(), to) == 0;
@@ -282,7 +284,7 @@ class Selector {
   // a wind is felt only with a drag
   void drop_unfelt(std::vector<int>& chosen) const {
     if (!SubsetSearch(catalogue_, s_.vehicle(), 0.0).allowed(chosen))
-      std::erase(chosen, catalogue_.find("steady_wind"));
+      std::erase(chosen, catalogue_.find(Airflow::wind));
   }
 
   // One effect exchanged for another, and the set to compare that with: a trim is at work beside the effect as well, and only
@@ -319,7 +321,7 @@ class Selector {
     };
     const Fit fit = solve(total, s_.with_biases(chosen));
     std::vector<int> best = chosen;
-    double least = said(chosen, fit) - 0.1;
+    double least = said(chosen, fit) - decisions::least_said_less;
     for (std::size_t i = 0; i < chosen.size(); ++i)
       for (const int other : search.candidates) {
         const std::optional<Exchange> e = exchange(total, search, chosen, fit, chosen[i], other);

@@ -5,19 +5,20 @@
 #include <vector>
 
 #include "diagnosis/estimation/session.hpp"
+#include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
 struct SelectionOptions {
   int most_effects = 8;
   int beam = 25;
-  double materiality = 0.0006;         // of the degrees of freedom, per further effect
-  double relative_materiality = 1e-4;  // of the whole gain
-  double most_materiality = 0.003;     // of the degrees of freedom, about what was found
-  double wald_p = 0.001;               // over the number of groups
+  double materiality = decisions::materiality;
+  double relative_materiality = decisions::relative_materiality;
+  double most_materiality = decisions::most_materiality;
+  double wald_p = decisions::wald_p;
   int half_samples = 40;
-  double trim_share = 0.25;  // calibration scatter (sd) as a share of a reporting tolerance
-  double trim_cost = 9.0;    // what scatter would cost to imitate an effect that is named
+  double trim_share = decisions::trim_share;
+  double trim_cost = decisions::trim_cost;
 };
 
 // Another name for a selected effect, and how much worse it does.

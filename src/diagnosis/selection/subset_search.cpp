@@ -4,17 +4,10 @@
 #include <limits>
 #include <set>
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/selection.hpp"
 
 namespace gustlab::diagnosis {
-
-namespace {
-
-// air-relative effects: without one of them a wind is not felt
-constexpr std::string_view air_relative[] = {"rotor_drag", "quadratic_drag", "axial_inflow", "translational_lift",
-                                             "flapping_torque"};
-
-}  // namespace
 
 SubsetSearch::SubsetSearch(const Catalogue& known, const VehicleModel&, double per_parameter)
     : catalogue(known), penalty(per_parameter) {
@@ -23,19 +16,18 @@ SubsetSearch::SubsetSearch(const Catalogue& known, const VehicleModel&, double p
 }
 
 bool SubsetSearch::allowed(const std::vector<int>& groups) const {
-  bool wind = false, air = false, mass = false, thrust = false;
+  // without an effect that feels the air a wind is not felt
+  bool wind = false, felt = false;
+  std::vector<std::string_view> names, apart;
   for (std::size_t g = 0; g < catalogue.groups().size(); ++g) {
     const Group& group = catalogue.groups()[g];
+    const EffectRow& row = *group.row;
     const bool in = std::find(groups.begin(), groups.end(), static_cast<int>(g)) != groups.end();
-    if (in && group.row->name == "steady_wind") wind = true;
-    if (in && group.row->name == "mass") mass = true;
-    if (in && group.row->name == "thrust_scale") thrust = true;
-    if ((in || group.nominal) &&
-        std::find(std::begin(air_relative), std::end(air_relative), group.row->name) != std::end(air_relative))
-      air = true;
+    if (in) names.push_back(row.name), apart.push_back(row.never_beside);
+    if (in && row.air == Airflow::wind) wind = true;
+    if ((in || group.nominal) && (row.air == Airflow::felt || row.air == Airflow::drag)) felt = true;
   }
-  // mass, inertia and thrust together have one exact scale alias
-  return (!wind || air) && !(mass && thrust);
+  return (!wind || felt) && std::find_first_of(names.begin(), names.end(), apart.begin(), apart.end()) == names.end();
 }
 
 Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const {
@@ -52,8 +44,10 @@ Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int
   subset.score = subset.loss + penalty * static_cast<double>(columns.size());
   // a cable's length and its swing in every flight were fitted beforehand
   for (const int g : groups)
-    if (catalogue.groups()[static_cast<std::size_t>(g)].row->name == "slung_load") subset.score += 30.0 * penalty;
-    else if (catalogue.groups()[static_cast<std::size_t>(g)].row->name == "saturation") subset.score += 5.0 * penalty;
+    if (const ColumnFrom column = catalogue.groups()[static_cast<std::size_t>(g)].row->column;
+        column == ColumnFrom::swing)
+      subset.score += decisions::swing_costs * penalty;
+    else if (column == ColumnFrom::speed_limit) subset.score += decisions::limit_costs * penalty;
   return subset;
 }
 

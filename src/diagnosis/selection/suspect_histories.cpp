@@ -2,17 +2,11 @@
 
 #include <algorithm>
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/limit_scan.hpp"
 #include "diagnosis/selection/pendulum.hpp"
 
 namespace gustlab::diagnosis {
-
-namespace {
-
-// worth a column: share of the disturbance, χ²
-constexpr double least_load_share = 0.01, least_limit_gain = 30.0;
-
-}  // namespace
 
 void suspect_histories(Session& session, const Eigen::VectorXd& value, const std::vector<int>& chosen) {
   const Catalogue& catalogue = session.catalogue();
@@ -20,7 +14,7 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
   std::vector<int> others = chosen;
   if (!chosen.empty()) {
     Eigen::VectorXd bare = value;
-    if (const int load = catalogue.find("slung_load"); std::erase(others, load) > 0) {
+    if (const int load = catalogue.find(ColumnFrom::swing); std::erase(others, load) > 0) {
       for (const int c : columns_of(catalogue, {load})) bare[c] = 0.0;
       session.linearise(bare, session.all_columns());
       stale = true;
@@ -28,9 +22,9 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
     session.learn_noise(2, session.with_biases(others));
   }
   const PendulumScan load = scan_pendulum(session);
-  const bool limited = std::find(chosen.begin(), chosen.end(), catalogue.find("saturation")) != chosen.end();
+  const bool limited = std::find(chosen.begin(), chosen.end(), catalogue.find(ColumnFrom::speed_limit)) != chosen.end();
   const LimitScan limit = limited ? LimitScan{} : scan_limit(session, session.with_biases(others));
-  if (load.share > least_load_share) {
+  if (load.share > decisions::least_load_share) {
     std::vector<std::vector<Vector3>> force(session.flights().size());
     session.for_each_flight([&](std::size_t f) {
       const FlightData& flight = session.flights()[f];
@@ -41,7 +35,7 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
     session.suspect_load(load.swing, std::move(force));
     stale = true;
   }
-  if (limit.gain > least_limit_gain) {
+  if (limit.gain > decisions::least_limit_gain) {
     session.suspect_limit(limit.limit_radps);
     stale = true;
   }

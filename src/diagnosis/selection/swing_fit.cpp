@@ -1,8 +1,9 @@
 #include "diagnosis/selection/swing_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "diagnosis/estimation/levenberg_marquardt.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -10,7 +11,7 @@ namespace {
 
 constexpr double bin_s = 0.1, longest_step_s = 0.012;
 constexpr int shared = 4, own = 6;  // log length, log damping, log mass, drag | cable, rate, trim
-constexpr int most_steps = 25, most_attempts = 8;
+constexpr Marquardt marquardt{.damping = 1e-3, .harder = 10.0, .settled = 1e-5, .most_steps = 25, .most_attempts = 8};
 constexpr double correlated =
     2.0;  // standard errors of means that depend on their neighbours, over those of independent ones
 
@@ -46,85 +47,110 @@ Eigen::VectorXd left_over(const FlightData& flight, const Smoothed& smoothed, do
   return left;
 }
 
-// the same on the first part of the flights
+// The same on the first part of the flights, as least squares in what all swings share (when the load is free) and in every flight's own.
+class SwingProblem {
+ public:
+  SwingProblem(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed,
+               double vehicle_mass_kg, const SwingingLoad& load, bool load_free, double part)
+      : flights_(flights),
+        smoothed_(smoothed),
+        vehicle_mass_kg_(vehicle_mass_kg),
+        load_(pack(load)),
+        first_(load_free ? shared : 0),
+        part_(part) {}
+
+  using Equations = NormalEquations<Eigen::MatrixXd, Eigen::VectorXd>;
+
+  Eigen::VectorXd packed(const std::vector<SwingStart>& starts) const {
+    Eigen::VectorXd x(first_ + own * std::ssize(starts));
+    x.head(first_) = load_.head(first_);
+    for (std::size_t f = 0; f < starts.size(); ++f) x.segment<own>(place(f)) = pack(starts[f]);
+    return x;
+  }
+  Shared load(const Eigen::VectorXd& x) const {
+    Shared p = load_;
+    p.head(first_) = x.head(first_);
+    return p;
+  }
+  Own start(const Eigen::VectorXd& x, std::size_t f) const { return x.segment<own>(place(f)); }
+
+  double squares(const Eigen::VectorXd& x) const {
+    double sum = 0.0;
+    for (std::size_t f = 0; f < flights_.size(); ++f) sum += flown(f, load(x), start(x, f)).squaredNorm();
+    return sum;
+  }
+
+  Equations linearise(const Eigen::VectorXd& x) {
+    Equations all{Eigen::MatrixXd::Zero(x.size(), x.size()), Eigen::VectorXd::Zero(x.size())};
+    rows_ = 0.0;
+    for (std::size_t f = 0; f < flights_.size(); ++f) {
+      const Shared at = load(x);
+      const Own at_own = start(x, f);
+      const std::vector<Vector3> force = force_of(f, at, at_own);
+      const Eigen::VectorXd here = left_of(f, at, at_own, force);
+      Eigen::MatrixXd J(here.size(), first_ + own);
+      for (Eigen::Index j = 0; j < first_ + own; ++j) {
+        Shared p = at;
+        Own o = at_own;
+        const double delta = 1e-5;
+        (j < first_ ? p[j] : o[j - first_]) += delta;
+        const bool swings_alike = j < first_ ? j >= 2 : j >= first_ + 4;  // mass, drag; trim
+        J.col(j) = (here - (swings_alike ? left_of(f, p, o, force) : flown(f, p, o))) / delta;
+      }
+      const Eigen::MatrixXd H = J.transpose() * J;
+      const Eigen::VectorXd b = J.transpose() * here;
+      all.normal.topLeftCorner(first_, first_) += H.topLeftCorner(first_, first_);
+      all.normal.block(0, place(f), first_, own) = H.topRightCorner(first_, own);
+      all.normal.block(place(f), 0, own, first_) = H.bottomLeftCorner(own, first_);
+      all.normal.block(place(f), place(f), own, own) = H.bottomRightCorner(own, own);
+      all.right.head(first_) += b.head(first_);
+      all.right.segment(place(f), own) = b.tail(own);
+      rows_ += static_cast<double>(here.size());
+    }
+    return all;
+  }
+  double rows() const { return rows_; }
+
+ private:
+  Eigen::Index place(std::size_t f) const { return first_ + own * static_cast<Eigen::Index>(f); }
+  std::vector<Vector3> force_of(std::size_t f, const Shared& p, const Own& o) const {
+    return swinging_force(*flights_[f], unpack(p).swing, unpack(o), samples_of(*flights_[f], part_));
+  }
+  Eigen::VectorXd left_of(std::size_t f, const Shared& p, const Own& o, const std::vector<Vector3>& force) const {
+    return left_over(*flights_[f], *smoothed_[f], vehicle_mass_kg_, unpack(p), unpack(o), force);
+  }
+  Eigen::VectorXd flown(std::size_t f, const Shared& p, const Own& o) const {
+    return left_of(f, p, o, force_of(f, p, o));
+  }
+
+  const std::vector<const FlightData*>& flights_;
+  const std::vector<const Smoothed*>& smoothed_;
+  const double vehicle_mass_kg_;
+  const Shared load_;
+  const Eigen::Index first_;
+  const double part_;
+  double rows_ = 0.0;  // residuals
+};
+
 double fit_part(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed,
                 double vehicle_mass_kg, SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free,
                 double part) {
-  const auto count = static_cast<Eigen::Index>(flights.size());
-  const Eigen::Index first = load_free ? shared : 0, width = first + own * count;
-  const auto force_of = [&](std::size_t f, const Shared& p, const Own& o) {
-    return swinging_force(*flights[f], unpack(p).swing, unpack(o), samples_of(*flights[f], part));
-  };
-  const auto left_of = [&](std::size_t f, const Shared& p, const Own& o, const std::vector<Vector3>& force) {
-    return left_over(*flights[f], *smoothed[f], vehicle_mass_kg, unpack(p), unpack(o), force);
-  };
-  const auto flown = [&](std::size_t f, const Shared& p, const Own& o) { return left_of(f, p, o, force_of(f, p, o)); };
-  const auto squares = [&](const Shared& p, const std::vector<Own>& o) {
-    double sum = 0.0;
-    for (std::size_t f = 0; f < flights.size(); ++f) sum += flown(f, p, o[f]).squaredNorm();
-    return sum;
-  };
-  Shared at = pack(load);
-  std::vector<Own> at_own;
-  for (const SwingStart& start : starts) at_own.push_back(pack(start));
-  double best = squares(at, at_own), damping = 1e-3, rows = 0.0;
+  SwingProblem problem(flights, smoothed, vehicle_mass_kg, load, load_free, part);
+  Eigen::VectorXd x = problem.packed(starts);
+  double best = problem.squares(x);
   if (!std::isfinite(best)) return best;
-  Eigen::MatrixXd normal;
-  for (int step = 0; step < most_steps; ++step) {
-    normal.setZero(width, width);
-    rows = 0.0;
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(width);
-    for (std::size_t f = 0; f < flights.size(); ++f) {
-      const std::vector<Vector3> force = force_of(f, at, at_own[f]);
-      const Eigen::VectorXd here = left_of(f, at, at_own[f], force);
-      Eigen::MatrixXd J(here.size(), first + own);
-      for (Eigen::Index j = 0; j < first + own; ++j) {
-        Shared p = at;
-        Own o = at_own[f];
-        const double delta = 1e-5;
-        (j < first ? p[j] : o[j - first]) += delta;
-        const bool swings_alike = j < first ? j >= 2 : j >= first + 4;  // mass, drag; trim
-        J.col(j) = (here - (swings_alike ? left_of(f, p, o, force) : flown(f, p, o))) / delta;
-      }
-      const Eigen::Index place = first + own * static_cast<Eigen::Index>(f);
-      const Eigen::MatrixXd H = J.transpose() * J;
-      const Eigen::VectorXd b = J.transpose() * here;
-      normal.topLeftCorner(first, first) += H.topLeftCorner(first, first);
-      normal.block(0, place, first, own) = H.topRightCorner(first, own);
-      normal.block(place, 0, own, first) = H.bottomLeftCorner(own, first);
-      normal.block(place, place, own, own) = H.bottomRightCorner(own, own);
-      right.head(first) += b.head(first);
-      right.segment(place, own) = b.tail(own);
-      rows += static_cast<double>(here.size());
-    }
-    bool better = false;
-    for (int attempt = 0; attempt < most_attempts && !better; ++attempt) {
-      Eigen::MatrixXd damped = normal;
-      damped.diagonal() *= 1.0 + damping;
-      damped.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
-      const Eigen::VectorXd move = damped.ldlt().solve(right);
-      Shared p = at;
-      std::vector<Own> o = at_own;
-      p.head(first) += move.head(first);
-      for (Eigen::Index f = 0; f < count; ++f) o[static_cast<std::size_t>(f)] += move.segment<own>(first + own * f);
-      const double sum = squares(p, o);
-      better = std::isfinite(sum) && sum < best;
-      damping *= better ? 0.2 : 10.0;
-      if (!better) continue;
-      const bool settled = sum > best * (1.0 - 1e-5);
-      at = p, at_own = o, best = sum;
-      if (settled) step = most_steps;
-    }
-    if (!better) break;
-  }
-  load = unpack(at);
+  SwingProblem::Equations last;
+  best = minimise(
+      x, best, marquardt, [&](const auto& at) { return problem.linearise(at); },
+      [&](const auto& at) { return problem.squares(at); }, last);
+  load = unpack(problem.load(x));
   if (load_free) {
-    const Eigen::VectorXd column = normal.ldlt().solve(Eigen::VectorXd::Unit(width, 0));
+    const Eigen::VectorXd column = last.normal.ldlt().solve(Eigen::VectorXd::Unit(x.size(), 0));
     load.swing.length_deviation_m =
         correlated * load.swing.length_m *
-        std::sqrt(std::max(0.0, column[0]) * best / std::max(1.0, rows - static_cast<double>(width)));
+        std::sqrt(std::max(0.0, column[0]) * best / std::max(1.0, problem.rows() - static_cast<double>(x.size())));
   }
-  for (std::size_t f = 0; f < starts.size(); ++f) starts[f] = unpack(at_own[f]);
+  for (std::size_t f = 0; f < starts.size(); ++f) starts[f] = unpack(problem.start(x, f));
   return best;
 }
 

@@ -4,15 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/result/decisions.hpp"
+
 namespace gustlab::diagnosis {
-
-namespace {
-
-// a mean over an interval, stamped at its end, reads 0.62 samples late when the hold is not known (measured)
-constexpr double unknown_hold_samples = 0.7;
-constexpr double scatter_margin = 1.2;
-
-}  // namespace
 
 double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, int group) {
   const auto& flights = session.flights();
@@ -23,7 +17,7 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
     double tolerance = column.tolerance;
     // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
     if (column.unit == "s" && tolerance > 0.0 && !told)
-      tolerance = std::max(tolerance, unknown_hold_samples * session.logged_sample_s());
+      tolerance = std::max(tolerance, decisions::unknown_hold_samples * session.logged_sample_s());
     if (session.noise.errors_last()) tolerance = std::max(tolerance, column.estimate_tolerance);
     if (tolerance == 0.0) return std::numeric_limits<double>::infinity();
     largest = std::max(largest, std::abs(value[c] - column.nominal) / tolerance);
@@ -32,7 +26,7 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
 }
 
 bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int group) {
-  return size_in_tolerances(session, value, group) < scatter_margin;
+  return size_in_tolerances(session, value, group) < decisions::scatter_margin;
 }
 
 std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& columns, double share) {

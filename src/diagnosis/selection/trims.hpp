@@ -17,8 +17,6 @@ bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int g
 bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen,
                          int group, const SelectionOptions& options);
 
-// build scatter (sd) as a share of a reporting tolerance
-inline constexpr double scatter_share = 0.5;
 // Every column with a reporting tolerance but those given, with this share of it as standard deviation.
 std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& columns, double share);
 

@@ -60,7 +60,7 @@ bool depends_on_state(const Session& session, const std::vector<Smoothed>& smoot
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const std::vector<Motion>& motion = session.flights()[f].motion;
     for (std::size_t first = 0; first + length <= motion.size(); first += length) {
-      Eigen::VectorXd p = Place::Zero(), v = Eigen::VectorXd::Zero(6);
+      Eigen::VectorXd p = PlaceFunctions::Zero(), v = Eigen::VectorXd::Zero(6);
       Eigen::Vector2d d = Eigen::Vector2d::Zero();
       for (std::size_t k = first; k < first + length; ++k) {
         p += volume.functions(motion[k].position_W_m);

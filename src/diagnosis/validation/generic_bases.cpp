@@ -10,11 +10,11 @@ namespace {
 
 // what a basis function may look at, per sample
 struct Look {
-  Place place;         // functions of where it is
-  Vector3 velocity_B;  // m/s
-  double time;         // 0 … 1
-  RotorArray past;     // mean command one to two samples ago over hover − 1
-  RotorArray change;   // its last change over hover
+  PlaceFunctions place;  // functions of where it is
+  Vector3 velocity_B;    // m/s
+  double time;           // 0 … 1
+  RotorArray past;       // mean command one to two samples ago over hover − 1
+  RotorArray change;     // its last change over hover
 };
 
 std::vector<Look> looks(const FlightData& flight, const FlownVolume& volume, double hover) {
@@ -89,9 +89,9 @@ FlownVolume::FlownVolume(const Session& session) {
   middle_W_m_ = 0.5 * (low + high), half_m_ = (0.5 * (high - low)).cwiseMax(0.05), lowest_m_ = low.z();
 }
 
-Place FlownVolume::functions(const Vector3& position_W_m) const {
+PlaceFunctions FlownVolume::functions(const Vector3& position_W_m) const {
   const Vector3 p = (position_W_m - middle_W_m_).cwiseQuotient(half_m_);
-  Place place;
+  PlaceFunctions place;
   place.head<near_ground + 1>() << p, p.cwiseProduct(p), p.x() * p.y(),
       0.0025 / std::pow(std::max(position_W_m.z() - lowest_m_, 0.0) + 0.05, 2);
   int at = near_ground;
@@ -107,7 +107,7 @@ std::vector<BasisFamily> omnibus_bases(const Session& session) {
   const double turn = 6.0 * floor[2];
 
   std::vector<Term> position, velocity, time, command;
-  for (int i = 0; i < Place::RowsAtCompileTime; ++i)
+  for (int i = 0; i < PlaceFunctions::RowsAtCompileTime; ++i)
     for (int axis = 0; axis < 3; ++axis)
       position.push_back({Term::force_W, axis, 1.0, [i](const Look& l) { return l.place[i]; }});
 

@@ -11,11 +11,11 @@ namespace gustlab::diagnosis {
 
 // Smooth functions of the place in the flown volume: polynomials, closeness to the ground, bumps.
 inline constexpr int near_ground = 7;
-using Place = Eigen::Matrix<double, near_ground + 10, 1>;
+using PlaceFunctions = Eigen::Matrix<double, near_ground + 10, 1>;
 class FlownVolume {
  public:
   explicit FlownVolume(const Session& session);
-  Place functions(const Vector3& position_W_m) const;
+  PlaceFunctions functions(const Vector3& position_W_m) const;
 
  private:
   Vector3 middle_W_m_, half_m_;

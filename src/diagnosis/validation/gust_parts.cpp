@@ -112,7 +112,7 @@ std::vector<int> means_of_gust(const Session& session, const Selection& selectio
   std::vector<int> groups;
   for (const Finding& finding : selection.findings) {
     const Group& group = session.catalogue().groups()[static_cast<std::size_t>(finding.group)];
-    if (group.row->name != "constant_force") continue;
+    if (!group.row->external) continue;
     double chi_squared = 0.0;
     for (const int c : group.columns) {
       const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];

@@ -28,6 +28,29 @@ Eigen::VectorXd carry_over(const Catalogue& from, const Eigen::VectorXd& value, 
   return result;
 }
 
+namespace {
+
+// the held-out flights get the histories that were found, a swing driven by the vehicle as it flew
+void suspect_what_was_found(const Session& fitted, const Selection& selection, Session& session) {
+  const int load = fitted.catalogue().find(ColumnFrom::swing);
+  if (load >= 0 && selection.find(load)) {
+    const Group& group = fitted.catalogue().groups()[static_cast<std::size_t>(load)];
+    session.linearise(session.catalogue().nominal(), {});
+    session.learn_noise(1, {});
+    session.noise = selection.noise_selected;
+    std::vector<std::vector<Vector3>> force;
+    for (std::size_t f = 0; f < session.flights().size(); ++f)
+      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, group.swing,
+                                     selection.value[group.columns.front()]));
+    session.suspect_load(group.swing, std::move(force));
+  }
+  const int limit = fitted.catalogue().find(ColumnFrom::speed_limit);
+  if (limit >= 0 && selection.find(limit))
+    session.suspect_limit(fitted.catalogue().groups()[static_cast<std::size_t>(limit)].limit_radps);
+}
+
+}  // namespace
+
 HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout,
                          std::vector<FlightData> own_rate, int jobs) {
   HoldoutTest test;
@@ -45,22 +68,7 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
     wanted.insert(wanted.end(), used.back().begin(), used.back().end());
   }
   std::sort(wanted.begin(), wanted.end());
-  const int load = fitted.catalogue().find("slung_load");
-  if (load >= 0 && selection.find(load)) {
-    // the held-out swing, driven by the vehicle as it flew
-    const Group& group = fitted.catalogue().groups()[static_cast<std::size_t>(load)];
-    session.linearise(catalogue.nominal(), {});
-    session.learn_noise(1, {});
-    session.noise = selection.noise_selected;
-    std::vector<std::vector<Vector3>> force;
-    for (std::size_t f = 0; f < session.flights().size(); ++f)
-      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, group.swing,
-                                     selection.value[group.columns.front()]));
-    session.suspect_load(group.swing, std::move(force));
-  }
-  const int limit = fitted.catalogue().find("saturation");
-  if (limit >= 0 && selection.find(limit))
-    session.suspect_limit(fitted.catalogue().groups()[static_cast<std::size_t>(limit)].limit_radps);
+  suspect_what_was_found(fitted, selection, session);
   session.linearise(value, wanted);
   session.take_weights(fitted);
   Grams grams = session.grams();

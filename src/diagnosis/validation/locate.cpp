@@ -138,6 +138,84 @@ Blocks blocks(const Session& session, const std::vector<Smoothed>& smoothed) {
   return result;
 }
 
+namespace {
+
+// where the rest of each channel stands: smooth functions of single variables, significance by circular shift on the maximum over all pairs
+void find_regions(const Blocks& before, std::vector<Mismatch>& result) {
+  const auto count = static_cast<Eigen::Index>(before.wrench.size());
+  if (count < 30) return;
+  std::vector<int> fold;
+  for (Eigen::Index i = 0; i < count; ++i) fold.push_back(static_cast<int>(i / 10));
+  std::vector<SmoothPredictor> predictors;
+  std::vector<Eigen::VectorXd> x;
+  for (std::size_t v = 0; v < before.variable.size(); ++v) {
+    Eigen::VectorXd column(count);
+    for (Eigen::Index i = 0; i < count; ++i)
+      column[i] = before.value[static_cast<std::size_t>(i)][static_cast<Eigen::Index>(v)];
+    x.push_back(column);
+    predictors.emplace_back(column, fold);
+  }
+  const auto series = [&](int c, Eigen::Index shift) {
+    Eigen::VectorXd y(count);
+    for (Eigen::Index i = 0; i < count; ++i) y[i] = before.wrench[static_cast<std::size_t>(i)][c];
+    y = moved_along(y, before.flight, shift);
+    return Eigen::VectorXd(y.array() - y.mean());
+  };
+  std::vector<double> largest_shifted;
+  for (Eigen::Index shift = 4; shift <= 44; shift += 2) {
+    double most = 0.0;
+    for (int c = 0; c < 6; ++c) {
+      const Eigen::VectorXd y = series(c, shift);
+      for (const SmoothPredictor& p : predictors) most = std::max(most, p.explained(y));
+    }
+    largest_shifted.push_back(most);
+  }
+  std::sort(largest_shifted.begin(), largest_shifted.end());
+  const double threshold = std::max(decisions::least_where, largest_shifted[largest_shifted.size() - 2]);
+  for (int c = 0; c < 6; ++c) {
+    if (!result[static_cast<std::size_t>(c)].significant) continue;
+    const Eigen::VectorXd y = series(c, 0);
+    std::vector<std::pair<double, std::size_t>> explained;
+    for (std::size_t v = 0; v < predictors.size(); ++v) explained.emplace_back(predictors[v].explained(y), v);
+    std::stable_sort(explained.begin(), explained.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (const auto& [share, v] : explained)
+      if (share > threshold && result[static_cast<std::size_t>(c)].where.size() < 2)
+        result[static_cast<std::size_t>(c)].where.push_back(region(before.variable[v], x[v], y));
+  }
+}
+
+// what a delay of the pose, of the command or a lag would gain, from the nominal vehicle
+Mismatch latency_mismatch(const Session& session, const Eigen::MatrixXd& total, Place place,
+                          std::initializer_list<Latency> kinds, double rows, double largest) {
+  const Catalogue& catalogue = session.catalogue();
+  const double alone = solve(total, session.biases()).loss;
+  Mismatch m;
+  m.channel = place == Place::actuation ? "actuation" : "timing";
+  m.unit = "s";
+  double best = 0.0;
+  for (const Latency kind : kinds) {
+    const int g = catalogue.find(place, kind);
+    if (g < 0) continue;
+    std::vector<int> columns = catalogue.groups()[static_cast<std::size_t>(g)].columns;
+    const int c = columns.front();
+    const int size = static_cast<int>(columns.size());
+    columns.insert(columns.end(), session.biases().begin(), session.biases().end());
+    const Fit fit = solve(total, columns);
+    if (alone - fit.loss <= best) continue;
+    best = alone - fit.loss;
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    m.p_value = chi_squared_tail(best, size);
+    m.rms = std::abs(fit.coefficient[0] * column.natural);
+    m.noise_rms = column.tolerance;
+    m.significant =
+        beyond_chance(best, size, rows) && m.rms > column.tolerance && best > decisions::least_timing * largest;
+  }
+  return m;
+}
+
+}  // namespace
+
 std::vector<Mismatch> locate(Session& session, const Selection& selection, const Remainder& rest) {
   const Catalogue& catalogue = session.catalogue();
   session.noise = selection.noise_selected;
@@ -162,7 +240,8 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection, const
     m.channel = channel_name[static_cast<std::size_t>(c)];
     const double gain = gains[static_cast<std::size_t>(c)].all;
     m.p_value = chi_squared_tail(gain, families[static_cast<std::size_t>(c)].size);
-    m.significant = beyond_chance(gain, families[static_cast<std::size_t>(c)].size, rows) && gain > 0.02 * largest;
+    m.significant = beyond_chance(gain, families[static_cast<std::size_t>(c)].size, rows) &&
+                    gain > decisions::least_channel * largest;
     for (const Alarm& alarm : rest.alarms)
       m.significant |= std::find(alarm.channels.begin(), alarm.channels.end(), m.channel) != alarm.channels.end();
     m.rms = rms(before, c);
@@ -171,78 +250,10 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection, const
     result.push_back(m);
   }
 
-  // region: smooth functions of single variables, significance by circular shift on the maximum over all pairs
-  const auto count = static_cast<Eigen::Index>(before.wrench.size());
-  if (count >= 30) {
-    std::vector<int> fold;
-    for (Eigen::Index i = 0; i < count; ++i) fold.push_back(static_cast<int>(i / 10));
-    std::vector<SmoothPredictor> predictors;
-    std::vector<Eigen::VectorXd> x;
-    for (std::size_t v = 0; v < before.variable.size(); ++v) {
-      Eigen::VectorXd column(count);
-      for (Eigen::Index i = 0; i < count; ++i)
-        column[i] = before.value[static_cast<std::size_t>(i)][static_cast<Eigen::Index>(v)];
-      x.push_back(column);
-      predictors.emplace_back(column, fold);
-    }
-    const auto series = [&](int c, Eigen::Index shift) {
-      Eigen::VectorXd y(count);
-      for (Eigen::Index i = 0; i < count; ++i) y[i] = before.wrench[static_cast<std::size_t>(i)][c];
-      y = moved_along(y, before.flight, shift);
-      return Eigen::VectorXd(y.array() - y.mean());
-    };
-    std::vector<double> largest_shifted;
-    for (Eigen::Index shift = 4; shift <= 44; shift += 2) {
-      double most = 0.0;
-      for (int c = 0; c < 6; ++c) {
-        const Eigen::VectorXd y = series(c, shift);
-        for (const SmoothPredictor& p : predictors) most = std::max(most, p.explained(y));
-      }
-      largest_shifted.push_back(most);
-    }
-    std::sort(largest_shifted.begin(), largest_shifted.end());
-    const double threshold = std::max(0.1, largest_shifted[largest_shifted.size() - 2]);
-    for (int c = 0; c < 6; ++c) {
-      if (!result[static_cast<std::size_t>(c)].significant) continue;
-      const Eigen::VectorXd y = series(c, 0);
-      std::vector<std::pair<double, std::size_t>> explained;
-      for (std::size_t v = 0; v < predictors.size(); ++v) explained.emplace_back(predictors[v].explained(y), v);
-      std::stable_sort(explained.begin(), explained.end(),
-                       [](const auto& a, const auto& b) { return a.first > b.first; });
-      for (const auto& [share, v] : explained)
-        if (share > threshold && result[static_cast<std::size_t>(c)].where.size() < 2)
-          result[static_cast<std::size_t>(c)].where.push_back(region(before.variable[v], x[v], y));
-    }
-  }
-
-  // timing and actuation: what a delay of the pose, of the command or a lag would gain
+  find_regions(before, result);
   const Eigen::MatrixXd total = session.grams().total();
-  const double alone = solve(total, session.biases()).loss;
-  const auto single = [&](const char* channel, std::initializer_list<const char*> names) {
-    Mismatch m;
-    m.channel = channel;
-    m.unit = "s";
-    double best = 0.0;
-    for (const char* name : names) {
-      const int g = catalogue.find(name);
-      if (g < 0) continue;
-      std::vector<int> columns = catalogue.groups()[static_cast<std::size_t>(g)].columns;
-      const int c = columns.front();
-      const int size = static_cast<int>(columns.size());
-      columns.insert(columns.end(), session.biases().begin(), session.biases().end());
-      const Fit fit = solve(total, columns);
-      if (alone - fit.loss <= best) continue;
-      best = alone - fit.loss;
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-      m.p_value = chi_squared_tail(best, size);
-      m.rms = std::abs(fit.coefficient[0] * column.natural);
-      m.noise_rms = column.tolerance;
-      m.significant = beyond_chance(best, size, rows) && m.rms > column.tolerance && best > 0.3 * largest;
-    }
-    result.push_back(m);
-  };
-  single("actuation", {"motor_lag", "actuation_delay"});
-  single("timing", {"pose_delay"});
+  result.push_back(latency_mismatch(session, total, Place::actuation, {Latency::lag, Latency::delay}, rows, largest));
+  result.push_back(latency_mismatch(session, total, Place::measurement, {Latency::delay}, rows, largest));
   return result;
 }
 

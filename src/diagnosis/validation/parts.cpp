@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/trims.hpp"
 #include "diagnosis/validation/generic_bases.hpp"
 #include "diagnosis/validation/remainder.hpp"
@@ -13,8 +14,29 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double least_seen = 25.0;  // χ² of a push that is not there, with everything else free
-constexpr double mostly = 0.5;
+// Pushes of each finding, as accelerations per unit of what was found; then, where pushes to the side are free, those to the side.
+BasisFamily pushes_of(const Session& session, const Selection& selection, bool sideways_free) {
+  const Catalogue& catalogue = session.catalogue();
+  const auto tested = static_cast<Eigen::Index>(selection.findings.size());
+  BasisFamily pushes;
+  pushes.size = static_cast<int>(sideways_free ? 2 * tested : tested);
+  for (const LinearFlight& flight : session.linear()) {
+    std::vector<Pushes>& of_flight = pushes.columns.emplace_back(flight.size(), Pushes::Zero(6, pushes.size));
+    for (std::size_t k = 0; k < flight.size(); ++k)
+      for (Eigen::Index i = 0; i < tested; ++i) {
+        Eigen::Matrix<double, 12, 1> moved = Eigen::Matrix<double, 12, 1>::Zero();
+        for (std::size_t j = 0; j < flight.columns.size(); ++j) {
+          const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
+          if (column.group != selection.findings[static_cast<std::size_t>(i)].group) continue;
+          moved += (selection.value[flight.columns[j]] - column.nominal) / column.natural / flight.interval_s[k] *
+                   flight.B[k].col(static_cast<Eigen::Index>(j));
+        }
+        of_flight[k].block<3, 1>(0, i) = moved.segment<3>(3);
+        if (sideways_free) of_flight[k].block<2, 1>(0, i).swap(of_flight[k].block<2, 1>(0, tested + i));
+      }
+  }
+  return pushes;
+}
 
 }  // namespace
 
@@ -24,39 +46,12 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   if (session.shoots() || selection.findings.empty() ||
       !std::all_of(session.linear().begin(), session.linear().end(), turns))
     return result;
-  const Catalogue& catalogue = session.catalogue();
   // a gust moves the vehicle along its own push, and lasts longer than what the filter allows for: then pushes to the side are free
-  const bool gusty = session.noise.rms(0) > most_of_floor * reference_floor(session.vehicle())[0];
-  BasisFamily pushes;
+  const bool gusty = session.noise.rms(0) > decisions::most_of_floor * reference_floor(session.vehicle())[0];
+  const BasisFamily pushes = pushes_of(session, selection, gusty);
   const auto tested = static_cast<Eigen::Index>(result.size());
-  pushes.size = static_cast<int>(gusty ? 2 * tested : tested);
-  std::vector<Eigen::Array3d> with_rate(result.size(), Eigen::Array3d::Zero()), turning = with_rate;
-  Eigen::Array3d rates = Eigen::Array3d::Zero();
-  for (std::size_t f = 0; f < session.linear().size(); ++f) {
-    const LinearFlight& flight = session.linear()[f];
-    std::vector<Pushes>& of_flight = pushes.columns.emplace_back(flight.size(), Pushes::Zero(6, pushes.size));
-    for (std::size_t k = 0; k < flight.size(); ++k) {
-      const Eigen::Array3d rate = session.flights()[f].motion[k].body_rate_B_radps;
-      rates += rate.square();
-      for (std::size_t i = 0; i < result.size(); ++i) {
-        Eigen::Matrix<double, 12, 1> moved = Eigen::Matrix<double, 12, 1>::Zero();
-        for (std::size_t j = 0; j < flight.columns.size(); ++j) {
-          const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
-          if (column.group != selection.findings[i].group) continue;
-          moved += (selection.value[flight.columns[j]] - column.nominal) / column.natural / flight.interval_s[k] *
-                   flight.B[k].col(static_cast<Eigen::Index>(j));
-        }
-        const auto at = static_cast<Eigen::Index>(i);
-        of_flight[k].block<3, 1>(0, at) = moved.segment<3>(3);
-        if (gusty) of_flight[k].block<2, 1>(0, at).swap(of_flight[k].block<2, 1>(0, tested + at));
-        const Eigen::Array3d turn = moved.tail<3>();
-        with_rate[i] += turn * rate;
-        turning[i] += turn.square();
-      }
-    }
-  }
   std::vector<int> beside = session.with_biases(selection.groups());
-  const std::vector<Trim> trims = trims_beside(session, beside, scatter_share);
+  const std::vector<Trim> trims = trims_beside(session, beside, decisions::scatter_share);
   const std::size_t own = beside.size();
   for (const Trim& trim : trims) beside.push_back(trim.column);
   const Grams grams = grams_with(session, pushes, beside);
@@ -81,13 +76,11 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(beside.size() + i);
     const double seen = projected(at, at);
-    if (!(seen > least_seen)) continue;
+    if (!(seen > decisions::least_push_seen)) continue;
     const Eigen::VectorXd pattern = left_of(at);
     const double excess = projected(at, projected.cols() - 1) / seen;
-    const bool damps = (with_rate[i].square() / rates.max(1e-12)).sum() > mostly * turning[i].sum();
     result[i] = {excess,
-                 std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern))),
-                 damps};
+                 std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern)))};
   }
   return result;
 }

@@ -56,11 +56,15 @@ Variables variables_of(const Session& session, const Grams& grams) {
   return result;
 }
 
-std::vector<Regimes> regimes_of(const Session& session, const Selection& selection, const Finding& finding,
-                                const Variables& variables) {
+// of a finding, per block: what its pattern tells, and how much of that the whole fit leaves
+struct Told {
+  std::vector<double> information, remaining;
+  double all = 0.0;
+};
+
+Told told_of(const Session& session, const Selection& selection, const Finding& finding) {
   const Catalogue& catalogue = session.catalogue();
   const Grams& grams = selection.grams;
-  // the finding's pattern as it was fitted, and what the whole fit leaves
   Eigen::VectorXd own = Eigen::VectorXd::Zero(grams.columns + 1), left = own;
   left[grams.columns] = 1.0;
   for (int c = 0; c < catalogue.size(); ++c) {
@@ -69,57 +73,71 @@ std::vector<Regimes> regimes_of(const Session& session, const Selection& selecti
     left[c] = -coefficient;
     if (column.group == finding.group) own[c] = coefficient;
   }
-  std::vector<double> information, remaining;
+  Told told;
   for (const Eigen::MatrixXd& block : grams.block) {
     const Eigen::VectorXd pattern = block * own;
-    information.push_back(pattern.dot(own));
-    remaining.push_back(pattern.dot(left));
+    told.information.push_back(pattern.dot(own));
+    told.remaining.push_back(pattern.dot(left));
   }
-  const double all = std::accumulate(information.begin(), information.end(), 0.0);
-  std::vector<Regimes> result;
-  if (!(all > 0.0)) return result;
+  told.all = std::accumulate(told.information.begin(), told.information.end(), 0.0);
+  return told;
+}
 
-  for (std::size_t v = 0; v < variables.name.size(); ++v) {
-    std::vector<std::size_t> order(grams.block.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return variables.value[v][a] < variables.value[v][b]; });
-    Regimes regimes;
-    regimes.variable = variables.name[v];
-    std::array<double, parts> info{}, score{};
-    std::vector<int> part(order.size());
-    double before = 0.0;
-    for (const std::size_t b : order) {
-      part[b] = std::min(parts - 1, static_cast<int>(before / all * parts));
-      before += information[b];
-      info[static_cast<std::size_t>(part[b])] += information[b];
-      score[static_cast<std::size_t>(part[b])] += remaining[b];
+// standard error of a finding's size in one part of the blocks, clustered
+double deviation_in(const Grams& grams, const Told& told, const std::vector<int>& part, int p, double share,
+                    double information) {
+  std::vector<double> cluster(static_cast<std::size_t>(grams.clusters), 0.0), clustered = cluster;
+  for (std::size_t b = 0; b < part.size(); ++b)
+    if (part[b] == p) {
+      cluster[static_cast<std::size_t>(grams.cluster[b])] += told.remaining[b] - (share - 1.0) * told.information[b];
+      clustered[static_cast<std::size_t>(grams.cluster[b])] += told.information[b];
     }
-    for (std::size_t p = 0; p < parts; ++p) {
-      regimes.share.push_back(info[p] > 0.0 ? 1.0 + score[p] / info[p] : 1.0);
-      std::vector<double> cluster(static_cast<std::size_t>(grams.clusters), 0.0), clustered = cluster;
-      for (std::size_t b = 0; b < part.size(); ++b)
-        if (part[b] == static_cast<int>(p)) {
-          cluster[static_cast<std::size_t>(grams.cluster[b])] +=
-              remaining[b] - (regimes.share[p] - 1.0) * information[b];
-          clustered[static_cast<std::size_t>(grams.cluster[b])] += information[b];
-        }
-      double variance = 0.0, squares = 0.0;
-      for (const double c : cluster) variance += c * c;
-      for (const double i : clustered) squares += i * i;
-      // what few clusters say has no error that they could tell
-      regimes.deviation.push_back(info[p] * info[p] > few * squares ? std::sqrt(variance) / info[p] : untold);
-    }
-    const double mean = std::accumulate(regimes.share.begin(), regimes.share.end(), 0.0) / parts;
-    double between = 0.0, expected = 0.0;
-    for (std::size_t p = 0; p < parts; ++p) {
-      between += std::pow(regimes.share[p] - mean, 2) / (parts - 1);
-      expected += std::pow(regimes.deviation[p], 2) / parts;
-      regimes.chi_squared += std::pow((regimes.share[p] - mean) / regimes.deviation[p], 2);
-    }
-    regimes.spread = std::sqrt(std::max(0.0, between - expected));
-    result.push_back(std::move(regimes));
+  double variance = 0.0, squares = 0.0;
+  for (const double c : cluster) variance += c * c;
+  for (const double i : clustered) squares += i * i;
+  // what few clusters say has no error that they could tell
+  return information * information > few * squares ? std::sqrt(variance) / information : untold;
+}
+
+// the finding's size where one variable is low, middling and high, each part telling as much
+Regimes regimes_along(const std::string& variable, const std::vector<double>& value, const Grams& grams,
+                      const Told& told) {
+  std::vector<std::size_t> order(grams.block.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return value[a] < value[b]; });
+  Regimes regimes;
+  regimes.variable = variable;
+  std::array<double, parts> info{}, score{};
+  std::vector<int> part(order.size());
+  double before = 0.0;
+  for (const std::size_t b : order) {
+    part[b] = std::min(parts - 1, static_cast<int>(before / told.all * parts));
+    before += told.information[b];
+    info[static_cast<std::size_t>(part[b])] += told.information[b];
+    score[static_cast<std::size_t>(part[b])] += told.remaining[b];
   }
+  for (std::size_t p = 0; p < parts; ++p) {
+    regimes.share.push_back(info[p] > 0.0 ? 1.0 + score[p] / info[p] : 1.0);
+    regimes.deviation.push_back(deviation_in(grams, told, part, static_cast<int>(p), regimes.share[p], info[p]));
+  }
+  const double mean = std::accumulate(regimes.share.begin(), regimes.share.end(), 0.0) / parts;
+  double between = 0.0, expected = 0.0;
+  for (std::size_t p = 0; p < parts; ++p) {
+    between += std::pow(regimes.share[p] - mean, 2) / (parts - 1);
+    expected += std::pow(regimes.deviation[p], 2) / parts;
+    regimes.chi_squared += std::pow((regimes.share[p] - mean) / regimes.deviation[p], 2);
+  }
+  regimes.spread = std::sqrt(std::max(0.0, between - expected));
+  return regimes;
+}
+
+std::vector<Regimes> regimes_of(const Session& session, const Selection& selection, const Finding& finding,
+                                const Variables& variables) {
+  std::vector<Regimes> result;
+  const Told told = told_of(session, selection, finding);
+  if (!(told.all > 0.0)) return result;
+  for (std::size_t v = 0; v < variables.name.size(); ++v)
+    result.push_back(regimes_along(variables.name[v], variables.value[v], selection.grams, told));
   std::stable_sort(result.begin(), result.end(),
                    [](const Regimes& a, const Regimes& b) { return a.spread > b.spread; });
   return result;

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/trims.hpp"
 #include "diagnosis/validation/dependence.hpp"
 #include "diagnosis/validation/generic_bases.hpp"
 
 namespace gustlab::diagnosis {
+
+using namespace decisions;
 
 namespace {
 
@@ -27,17 +30,11 @@ constexpr std::array<const char*, 12> sensor_name = {"position x",
                                                      "specific force y",
                                                      "specific force z"};
 
-// of the disturbance groups
+// the disturbance groups in words, and their channels
+constexpr std::array<const char*, disturbance_groups> group_name = {"horizontal force", "vertical force",
+                                                                    "roll/pitch torque", "yaw torque"};
 const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
     {{"force_x", "force_y"}, {"force_z"}, {"torque_x", "torque_y"}, {"torque_z"}}};
-
-// of a gust: correlation time, and disturbance that lasts half a second against all of a calm room's (clean flights: up to 0.45)
-constexpr double fastest_gust_s = 0.25, slowest_gust_s = 4.0, least_slow_share = 0.7;
-// Turbulence is about as strong up and down as sideways, and forgets within a second (outdoor air of the independent reality: 0.9 to 1.2
-// times, 0.3 to 0.7 s; its gusts: 1.9 to 3.2 times): that is how rough the air was, and no effect.
-constexpr double least_sideways = 1.4, longest_of_rough_air_s = 1.0;
-// of innovations; where errors of the sensors are known to last, colour that one correlation time does not follow is theirs
-constexpr double most_correlation = 0.15, most_correlation_of_lasting = 0.3;
 
 std::vector<double> ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
@@ -60,20 +57,9 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return ab / std::sqrt(aa * bb + 1e-300);
 }
 
-}  // namespace
-
-bool beyond_chance(double gain, int size, double rows) {
-  return gain > size + 6.0 * std::sqrt(2.0 * size) + 0.001 * rows;
-}
-
-Remainder remainder(const Session& session, const Selection& selection, bool shadow) {
-  Remainder result;
-  const double rows = selection.degrees_of_freedom;
-  const std::vector<int> columns = session.with_biases(selection.groups());
-
-  // a gust lasts longer than the air of a calm room, or has a line; it does not depend on where the vehicle is
+// A gust lasts longer than the air of a calm room, or has a line; it does not depend on where the vehicle is. Says whether it has a line.
+bool find_gust(const Session& session, const Selection& selection, bool force_withdrawn, Remainder& result) {
   const auto floor = reference_floor(session.vehicle());
-  const NoiseModel& noise = selection.noise_selected;
   result.gust = gust_parts(session, selection.smoothed_selected);
   const bool slow = result.gust.slow_mps2 > least_slow_share * floor[0] && result.gust.time_s > fastest_gust_s &&
                     result.gust.time_s < slowest_gust_s;
@@ -85,8 +71,14 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   if (result.depends_on_state)
     result.alarms.push_back(
         {"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
-  result.gust_like = !shadow && (slow || line) && !result.depends_on_state;
+  result.gust_like = !force_withdrawn && (slow || line) && !result.depends_on_state;
+  return line;
+}
 
+// generic functions of everything that was recorded, beside what was found and small trims
+void ask_generic_bases(const Session& session, const Selection& selection, const std::vector<int>& columns,
+                       Remainder& result) {
+  const double rows = selection.degrees_of_freedom;
   const std::vector<Trim> trims = trims_beside(session, columns, scatter_share);
   double worst = 0.0;
   std::vector<BasisFamily> families = omnibus_bases(session);
@@ -103,7 +95,8 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
     Alarm alarm{"omnibus", fmt::format("the rest depends on {}", family.name), gains[i].all / rows, {}};
     const double most = *std::max_element(gains[i].channel.begin(), gains[i].channel.end());
     for (std::size_t c = 0; c < channel_name.size(); ++c)
-      if (beyond_chance(gains[i].channel[c], gains[i].size[c], rows) && gains[i].channel[c] > 0.25 * most)
+      if (beyond_chance(gains[i].channel[c], gains[i].size[c], rows) &&
+          gains[i].channel[c] > least_channel_of_alarm * most)
         alarm.channels.emplace_back(channel_name[c]);
     if (smooth) {
       const std::string& where = alarm.channels.front();
@@ -119,11 +112,16 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
   const double explained = std::max(0.0, selection.loss_nominal - selection.loss_selected);
   result.omnibus_gain = worst;
   result.omnibus_share = worst > 0.0 ? worst / (worst + explained) : 0.0;
+}
 
-  // autocorrelation of the whitened innovations over 25 lags
+// autocorrelation of the whitened innovations over 25 lags
+void ask_whiteness(const Session& session, const NoiseModel& noise, const std::vector<int>& columns,
+                   Remainder& result) {
   const Fit fit = solve(session.grams(columns).total(), columns);
   const auto whitened = session.innovations(columns, fit.coefficient);
   const auto correlated = lag_correlation(whitened, 25);
+  const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(),
+                                     [](const FlightData& f) { return f.read_slower; });
   for (std::size_t c = 0; c < row_count; ++c) {
     // a gust is not quite what the filter has for it
     if (std::isnan(correlated[0][c]) || (result.gust_like && (c < 3 || c > 8))) continue;
@@ -131,18 +129,17 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
                                        [c](const auto& a, const auto& b) { return std::abs(a[c]) < std::abs(b[c]); });
     const double r = std::abs((*most)[c]);
     const auto lag = most - correlated.begin() + 1;
-    const bool own_rate = std::none_of(session.flights().begin(), session.flights().end(),
-                                       [](const FlightData& f) { return f.read_slower; });
     if (r > (noise.errors_last() ? most_correlation_of_lasting : most_correlation) && own_rate)
       result.alarms.push_back({"whiteness",
                                fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], lag),
                                0.01 * r,
                                {channel_name[c % 3 + (c < 3 || c > 8 ? 0 : 3)]}});
   }
+}
 
-  // disturbance above what a calm room leaves
-  constexpr std::array<const char*, 4> group_name = {"horizontal force", "vertical force", "roll/pitch torque",
-                                                     "yaw torque"};
+// disturbance above what a calm room leaves
+void ask_floor(const Session& session, const NoiseModel& noise, Remainder& result) {
+  const auto floor = reference_floor(session.vehicle());
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     // half a second ahead tells what lasts: its spectral density against that of a calm room's air
     const double lasting = std::sqrt(noise.variance[g] * noise.time_s[g] / calm_memory_s) / floor[g],
@@ -153,13 +150,19 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
                                            ratio, ratio == lasting ? ", slowly" : ""),
                                0.001 * ratio, channels_of[g]});
   }
+}
 
-  // disturbance that grows with the state: dynamics that linear bases cannot follow
-  std::vector<double> activity, speed, height;
+// blocks of the flights: what was done in each, and how large the disturbance was
+struct Stretches {
+  std::vector<double> activity, speed, depth;
   std::array<std::vector<double>, disturbance_groups> energy;
+};
+
+Stretches stretches_of(const Session& session, const std::vector<Smoothed>& smoothed) {
+  Stretches result;
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
-    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(0.5 / flight.sample_s)));
+    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(block_s / flight.sample_s)));
     const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
     for (std::size_t first = 1; first + length <= flight.samples.size(); first += length) {
       std::array<double, disturbance_groups> e{};
@@ -167,7 +170,7 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
       for (std::size_t k = first; k < first + length; ++k) {
         for (std::size_t j = 0; j < 6; ++j)
           e[static_cast<std::size_t>(disturbance_group[j])] +=
-              std::pow(selection.smoothed_selected[f].disturbance[k][static_cast<Eigen::Index>(j)], 2);
+              std::pow(smoothed[f].disturbance[k][static_cast<Eigen::Index>(j)], 2);
         const double t = flight.samples[k].time_s;
         const RotorArray now = record.mean(t - flight.sample_s, t),
                          old = record.mean(t - 2.0 * flight.sample_s, t - flight.sample_s);
@@ -175,36 +178,63 @@ Remainder remainder(const Session& session, const Selection& selection, bool sha
         fast += flight.motion[k].velocity_W_mps.norm();
         high += flight.motion[k].position_W_m.z();
       }
-      activity.push_back(std::sqrt(change));
-      speed.push_back(fast);
-      height.push_back(-high);
+      result.activity.push_back(std::sqrt(change));
+      result.speed.push_back(fast);
+      result.depth.push_back(-high);
       for (std::size_t g = 0; g < disturbance_groups; ++g)
-        energy[g].push_back(e[g] / static_cast<double>(length * channels_of[g].size()));
+        result.energy[g].push_back(e[g] / static_cast<double>(length * channels_of[g].size()));
     }
   }
-  for (std::size_t g = 0; g < disturbance_groups; ++g)
-    for (const auto& [name, x] : {std::pair<const char*, const std::vector<double>*>{"command activity", &activity},
-                                  {"speed", &speed},
-                                  {"low height", &height}}) {
-      const double r = correlation(ranks(energy[g]), ranks(*x));
+  return result;
+}
+
+// disturbance that grows with the state: dynamics that linear bases cannot follow
+void ask_growth(const Session& session, const Selection& selection, Remainder& result) {
+  const auto floor = reference_floor(session.vehicle());
+  const Stretches stretches = stretches_of(session, selection.smoothed_selected);
+  for (std::size_t g = 0; g < disturbance_groups; ++g) {
+    const std::vector<double>& energy = stretches.energy[g];
+    for (const auto& [name, x] :
+         {std::pair<const char*, const std::vector<double>*>{"command activity", &stretches.activity},
+          {"speed", &stretches.speed},
+          {"low height", &stretches.depth}}) {
+      const double r = correlation(ranks(energy), ranks(*x));
       std::vector<std::size_t> order(x->size());
       std::iota(order.begin(), order.end(), std::size_t{0});
       std::stable_sort(order.begin(), order.end(),
-                       [&, values = x](std::size_t a, std::size_t b) { return (*values)[a] < (*values)[b]; });
+                       [values = x](std::size_t a, std::size_t b) { return (*values)[a] < (*values)[b]; });
       const std::size_t quarter = order.size() / 4;
       double low = 1e-300, high = 0.0;
       for (std::size_t i = 0; i < quarter; ++i) {
-        low += energy[g][order[i]];
-        high += energy[g][order[order.size() - 1 - i]];
+        low += energy[order[i]];
+        high += energy[order[order.size() - 1 - i]];
       }
       // where it is largest it must be more than a calm room's
-      if (r > 0.45 && high > 3.0 * low && std::sqrt(high / static_cast<double>(quarter)) > floor[g]) {
+      if (r > growth_correlation && high > growth_ratio * low &&
+          std::sqrt(high / static_cast<double>(quarter)) > floor[g]) {
         if (g == 0) result.gust_like = false;
         result.alarms.push_back({"heteroscedastic", fmt::format("{} grows with {}", group_name[g], name),
                                  0.001 * high / low, channels_of[g]});
         break;
       }
     }
+  }
+}
+
+}  // namespace
+
+bool beyond_chance(double gain, int size, double rows) {
+  return gain > size + beyond_chance_sd * std::sqrt(2.0 * size) + beyond_chance_share * rows;
+}
+
+Remainder remainder(const Session& session, const Selection& selection, bool force_withdrawn) {
+  Remainder result;
+  const std::vector<int> columns = session.with_biases(selection.groups());
+  const bool line = find_gust(session, selection, force_withdrawn, result);
+  ask_generic_bases(session, selection, columns, result);
+  ask_whiteness(session, selection.noise_selected, columns, result);
+  ask_floor(session, selection.noise_selected, result);
+  ask_growth(session, selection, result);
   const GustParts& gust = result.gust;
   result.names_gust = result.gust_like && (line || gust.time_s > longest_of_rough_air_s ||
                                            gust.horizontal_mps2 > least_sideways * gust.vertical_mps2);

@@ -14,9 +14,6 @@ namespace gustlab::diagnosis {
 inline constexpr std::array<const char*, 6> channel_name = {"force_x",  "force_y",  "force_z",
                                                             "torque_x", "torque_y", "torque_z"};
 
-// times the reference floor: disturbed more than a calm room
-inline constexpr double most_of_floor = 2.5;
-
 struct Remainder {
   std::vector<Alarm> alarms;
   double omnibus_gain = 0.0;   // χ² of the family that still finds most
@@ -30,8 +27,8 @@ struct Remainder {
 };
 
 // At the selected model; the session must be linearised there.
-// `shadow`: a force of every flight's own was withdrawn, so what is left is no gust.
-Remainder remainder(const Session& session, const Selection& selection, bool shadow);
+// `force_withdrawn`: a force of every flight's own was found and did not stand, so what is left is no gust.
+Remainder remainder(const Session& session, const Selection& selection, bool force_withdrawn);
 
 // more than chance and more than a thousandth of the information (DIAGNOSIS.md §3.5c)
 bool beyond_chance(double gain, int size, double rows);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace gustlab::diagnosis {
@@ -113,13 +114,23 @@ TEST(InnovationFilter, LikelihoodIsThatOfTheJointGaussian) {
   EXPECT_EQ(whiten(times, some_flight(), some_noise()).minus_two_log_likelihood, misfit(some_flight(), some_noise()));
 }
 
-TEST(InnovationFilter, MomentsOfTheSmootherAreThoseOfTheConditionedGaussian) {
-  const Joint all = joint(some_flight(), some_noise());
+// the states, given what was measured
+struct Conditioned {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+
+Conditioned conditioned(const Joint& all) {
   const Eigen::MatrixXd S = all.H * all.covariance * all.H.transpose() + Eigen::MatrixXd(all.R.asDiagonal());
   const Eigen::MatrixXd gain = S.ldlt().solve(all.H * all.covariance).transpose();
-  const Eigen::VectorXd mean = all.mean + gain * (all.y - all.H * all.mean), left = all.y - all.H * mean;
-  const Eigen::MatrixXd covariance = all.covariance - gain * all.H * all.covariance,
-                        spread = all.H * covariance * all.H.transpose();
+  return {all.mean + gain * (all.y - all.H * all.mean), all.covariance - gain * all.H * all.covariance};
+}
+
+TEST(InnovationFilter, MomentsOfTheSmootherAreThoseOfTheConditionedGaussian) {
+  const Joint all = joint(some_flight(), some_noise());
+  const auto [mean, covariance] = conditioned(all);
+  const Eigen::VectorXd left = all.y - all.H * mean;
+  const Eigen::MatrixXd spread = all.H * covariance * all.H.transpose();
   const Smoothed smoothed = smooth(some_flight(), some_noise());
   for (Eigen::Index j = 0; j < 6; ++j) {
     double second = 0.0, lagged = 0.0;
@@ -134,6 +145,72 @@ TEST(InnovationFilter, MomentsOfTheSmootherAreThoseOfTheConditionedGaussian) {
   for (Eigen::Index i = 0; i < left.size(); ++i)
     residual[all.group[static_cast<std::size_t>(i)]] += left[i] * left[i] + spread(i, i);
   for (std::size_t g = 0; g < noise_groups; ++g) EXPECT_NEAR(smoothed.residual[g], residual[g], 1e-6 * residual[g]);
+}
+
+// E[w²] / Δt of the white part: what moves a velocity from one sample to the next beyond the model and the slow disturbance
+double white_of(const LinearFlight& flight, const NoiseModel& noise, int j) {
+  const auto [mean, covariance] = conditioned(joint(flight, noise));
+  const int velocity = j < 3 ? 3 + j : 6 + j;
+  double sum = 0.0;
+  for (std::size_t k = 0; k + 1 < samples; ++k) {
+    const auto at = 18 * static_cast<Eigen::Index>(k);
+    Eigen::RowVectorXd w = Eigen::RowVectorXd::Zero(states);
+    w[at + 18 + velocity] = 1.0;
+    w.segment<12>(at) -= flight.F[k].row(velocity);
+    w[at + 12 + j] -= flight.interval_s[k];
+    const double mean_w = w.dot(mean) - flight.b[k][velocity];
+    sum += (mean_w * mean_w + w * covariance * w.transpose()) / flight.interval_s[k];
+  }
+  return sum;
+}
+
+TEST(EmStep, IsThatOfTheConditionedGaussian) {
+  const LinearFlight flight = some_flight();
+  const NoiseModel noise = some_noise();
+  const Smoothed smoothed = smooth(flight, noise);
+  constexpr double sample_s = 0.012;
+  const NoiseModel next = update(noise, {smoothed}, sample_s);
+  const Joint all = joint(flight, noise);
+  const auto [mean, covariance] = conditioned(all);
+  for (int g = 0; g < disturbance_groups; ++g) {
+    double second = 0.0, lagged = 0.0, white = 0.0, axes = 0.0;
+    for (int j = 0; j < 6; ++j) {
+      if (disturbance_group[static_cast<std::size_t>(j)] != g) continue;
+      axes += 1.0;
+      white += white_of(flight, noise, j);
+      for (Eigen::Index at = 12 + j; at < states; at += 18) {
+        second += mean[at] * mean[at] + covariance(at, at);
+        if (at >= 18) lagged += mean[at] * mean[at - 18] + covariance(at, at - 18);
+      }
+    }
+    const double variance = second / (axes * samples), pairs = axes * (samples - 1);
+    const auto at = static_cast<std::size_t>(g);
+    EXPECT_NEAR(next.variance[at], variance, 1e-6 * variance);
+    EXPECT_NEAR(next.white[at], white / pairs, 1e-5 * white / pairs);
+    const double correlation = std::clamp(lagged / pairs / variance, 0.02, 0.9995);
+    EXPECT_NEAR(next.time_s[at], std::clamp(-sample_s / std::log(correlation), 0.04, slowest_disturbance_s), 1e-5);
+  }
+  const Eigen::VectorXd left = all.y - all.H * mean;
+  const Eigen::MatrixXd spread = all.H * covariance * all.H.transpose();
+  for (std::size_t g = 0; g < noise_groups; ++g) {
+    double sum = 0.0, count = 0.0;
+    for (Eigen::Index i = 0; i < left.size(); ++i)
+      if (all.group[static_cast<std::size_t>(i)] == g) sum += left[i] * left[i] + spread(i, i), count += 1.0;
+    EXPECT_NEAR(next.measurement[g], sum / count, 1e-6 * sum / count);
+  }
+}
+
+// of the sensors alone the step is exact, so the likelihood cannot fall
+TEST(EmStep, OfTheSensorsRaisesTheLikelihood) {
+  const LinearFlight flight = some_flight();
+  NoiseModel noise = some_noise();
+  double before = misfit(flight, noise);
+  for (int step = 0; step < 5; ++step) {
+    noise.measurement = update(noise, {smooth(flight, noise)}, 0.012).measurement;
+    const double after = misfit(flight, noise);
+    EXPECT_LT(after, before);
+    before = after;
+  }
 }
 
 }  // namespace

@@ -26,13 +26,13 @@ double value(const EffectFinding& effect, const std::string& name) {
   return 0.0;
 }
 
-TEST(RotorSpeeds, NameNothingWhereNothingIsConcealed) {
+TEST(RotorSpeedsTrials, NameNothingWhereNothingIsConcealed) {
   const Diagnosis d = with_rotor_speeds("");
   EXPECT_TRUE(d.effects.empty()) << to_json(d).dump(1);
   EXPECT_EQ(d.verdict, Verdict::consistent);
 }
 
-TEST(RotorSpeeds, TellALagThatTheBodyCannot) {
+TEST(RotorSpeedsTrials, TellALagThatTheBodyCannot) {
   const Diagnosis d = with_rotor_speeds(R"({type = "motor_lag", time_constant = 0.06})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "motor_lag");
@@ -40,7 +40,7 @@ TEST(RotorSpeeds, TellALagThatTheBodyCannot) {
   EXPECT_THAT(d.notes, Contains(HasSubstr("commands foretell the rotors' speeds")));
 }
 
-TEST(RotorSpeeds, TellADelay) {
+TEST(RotorSpeedsTrials, TellADelay) {
   const Diagnosis d = with_rotor_speeds(R"({type = "actuation_delay", delay = 0.012})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "actuation_delay");
@@ -48,14 +48,14 @@ TEST(RotorSpeeds, TellADelay) {
 }
 
 // by time: these logs have no voltage
-TEST(RotorSpeeds, TellABatteryThatSags) {
+TEST(RotorSpeedsTrials, TellABatteryThatSags) {
   const Diagnosis d = with_rotor_speeds(R"({type = "battery_sag", rate = 0.004})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "battery_sag");
   EXPECT_NEAR(value(d.effects[0], "rate"), 0.004, 0.0004);
 }
 
-TEST(RotorSpeeds, LeaveWhatTurnsTheBodyToTheBody) {
+TEST(RotorSpeedsTrials, LeaveWhatTurnsTheBodyToTheBody) {
   const Diagnosis d = with_rotor_speeds(R"({type = "mass", delta = 0.06})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "mass");

@@ -61,7 +61,7 @@ DiagnoseOptions flown(const TemporaryFolder& folder) {
   return test::fly_trial(folder, trial);
 }
 
-TEST(Habit, IsNotOfferedWherePhysicsForetellsTurning) {
+TEST(HabitTrials, IsNotOfferedWherePhysicsForetellsTurning) {
   const TemporaryFolder folder;
   const Diagnosis d = diagnose(flown(folder));
   EXPECT_TRUE(d.habit.is_null());
@@ -69,7 +69,7 @@ TEST(Habit, IsNotOfferedWherePhysicsForetellsTurning) {
 }
 
 // rotor speeds that wander by a few percent, each by itself, foretell no turning
-TEST(Habit, IsOfferedWhereActuatorsForetellNoneAndIsCalledOne) {
+TEST(HabitTrials, IsOfferedWhereActuatorsForetellNoneAndIsCalledOne) {
   const TemporaryFolder folder;
   const DiagnoseOptions options = flown(folder);
   for (const auto* paths : {&options.fit, &options.holdout})

@@ -36,7 +36,7 @@ yaw_frequency_hz = 0.25
                                            .concealed = R"({type = "attitude_offset", x = 0.02})"}));
 }
 
-TEST(NextFlight, NamesAFlightThatThenSeparatesWhatCouldNotBeTold) {
+TEST(NextFlightTrials, NamesAFlightThatThenSeparatesWhatCouldNotBeTold) {
   const Diagnosis before = diagnose_offset({"hover", "circle"});
   ASSERT_EQ(before.effects.size(), 1u) << to_json(before).dump(1);
   // at one heading a tilted sensor and a constant push look alike
@@ -54,7 +54,7 @@ TEST(NextFlight, NamesAFlightThatThenSeparatesWhatCouldNotBeTold) {
   EXPECT_EQ(after.effects[0].classmates, std::vector<std::string>{"attitude_offset"});
 }
 
-TEST(NextFlight, IsSizedByTheVehicle) {
+TEST(NextFlightTrials, IsSizedByTheVehicle) {
   const Diagnosis d = diagnose_offset({"hover"}, true);
   EXPECT_FALSE(d.next_trajectory.empty());
   // five times the arm, five times the path

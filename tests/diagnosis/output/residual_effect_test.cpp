@@ -28,7 +28,7 @@ yaw_amplitude_rad = 0.8
                                            .concealed = concealed}));
 }
 
-TEST(ResidualEffect, DescribesAForceAcrossTheMotionAndFliesIt) {
+TEST(ResidualEffectTrials, DescribesAForceAcrossTheMotionAndFliesIt) {
   const Diagnosis d = diagnose_trial(
       R"({type = "sindy_residual", frame = "body", terms = ["vx_B", "vy_B"], fx = [0, -0.02], fy = [0.02, 0], fz = [0, 0]})");
   EXPECT_THAT(d.effects, IsEmpty());
@@ -48,7 +48,7 @@ TEST(ResidualEffect, DescribesAForceAcrossTheMotionAndFliesIt) {
   EXPECT_EQ(effects.back().type, "sindy_residual");
 }
 
-TEST(ResidualEffect, OffersNothingWhereNothingIsMissing) {
+TEST(ResidualEffectTrials, OffersNothingWhereNothingIsMissing) {
   const Diagnosis d = diagnose_trial("");
   EXPECT_TRUE(d.residual_model.is_null());
   EXPECT_FALSE(to_json(d).contains("residual_model"));

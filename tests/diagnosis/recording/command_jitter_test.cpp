@@ -73,7 +73,7 @@ std::vector<std::string> finding_kinds(const Diagnosis& d) {
   return kinds;
 }
 
-TEST(CommandJitter, OfASampledLoopMakesTheLogInsufficient) {
+TEST(CommandJitterTrials, OfASampledLoopMakesTheLogInsufficient) {
   const TemporaryFolder folder;
   const DiagnoseOptions trial = test::fly_trial(folder, sampled_loop("geometric", 1.0));
   const Diagnosis d = diagnose_saying(trial, Hold::unknown);
@@ -87,7 +87,7 @@ TEST(CommandJitter, OfASampledLoopMakesTheLogInsufficient) {
   EXPECT_THAT(finding_kinds(believed), IsEmpty());
 }
 
-TEST(CommandJitter, DoesNotConcernSmoothCommandsWhoseHoldIsUnknown) {
+TEST(CommandJitterTrials, DoesNotConcernSmoothCommandsWhoseHoldIsUnknown) {
   const TemporaryFolder folder;
   const DiagnoseOptions trial = test::fly_trial(folder, sampled_loop("pid", 0.1));
   const Diagnosis d = diagnose_saying(trial, Hold::unknown);

@@ -37,6 +37,8 @@ class Sensors : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+class SensorsTrials : public Sensors {};
+
 TEST_F(Sensors, LateGyroIsMeasured) {
   const DiagnoseOptions trial = fly();
   EXPECT_EQ(rate_lateness_s(flights_of(trial)), 0.0);
@@ -53,7 +55,7 @@ TEST_F(Sensors, AreNeverEarly) {
   EXPECT_NEAR(pose_lateness_s(flights_of(trial)).value(), late_s, 0.0003);
 }
 
-TEST_F(Sensors, LateGyroIsNoMissingPhysics) {
+TEST_F(SensorsTrials, LateGyroIsNoMissingPhysics) {
   const DiagnoseOptions trial = fly();
   test::delay(trial, 'w', late_s);
   const Diagnosis d = diagnose(trial);
@@ -77,7 +79,7 @@ TEST_F(Sensors, LateAccelerometerIsGuessedFromTheGyro) {
 }
 
 // positions off by 4 mm for a quarter of a second, attitudes by 3 mrad, as an estimator leaves them
-TEST_F(Sensors, LastingErrorsAreNoMissingPhysics) {
+TEST_F(SensorsTrials, LastingErrorsAreNoMissingPhysics) {
   const DiagnoseOptions trial = fly();
   std::mt19937_64 random(3);
   const auto wander = [&](double sd) {

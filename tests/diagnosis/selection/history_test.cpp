@@ -8,7 +8,7 @@
 namespace gustlab::diagnosis {
 namespace {
 
-class History : public ::testing::TestWithParam<bool> {
+class HistoryTrials : public ::testing::TestWithParam<bool> {
  protected:
   static Diagnosis diagnose_concealed(const std::string& concealed,
                                       std::vector<std::string> fit = {"lemniscate", "multisine"}) {
@@ -29,7 +29,7 @@ double value(const EffectFinding& effect, const std::string& name) {
   return 0.0;
 }
 
-TEST_P(History, FindsASlungLoad) {
+TEST_P(HistoryTrials, FindsASlungLoad) {
   const Diagnosis d = diagnose_concealed(R"({type = "slung_load", mass = 0.004, length = 0.3})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "slung_load");
@@ -37,20 +37,20 @@ TEST_P(History, FindsASlungLoad) {
   EXPECT_NEAR(value(d.effects[0], "length"), 0.3, 0.015);
 }
 
-TEST_P(History, FindsALowerSpeedLimit) {
+TEST_P(HistoryTrials, FindsALowerSpeedLimit) {
   const Diagnosis d = diagnose_concealed(R"({type = "saturation", max_speed = 2120})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "saturation");
   EXPECT_NEAR(value(d.effects[0], "max_speed"), 2120.0, 30.0);
 }
 
-TEST_P(History, DoesNotHangAWeightlessLoadOnAPeriodicGust) {
+TEST_P(HistoryTrials, DoesNotHangAWeightlessLoadOnAPeriodicGust) {
   const Diagnosis d = diagnose_concealed(R"({type = "gust", line_amplitude = 0.012, line_frequency = 3.0})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "gust");
 }
 
-INSTANTIATE_TEST_SUITE_P(Accelerometer, History, ::testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Accelerometer, HistoryTrials, ::testing::Bool(),
                          [](const auto& with) { return with.param ? "with" : "without"; });
 
 // below a vehicle at rest, out to almost level and back for a minute

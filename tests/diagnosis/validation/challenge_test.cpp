@@ -32,14 +32,14 @@ const NamedValue* find(const Diagnosis& d, const std::string& effect, const std:
   return nullptr;
 }
 
-TEST(Challenge, DoesNotCallASpringAConstantForce) {
+TEST(ChallengeTrials, DoesNotCallASpringAConstantForce) {
   const Diagnosis d = diagnose_concealed(
       R"({type = "sindy_residual", frame = "world", terms = ["1", "px", "py"], fx = [0.02, -0.03, 0], fy = [0, 0, -0.03], fz = [0, 0, 0]})");
   EXPECT_THAT(d.effects, Each(Field(&EffectFinding::effect, Not("constant_force")))) << to_json(d).dump(1);
   EXPECT_NE(d.verdict, Verdict::consistent);
 }
 
-TEST(Challenge, SaysThatATrueEffectIsEven) {
+TEST(ChallengeTrials, SaysThatATrueEffectIsEven) {
   const Diagnosis d = diagnose_concealed(R"({type = "rotor_drag", at_hover = 0.02})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "rotor_drag");
@@ -47,7 +47,7 @@ TEST(Challenge, SaysThatATrueEffectIsEven) {
   EXPECT_EQ(d.effects[0].least_even.share.size(), 3u);
 }
 
-TEST(Challenge, NamesNothingWhereEverythingIsALittleOff) {
+TEST(ChallengeTrials, NamesNothingWhereEverythingIsALittleOff) {
   const Diagnosis d = diagnose_concealed(
       R"({type = "mass", delta = 0.004}, {type = "thrust_curve", curvature = 0.004}, {type = "inertia", delta_x = 0.015, delta_y = -0.015, delta_z = 0.01},
          {type = "center_of_mass", x = 3e-5, y = -3e-5, z = 2e-5}, {type = "yaw_torque_ratio", delta = -0.015}, {type = "rotor_loss", rotor = 2, loss = 0.003})");
@@ -55,7 +55,7 @@ TEST(Challenge, NamesNothingWhereEverythingIsALittleOff) {
   EXPECT_EQ(d.verdict, Verdict::consistent);
 }
 
-TEST(GustParts, TellsTheRandomPartAndTheLine) {
+TEST(GustPartsTrials, TellsTheRandomPartAndTheLine) {
   // 0.3 m/s² of a Crazyflie's 27 g each
   const Diagnosis d = diagnose_concealed(
       R"({type = "gust", sigma_xy = 0.008, sigma_z = 0.004, correlation_time = 1.0, line_amplitude = 0.012, line_frequency = 2.2})");

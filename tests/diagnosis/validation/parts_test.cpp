@@ -3,6 +3,7 @@
 
 #include "diagnosis/validation/parts.hpp"
 #include "support/trials.hpp"
+#include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
@@ -21,24 +22,49 @@ Diagnosis diagnose_concealed(const std::string& concealed) {
   return diagnose(test::fly_trial(folder, trial));
 }
 
-TEST(Parts, AreUnevenOnlyBeyondChanceAndByMuch) {
-  EXPECT_FALSE((Parts{0.0, 0.0}).uneven());
-  EXPECT_FALSE((Parts{-0.25, 0.01}).uneven());
-  EXPECT_FALSE((Parts{0.4, 0.05}).uneven());
-  EXPECT_FALSE((Parts{-0.6, 0.25}).uneven());
-  EXPECT_TRUE((Parts{-0.6, 0.18}).uneven());
-  EXPECT_TRUE((Parts{0.6, 0.04}).uneven());
-  EXPECT_FALSE((Parts{0.6, 0.04, true}).uneven());
-  EXPECT_TRUE((Parts{-0.6, 0.04, true}).uneven());
+// An inflow fitted to one flight of fourteen seconds, and how its push compares with its turning.
+Parts parts_of_inflow(const std::string& concealed) {
+  const TemporaryFolder folder;
+  const DiagnoseOptions trial = test::fly_trial(folder, {.fit = {"multisine"}, .concealed = concealed});
+  const FlightLog log = read_flight_log(trial.fit.front());
+  const VehicleModel vehicle = read_vehicle(log.meta.vehicle, log.path);
+  Session session({prepare_flight(log, vehicle, {})}, vehicle, 1);
+  const int inflow = session.catalogue().find("axial_inflow");
+  const std::vector<int> columns = session.with_biases({inflow});
+  Selection selection;
+  selection.findings.emplace_back().group = inflow;
+  selection.value = session.value();
+  for (int step = 0; step < 2; ++step) {
+    session.linearise(selection.value, columns);
+    session.learn_noise(3, columns);
+    const Fit fit = solve(session.grams(columns).total(), columns);
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      selection.value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] *
+                                     session.catalogue().columns()[static_cast<std::size_t>(columns[i])].natural;
+  }
+  session.linearise(selection.value, session.all_columns());
+  return parts(session, selection).front();
 }
 
-TEST(Parts, OfAnInflowAgree) {
+TEST(Parts, OfAnInflowAreOfOneSizeAndThoseOfADampingAloneAreNot) {
+  const Parts inflow = parts_of_inflow(R"({type = "axial_inflow", at_hover = 0.02})");
+  ASSERT_GT(inflow.deviation, 0.0);
+  EXPECT_LT(std::abs(inflow.excess), std::max(0.3, 3.0 * inflow.deviation));
+  // the same turning, and a force that takes the push away
+  const Parts damping = parts_of_inflow(
+      R"({type = "axial_inflow", at_hover = 0.02}, {type = "sindy_residual", frame = "world", terms = ["vz"], fx = [0], fy = [0], fz = [0.02]})");
+  ASSERT_GT(damping.deviation, 0.0);
+  EXPECT_LT(damping.excess, -0.5);
+  EXPECT_LT(damping.excess, -3.0 * damping.deviation);
+}
+
+TEST(PartsTrials, OfAnInflowAgree) {
   const Diagnosis d = diagnose_concealed(R"({type = "axial_inflow", at_hover = 0.02})");
   EXPECT_THAT(d.effects, Contains(Field(&EffectFinding::effect, "axial_inflow"))) << to_json(d).dump(1);
 }
 
 // it turns the vehicle as an inflow would, and does not push
-TEST(Parts, OfADampingAloneAreNoInflow) {
+TEST(PartsTrials, OfADampingAloneAreNoInflow) {
   const Diagnosis d = diagnose_concealed(
       R"({type = "axial_inflow", at_hover = 0.02}, {type = "sindy_residual", frame = "world", terms = ["vz"], fx = [0], fy = [0], fz = [0.02]})");
   EXPECT_THAT(d.effects, Each(Field(&EffectFinding::effect, Not("axial_inflow")))) << to_json(d).dump(1);

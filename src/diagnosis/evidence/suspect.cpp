@@ -1,4 +1,4 @@
-#include "diagnosis/evidence/shadow.hpp"
+#include "diagnosis/evidence/suspect.hpp"
 
 namespace gustlab::diagnosis {
 

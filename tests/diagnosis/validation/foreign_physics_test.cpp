@@ -44,7 +44,7 @@ void smooth(const DiagnoseOptions& trial, double time_constant_s) {
   });
 }
 
-TEST(Shadow, LatePoseStandsWhereGyroAndAttitudesTellIt) {
+TEST(ForeignPhysicsTrials, LatePoseStandsWhereGyroAndAttitudesTellIt) {
   const TemporaryFolder folder;
   const Diagnosis d =
       diagnose(test::fly_trial(folder, settings(std::string(spring) + R"(, {type = "pose_delay", delay = 0.015})")));
@@ -54,7 +54,7 @@ TEST(Shadow, LatePoseStandsWhereGyroAndAttitudesTellIt) {
   EXPECT_EQ(d.verdict, Verdict::partly_explained);
 }
 
-TEST(Shadow, EvenMeansAlikeInEveryRegime) {
+TEST(Regimes, EvenMeansAlikeInEveryRegime) {
   Regimes even{.variable = "speed", .share = {1.0, 1.0, 1.0}, .deviation = {0.05, 0.05, 0.05}};
   EXPECT_NEAR(most_astray({even}), 0.05 * std::sqrt(2.0), 1e-12);
   Regimes uneven = even;
@@ -66,7 +66,7 @@ TEST(Shadow, EvenMeansAlikeInEveryRegime) {
   EXPECT_EQ(most_astray({even, untold}), 1.0);
 }
 
-TEST(SmoothedLog, IsSaidAndItsDragNamed) {
+TEST(SmoothedLogTrials, IsSaidAndItsDragNamed) {
   const TemporaryFolder folder;
   const DiagnoseOptions trial = test::fly_trial(folder, settings(R"({type = "rotor_drag", at_hover = 0.02})", quiet));
   smooth(trial, 0.01);
@@ -79,7 +79,7 @@ TEST(SmoothedLog, IsSaidAndItsDragNamed) {
   EXPECT_THAT(d.notes, Contains(HasSubstr("which the commands did not pass")));
 }
 
-TEST(SmoothedLog, WithoutMissingPhysicsNamesNothing) {
+TEST(SmoothedLogTrials, WithoutMissingPhysicsNamesNothing) {
   const TemporaryFolder folder;
   const DiagnoseOptions trial = test::fly_trial(folder, settings("", quiet));
   smooth(trial, 0.01);

@@ -1,0 +1,80 @@
+// Flights on one clock, with the rotors in the order that the flights show.
+#include "diagnosis/alignment/align.hpp"
+
+#include <gmock/gmock.h>
+
+#include "support/trials.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
+
+constexpr double later_s = 0.02;
+
+DiagnoseOptions flown(const TemporaryFolder& folder) {
+  return test::fly_trial(folder, {.fit = {"multisine", "lemniscate"}, .holdout = {"circle"}, .duration_s = 10.0});
+}
+
+// inputs 1 and 2 were swapped by whoever wrote the log
+void swap_inputs(const std::string& path) {
+  FlightLog log = read_flight_log(path);
+  for (LogColumn& c : log.columns) {
+    if (c.name == "u1") c.name = "u2";
+    else if (c.name == "u2") c.name = "u1";
+  }
+  write_flight_log(log, path);
+}
+
+// its commands were written down before they were sent
+void command_early(const std::string& path) {
+  FlightLog log = read_flight_log(path);
+  const auto shift = static_cast<std::size_t>(std::lround(later_s / (log.time_s[1] - log.time_s[0])));
+  for (LogColumn& c : log.columns)
+    if (c.name[0] == 'u')
+      for (std::size_t k = 0; k + 1 < c.values.size(); ++k)
+        c.values[k] = c.values[std::min(k + shift, c.values.size() - 1)];
+  write_flight_log(log, path);
+}
+
+Aligned aligned(const DiagnoseOptions& trial) {
+  return align(check(read_recordings(trial.fit, trial.holdout, {}, std::nullopt)));
+}
+
+TEST(Align, LeavesFlightsThatAgreeAsTheyAre) {
+  const TemporaryFolder folder;
+  const Aligned found = aligned(flown(folder));
+  EXPECT_TRUE(found.remarks.findings.empty());
+  for (const double offset_s : found.offset_s) EXPECT_EQ(offset_s, 0.0);
+}
+
+TEST(Align, FindsTheFlightWhoseCommandsAreEarly) {
+  const TemporaryFolder folder;
+  const DiagnoseOptions trial = flown(folder);
+  command_early(trial.fit[1]);
+  const Aligned found = aligned(trial);
+  ASSERT_EQ(found.offset_s.size(), 3u);
+  EXPECT_EQ(found.offset_s[0], 0.0);
+  EXPECT_NEAR(found.offset_s[1], later_s, 0.004);
+  EXPECT_EQ(found.offset_s[2], 0.0);
+}
+
+// under the order that the file lists, torques say nothing of when commands were sent
+TEST(Align, JudgesOffsetsInTheRotorOrderThatTheFlightsShow) {
+  const TemporaryFolder folder;
+  const DiagnoseOptions trial = flown(folder);
+  for (const auto* paths : {&trial.fit, &trial.holdout})
+    for (const std::string& path : *paths) swap_inputs(path);
+  command_early(trial.fit[1]);
+  const Aligned found = aligned(trial);
+  EXPECT_THAT(found.remarks.findings, Contains(Field(&LogFinding::says, HasSubstr("the file lists as 2, 1, 3, 4"))));
+  ASSERT_EQ(found.offset_s.size(), 3u);
+  EXPECT_EQ(found.offset_s[0], 0.0);
+  EXPECT_NEAR(found.offset_s[1], later_s, 0.004);
+  EXPECT_EQ(found.offset_s[2], 0.0);
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,107 @@
+// Which numbers of which effects are columns, of logs that tell more or less.
+#include "diagnosis/model/catalogue.hpp"
+
+#include <gmock/gmock.h>
+
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr Need pose = Need::attitude | Need::motion | Need::torque;
+
+Catalogue catalogue(const Catalogue::Seen& seen, int flights = 1) { return {read_vehicle("crazyflie"), flights, seen}; }
+
+std::vector<std::string> columns(const Catalogue& of, std::string_view label) {
+  std::vector<std::string> names;
+  const int g = of.find(label);
+  if (g < 0) return names;
+  for (const int c : of.groups()[static_cast<std::size_t>(g)].columns)
+    names.push_back(of.columns()[static_cast<std::size_t>(c)].name);
+  return names;
+}
+
+TEST(Catalogue, BatteryIsDescribedByItsVoltageWhereThatIsSeen) {
+  EXPECT_THAT(columns(catalogue({.told = pose, .voltage = true}), "battery_sag"), ElementsAre("exponent"));
+  EXPECT_THAT(columns(catalogue({.told = pose}), "battery_sag"), ElementsAre("rate"));
+}
+
+TEST(Catalogue, LagHasTwoTimeConstantsWhereTheMotionTellsThemApart) {
+  EXPECT_THAT(columns(catalogue({.told = pose}), "motor_lag"), ElementsAre("time_constant", "time_constant_down"));
+  VehicleModel vehicle = read_vehicle("crazyflie");
+  vehicle.effects.clear();
+  const Catalogue slow(vehicle, 1, {.told = Need::attitude | Need::torque});
+  EXPECT_THAT(columns(slow, "motor_lag"), ElementsAre("time_constant"));
+}
+
+TEST(Catalogue, HistoriesHaveOneColumnAndTheirScanTheRest) {
+  const Catalogue all = catalogue({.told = pose});
+  EXPECT_THAT(columns(all, "slung_load"), ElementsAre("mass"));
+  EXPECT_THAT(columns(all, "saturation"), ElementsAre("max_speed"));
+  EXPECT_EQ(all.find(ColumnFrom::swing), all.find("slung_load"));
+  EXPECT_EQ(all.find(ColumnFrom::speed_limit), all.find("saturation"));
+  // which never fly in the linearised model
+  Eigen::VectorXd value = all.nominal();
+  for (const char* name : {"slung_load", "saturation"})
+    value[all.groups()[static_cast<std::size_t>(all.find(name))].columns.front()] = 1.0;
+  for (const NamedEffect& effect : all.effects(value, 0)) EXPECT_FALSE(effect.row->is_history()) << effect.row->name;
+}
+
+TEST(Catalogue, EveryRotorAndEveryFlightHasItsOwn) {
+  const Catalogue all = catalogue({.told = pose}, 3);
+  EXPECT_GE(all.find("rotor_loss#4"), 0);
+  EXPECT_EQ(all.find("rotor_loss"), -1);
+  EXPECT_EQ(columns(all, "steady_wind").size(), 9u);
+  EXPECT_EQ(columns(all, "rotor_drag").size(), 1u);
+}
+
+TEST(Catalogue, SaysWhyAnEffectIsLeftOut) {
+  const auto why = [](const Catalogue& of, std::string_view name) { return of.why_left_out(*find_effect(name)); };
+  const Catalogue all = catalogue({.told = pose}), filtered = catalogue({.told = pose, .trims = true}),
+                  forces = catalogue({.told = Need::attitude | Need::accelerometer});
+  EXPECT_THAT(why(all, "mass"), IsEmpty());
+  EXPECT_THAT(why(all, "steady_wind"), IsEmpty());
+  EXPECT_THAT(why(all, "imu_lever"), HasSubstr("no accelerometer"));
+  EXPECT_THAT(why(filtered, "steady_wind"), HasSubstr("see constant_force"));
+  EXPECT_THAT(why(filtered, "gyro_scale"), HasSubstr("each column differently"));
+  EXPECT_THAT(why(forces, "mass"), HasSubstr("see thrust_scale"));
+  EXPECT_EQ(filtered.find("steady_wind"), -1);
+}
+
+TEST(Catalogue, FindsLatencyAndAirByWhatTheyDo) {
+  const Catalogue all = catalogue({.told = pose});
+  EXPECT_EQ(all.find(Place::actuation, Latency::lag), all.find("motor_lag"));
+  EXPECT_EQ(all.find(Place::actuation, Latency::delay), all.find("actuation_delay"));
+  EXPECT_EQ(all.find(Place::measurement, Latency::delay), all.find("pose_delay"));
+  EXPECT_EQ(all.find(Airflow::wind), all.find("steady_wind"));
+  EXPECT_EQ(all.find(Airflow::drag), all.find("rotor_drag"));
+}
+
+TEST(Catalogue, OfAnExactAliasOneIsFree) {
+  const Catalogue all = catalogue({.told = pose});
+  const int inertia = all.find("inertia"), ratio = all.find("yaw_torque_ratio"), drag = all.find("rotor_drag");
+  EXPECT_EQ(own_columns(all, {inertia}, inertia).size(), 3u);
+  EXPECT_EQ(own_columns(all, {inertia, ratio}, inertia).size(), 2u);
+  EXPECT_EQ(own_columns(all, {drag, inertia, ratio}, inertia).size(), 3u);
+}
+
+TEST(Catalogue, CorrectsTheSensorsOfAFlight) {
+  const Catalogue all = catalogue({.told = pose});
+  Eigen::VectorXd value = all.nominal();
+  const auto set = [&](std::string_view label, std::size_t i, double to) {
+    value[all.groups()[static_cast<std::size_t>(all.find(label))].columns[i]] = to;
+  };
+  set("attitude_offset", 0, 0.01), set("attitude_offset", 1, -0.02), set("yaw_offset", 0, 0.03);
+  set("pose_delay", 0, 0.015), set("gyro_scale", 0, 0.02);
+  const SensorCorrection found = all.sensor_correction(value, 0);
+  EXPECT_EQ(found.attitude_offset_B_rad, Vector3(0.01, -0.02, 0.03));
+  EXPECT_EQ(found.pose_delay_s, 0.015);
+  EXPECT_EQ(found.rate_scale, 0.02);
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis

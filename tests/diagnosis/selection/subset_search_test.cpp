@@ -1,0 +1,124 @@
+// The subset search against every subset, one by one.
+#include "diagnosis/selection/subset_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "gustlab/random.hpp"
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+const VehicleModel& vehicle() {
+  static const VehicleModel model = read_vehicle("crazyflie");
+  return model;
+}
+
+const Catalogue& catalogue() {
+  static const Catalogue all(vehicle(), 2, {Need::attitude | Need::motion | Need::torque | Need::accelerometer});
+  return all;
+}
+
+// rows in which a few effects are there, alike ones among them
+Eigen::MatrixXd some_gram() {
+  const RandomStream random(6, 0, "subset_search_test");
+  const int size = catalogue().size();
+  Eigen::MatrixXd rows(300, size + 1);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    for (Eigen::Index j = 0; j < rows.cols(); ++j)
+      rows(i, j) = random.normal4(static_cast<std::uint64_t>(i * rows.cols() + j))[0];
+  const auto column = [](const char* name) {
+    return catalogue().groups()[static_cast<std::size_t>(catalogue().find(name))].columns.front();
+  };
+  rows.col(column("translational_lift")) += 0.8 * rows.col(column("thrust_curve"));
+  rows.col(size) += 0.6 * rows.col(column("rotor_drag")) + 0.5 * rows.col(column("thrust_curve")) +
+                    0.4 * rows.col(column("rotor_tilt"));
+  return rows.transpose() * rows;
+}
+
+SubsetSearch search() { return {catalogue(), vehicle(), std::log(300.0)}; }
+
+// the best of all subsets of a size
+double best_score(const SubsetSearch& by, const Eigen::MatrixXd& gram, int size) {
+  double best = std::numeric_limits<double>::infinity();
+  std::vector<int> groups;
+  const std::function<void(std::size_t)> add = [&](std::size_t from) {
+    if (static_cast<int>(groups.size()) == size) {
+      if (by.allowed(groups)) best = std::min(best, by.evaluate(gram, groups).score);
+      return;
+    }
+    for (std::size_t i = from; i < by.candidates.size(); ++i) {
+      groups.push_back(by.candidates[i]);
+      add(i + 1);
+      groups.pop_back();
+    }
+  };
+  add(0);
+  return best;
+}
+
+TEST(SubsetSearch, FindsTheBestSubsetOfEverySize) {
+  const SubsetSearch by = search();
+  const Eigen::MatrixXd gram = some_gram();
+  const auto found = by.run(gram, 3, 25);
+  ASSERT_EQ(found.size(), 4u);
+  for (int size = 1; size <= 3; ++size) {
+    ASSERT_FALSE(found[static_cast<std::size_t>(size)].empty());
+    EXPECT_EQ(found[static_cast<std::size_t>(size)].front().score, best_score(by, gram, size)) << size;
+  }
+}
+
+TEST(SubsetSearch, StopsWhereAFurtherEffectGainsTooLittle) {
+  const auto found = search().run(some_gram(), 4, 25);
+  const std::vector<int> wanted = [] {
+    std::vector<int> groups;
+    for (const char* name : {"rotor_drag", "rotor_tilt", "thrust_curve"}) groups.push_back(catalogue().find(name));
+    std::sort(groups.begin(), groups.end());
+    return groups;
+  }();
+  EXPECT_EQ(SubsetSearch::choose(found, 10.0).groups, wanted);
+  EXPECT_TRUE(SubsetSearch::choose(found, 1e6).groups.empty());
+}
+
+TEST(SubsetSearch, ImprovesASetByWhatPaysMost) {
+  const SubsetSearch by = search();
+  const Eigen::MatrixXd gram = some_gram();
+  const int drag = catalogue().find("rotor_drag"), lift = catalogue().find("translational_lift"),
+            curve = catalogue().find("thrust_curve");
+  std::vector<int> start = {drag, lift};
+  std::sort(start.begin(), start.end());
+  const std::vector<int> better = by.improved(gram, start, {}, 1.0);
+  EXPECT_EQ(std::count(better.begin(), better.end(), curve), 1);
+  EXPECT_LT(by.evaluate(gram, better).score, by.evaluate(gram, start).score - 1.0);
+  // a set that was visited does not come again
+  EXPECT_NE(by.improved(gram, start, {better}, 1.0), better);
+}
+
+TEST(SubsetSearch, KnowsWhatNeedsAnotherAndWhatExcludesIt) {
+  const SubsetSearch by = search();
+  const int wind = catalogue().find("steady_wind"), mass = catalogue().find("mass"),
+            thrust = catalogue().find("thrust_scale");
+  EXPECT_FALSE(by.allowed({wind}));
+  EXPECT_FALSE(by.allowed({wind, mass}));
+  EXPECT_TRUE(by.allowed({wind, catalogue().find("translational_lift")}));
+  EXPECT_FALSE(by.allowed({mass, thrust}));
+  EXPECT_TRUE(by.allowed({mass, catalogue().find("inertia")}));
+}
+
+TEST(SubsetSearch, WhatLeavesItsBoundsIsNotPossible) {
+  Eigen::MatrixXd gram = some_gram();
+  const int drag = catalogue().find("rotor_drag");
+  const int c = catalogue().groups()[static_cast<std::size_t>(drag)].columns.front();
+  const Eigen::Index z = gram.cols() - 1;
+  // a drag that pushes
+  gram(c, z) = gram(z, c) = -std::abs(gram(c, z));
+  EXPECT_TRUE(std::isinf(search().evaluate(gram, {drag}).loss));
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
