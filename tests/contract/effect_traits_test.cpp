@@ -202,7 +202,9 @@ TEST_P(EffectTraits, ShowsInHoverAsItSays) {
   const FirstStep without = first_step({}, rest), with = first_step(planted(row, values), rest);
   const double lifts = std::abs((with.linear_W_mps2 - without.linear_W_mps2).z());
   const double turns = (with.angular_B_radps2 - without.angular_B_radps2).head<2>().norm();
-  if (row.in_hover != InHover::center) EXPECT_GT(lifts, 1e-3);
+  if (row.in_hover != InHover::center) {
+    EXPECT_GT(lifts, 1e-3);
+  }
   if (row.in_hover == InHover::weight) EXPECT_LT(turns, 1e-9);
   else EXPECT_GT(turns, 1e-3);
 }
