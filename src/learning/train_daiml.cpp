@@ -110,6 +110,12 @@ void check(std::span<const Condition> conditions, const TrainingOptions& options
                                     condition.name, condition.samples.inputs.rows(), wanted));
 }
 
+// Fisher–Yates
+void shuffle(std::vector<Index>& order, Draws& draws) {
+  for (std::size_t i = order.size() - 1; i > 0; --i)
+    std::swap(order[i], order[static_cast<std::size_t>(draws.below(static_cast<Index>(i) + 1))]);
+}
+
 }  // namespace
 
 Training train_daiml(std::span<const Condition> conditions, const TrainingOptions& options,
@@ -139,9 +145,7 @@ Training train_daiml(std::span<const Condition> conditions, const TrainingOption
     throw_if_interrupted();
     if (progress) progress("epochs", static_cast<double>(epoch) / static_cast<double>(options.epochs));
     double prediction = 0.0, confusion = 0.0;
-    // Fisher–Yates
-    for (std::size_t i = order.size() - 1; i > 0; --i)
-      std::swap(order[i], order[static_cast<std::size_t>(draws.below(static_cast<Index>(i) + 1))]);
+    shuffle(order, draws);
     for (const Index condition : order) {
       const MetaBatch batch = samplers[static_cast<std::size_t>(condition)].draw(condition, options, draws);
       Layers gradient = zeros_like(features);
