@@ -76,8 +76,7 @@ TEST_P(EffectTraits, OfWhatFeelsTheAirDragAlonePushesAgainstAnyLevelMotion) {
   const Vector3 push =
       first_step(planted(row, natural_values(row, vehicle)), start).linear_W_mps2 - first_step({}, start).linear_W_mps2;
   const double along = push.dot(start.velocity_W_mps.normalized());
-  if (row.air == Airflow::drag) EXPECT_LT(along, -1e-4);
-  else EXPECT_NEAR(along, 0.0, 1e-9);
+  EXPECT_TRUE(row.air == Airflow::drag ? along < -1e-4 : std::abs(along) < 1e-9) << along;
 }
 
 TEST_P(EffectTraits, LagAnswersAtOnceAndInPartDelayLaterAndInFull) {
@@ -202,11 +201,8 @@ TEST_P(EffectTraits, ShowsInHoverAsItSays) {
   const FirstStep without = first_step({}, rest), with = first_step(planted(row, values), rest);
   const double lifts = std::abs((with.linear_W_mps2 - without.linear_W_mps2).z());
   const double turns = (with.angular_B_radps2 - without.angular_B_radps2).head<2>().norm();
-  if (row.in_hover != InHover::center) {
-    EXPECT_GT(lifts, 1e-3);
-  }
-  if (row.in_hover == InHover::weight) EXPECT_LT(turns, 1e-9);
-  else EXPECT_GT(turns, 1e-3);
+  EXPECT_TRUE(lifts > 1e-3 || row.in_hover == InHover::center) << lifts;
+  EXPECT_TRUE(row.in_hover == InHover::weight ? turns < 1e-9 : turns > 1e-3) << turns;
 }
 
 TEST_P(EffectTraits, EveryRotorHasItsOwn) {
