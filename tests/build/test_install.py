@@ -48,7 +48,7 @@ class Installed(unittest.TestCase):
         self.assertEqual(self.complete("gustlab", "swe"), ["sweep"])
         self.assertEqual(set(self.complete("gustlab", "vehicle", "")) & {"new", "check", "fit"}, {"new", "check", "fit"})
         self.assertEqual(self.complete("gustlab", "vehicle", "new", "--thr"), ["--thrust-to-weight", "--throttle-curve"])
-        self.assertEqual(set(self.complete("gustlab", "table", "out", "--format", "")), {"md", "csv", "latex", "json"})
+        self.assertEqual(set(self.complete("gustlab", "table", "out", "--format", "")), {"md", "csv", "latex", "json", "html"})
 
     def test_other_shells_take_their_completions(self):
         for shell, name in (("zsh", "zsh/site-functions/_gustlab"), ("fish", "fish/vendor_completions.d/gustlab.fish")):

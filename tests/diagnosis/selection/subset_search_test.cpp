@@ -15,7 +15,11 @@ namespace gustlab::diagnosis {
 namespace {
 
 const VehicleModel& vehicle() {
-  static const VehicleModel model = read_vehicle("crazyflie");
+  static const VehicleModel model = [] {
+    VehicleModel bare = read_vehicle("crazyflie");
+    bare.effects.clear();  // a drag of the file would be felt by a wind
+    return bare;
+  }();
   return model;
 }
 
@@ -88,13 +92,24 @@ TEST(SubsetSearch, StopsWhereAFurtherEffectGainsTooLittle) {
 TEST(SubsetSearch, ImprovesASetByWhatPaysMost) {
   const SubsetSearch by = search();
   const Eigen::MatrixXd gram = some_gram();
-  const int drag = catalogue().find("rotor_drag"), lift = catalogue().find("translational_lift"),
-            curve = catalogue().find("thrust_curve");
-  std::vector<int> start = {drag, lift};
+  std::vector<int> start = {catalogue().find("rotor_drag"), catalogue().find("translational_lift")};
   std::sort(start.begin(), start.end());
+  // one more, or one in another's place
+  double best = by.evaluate(gram, start).score - 1.0;
+  std::vector<int> wanted;
+  for (const int g : by.candidates)
+    for (std::size_t place = 0; place <= start.size(); ++place) {
+      std::vector<int> changed = start;
+      if (std::count(start.begin(), start.end(), g) > 0) continue;
+      if (place < start.size()) changed[place] = g;
+      else changed.push_back(g);
+      std::sort(changed.begin(), changed.end());
+      if (const double score = by.evaluate(gram, changed).score; by.allowed(changed) && score < best)
+        best = score, wanted = changed;
+    }
+  ASSERT_FALSE(wanted.empty());
   const std::vector<int> better = by.improved(gram, start, {}, 1.0);
-  EXPECT_EQ(std::count(better.begin(), better.end(), curve), 1);
-  EXPECT_LT(by.evaluate(gram, better).score, by.evaluate(gram, start).score - 1.0);
+  EXPECT_EQ(better, wanted);
   // a set that was visited does not come again
   EXPECT_NE(by.improved(gram, start, {better}, 1.0), better);
 }

@@ -25,7 +25,8 @@ Diagnosis diagnose_concealed(const std::string& concealed) {
 // An inflow fitted to one flight of fourteen seconds, and how its push compares with its turning.
 Parts parts_of_inflow(const std::string& concealed) {
   const TemporaryFolder folder;
-  const DiagnoseOptions trial = test::fly_trial(folder, {.fit = {"multisine"}, .concealed = concealed});
+  const DiagnoseOptions trial =
+      test::fly_trial(folder, {.fit = {"multisine"}, .holdout = {"multisine"}, .concealed = concealed});
   const FlightLog log = read_flight_log(trial.fit.front());
   const VehicleModel vehicle = read_vehicle(log.meta.vehicle, log.path);
   Session session({prepare_flight(log, vehicle, {})}, vehicle, 1);
