@@ -25,7 +25,7 @@ METHOD = {
     "estimation/shooting.cpp": "rows_per_horizon loose_prior clearly_lost own_share",
     "estimation/surrogates.cpp": "draws places nearest",
     "evidence/gather_evidence.cpp": "parts_of_flight shortest_part_s",
-    "evidence/judge.cpp": "unsaid intercept",  # a fitted weight
+    "evidence/judge.cpp": "intercept",  # a fitted weight
     "hover/hover_balance.cpp": "slow_mps slow_vertical_mps margin_s",  # what hover is
     "hover/hover_balance.hpp": "least_hover_s",
     "model/catalogue.hpp": "torque_trim_sd command_clock_sd command_smoothing_sd",  # natural sizes of nuisances

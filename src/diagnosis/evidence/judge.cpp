@@ -10,8 +10,12 @@ namespace {
 
 double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0.0, 1.0); }
 
-// of a statistic that this log or this effect does not have
-constexpr double unsaid = 0.75;
+// Of a statistic that this log or this effect does not have: most names are right, but what one flight alone shows nothing repeats.
+double unsaid(const Evidence& e) {
+  const auto fitted =
+      std::count_if(e.flights.begin(), e.flights.end(), [](const FlightShare& f) { return !f.held_out; });
+  return fitted > 1 ? 0.75 : 0.5;
+}
 
 // flights for it less those against it
 double flights_speak(const Evidence& e) {
@@ -48,22 +52,24 @@ constexpr Feature features[] = {
     // a signature that moving does not change has no such null
     {"surrogate", 2.9,
      [](const Evidence& e) {
-       return e.surrogates.movable ? -std::log10(e.surrogates.p_value) / std::log10(200.0) : unsaid;
+       return e.surrogates.movable ? -std::log10(e.surrogates.p_value) / std::log10(200.0) : unsaid(e);
      }},
     {"material", 1.7,
      [](const Evidence& e) {
        return std::isinf(e.size_in_tolerances) ? 1.0 : std::log2(std::max(e.size_in_tolerances, 1.0)) / 2.0;
      }},
     // values of every flight's own fit every flight: the next three say nothing of them
-    {"flights", 1.0, [](const Evidence& e) { return e.per_flight ? unsaid : flights_speak(e); }},
-    {"flights_alike", 0.3, [](const Evidence& e) { return e.per_flight ? unsaid : 1.0 - e.spread_flights / 0.5; }},
+    {"flights", 1.0, [](const Evidence& e) { return e.per_flight ? unsaid(e) : flights_speak(e); }},
+    {"flights_alike", 0.3, [](const Evidence& e) { return e.per_flight ? unsaid(e) : 1.0 - e.spread_flights / 0.5; }},
     {"held_out", 1.9,
      [](const Evidence& e) {
-       return e.per_flight || e.held_out_expected < 10.0 ? unsaid : 0.5 + 0.5 * e.held_out_gain / e.held_out_expected;
+       return e.per_flight || e.held_out_expected < 10.0 ? unsaid(e)
+                                                         : 0.5 + 0.5 * e.held_out_gain / e.held_out_expected;
      }},
-    {"regimes_alike", 0.3, [](const Evidence& e) { return e.spread_regimes == 1.0 ? unsaid : 1.0 - e.spread_regimes; }},
+    {"regimes_alike", 0.3,
+     [](const Evidence& e) { return e.spread_regimes == 1.0 ? unsaid(e) : 1.0 - e.spread_regimes; }},
     {"rollout_100ms", 0.65,
-     [](const Evidence& e) { return e.recovered_z.empty() ? unsaid : 0.5 + e.recovered_z[0] / 8.0; }},
+     [](const Evidence& e) { return e.recovered_z.empty() ? unsaid(e) : 0.5 + e.recovered_z[0] / 8.0; }},
     // nothing gained is nothing said, a loss speaks against it
     {"rollout_500ms", 2.0,
      [](const Evidence& e) { return e.recovered_z.size() < 2 ? 1.0 : 1.0 + e.recovered_z[1] / 4.0; }},
