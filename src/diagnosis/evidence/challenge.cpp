@@ -45,7 +45,7 @@ std::vector<std::size_t> weakest(const Session& session, const Selection& select
     for (const std::size_t i : some) std::erase(rest, records[i].group);
     return solve(total, session.with_biases(rest)).loss;
   };
-  const double loss = loss_without({});
+  const double loss = selection.loss_selected;
   double gains = 0.0;
   for (const std::size_t i : failed) gains += records[i].gain;
   for (const std::size_t i : order) {
