@@ -230,14 +230,20 @@ TEST(Flight, SaysWhatIsWrongWithItsLength) {
   EXPECT_NE(message({"set_points=velocity"}).find("\"velocity\" is unknown"), std::string::npos);
 }
 
-TEST(Flight, StreamedSetPointsHoldPositionAndHeadingAlone) {
-  const Experiment experiment = read_text_experiment(small_experiment, {"set_points=position"});
-  Flight flight(experiment, plan(experiment).front());
+// Flies it with a controller that records; what that saw lives as long as the flight.
+const Recording& fly_recorded(const Experiment& experiment, Flight& flight) {
   auto recording = std::make_unique<Recording>(experiment.vehicle.hover_speed_radps());
   const Recording& seen = *recording;
   flight.controller = std::move(recording);
   TrackingError error(0.0, static_cast<std::size_t>(flight.ticks));
   fly(flight, error, nullptr);
+  return seen;
+}
+
+TEST(Flight, StreamedSetPointsHoldPositionAndHeadingAlone) {
+  const Experiment experiment = read_text_experiment(small_experiment, {"set_points=position"});
+  Flight flight(experiment, plan(experiment).front());
+  const Recording& seen = fly_recorded(experiment, flight);
   ASSERT_GT(seen.references.size(), 100u);
   EXPECT_EQ(seen.references[100].position_W_m, flight.trajectory->at(100 * flight.tick_s).position_W_m);
   EXPECT_EQ(seen.references[100].velocity_W_mps, Vector3::Zero());
@@ -248,11 +254,7 @@ TEST(Flight, StreamedSetPointsHoldPositionAndHeadingAlone) {
 TEST(Flight, HandsOverAfterTakeOff) {
   const Experiment experiment = read_text_experiment(small_experiment, {"hand_over_s=0.5"});
   Flight flight(experiment, plan(experiment).front());
-  auto recording = std::make_unique<Recording>(experiment.vehicle.hover_speed_radps());
-  const Recording& seen = *recording;
-  flight.controller = std::move(recording);
-  TrackingError error(0.0, static_cast<std::size_t>(flight.ticks));
-  fly(flight, error, nullptr);
+  const Recording& seen = fly_recorded(experiment, flight);
   ASSERT_EQ(seen.observations.size(), static_cast<std::size_t>(flight.ticks - 250));
   EXPECT_DOUBLE_EQ(seen.observations.front().time_s, 0.5);
   // the first loop flew after the reference
