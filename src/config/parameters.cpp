@@ -59,15 +59,18 @@ class Reader final : public ParameterVisitor {
     value = Vector3(read->data());
     for (const double item : *read) check(name, item, info);
   }
-  // relative to the file that names it, or one that is shipped
+  // relative to the file that names it (an override: to the one that it changes), or one that is shipped
   void file(std::string_view name, InputFile& value, const ParameterInfo&) override {
     const auto read = table_.text(name);
     if (read) value.path = *read;
     if (value.path.empty()) return;
-    const std::filesystem::path beside = std::filesystem::path(table_.path()).parent_path() / value.path;
     std::error_code error;
-    if (read && std::filesystem::is_regular_file(beside, error)) {
-      value.path = beside.string();
+    std::filesystem::path found;
+    for (const std::filesystem::path namer : {table_.path(), table_.where(name)})
+      if (const auto beside = namer.parent_path() / value.path; std::filesystem::is_regular_file(beside, error))
+        found = beside;
+    if (read && !found.empty()) {
+      value.path = found.string();
     } else {
       try {
         value.path = find_resource(value.path);

@@ -93,6 +93,17 @@ TEST(Experiment, EffectsOfTheVehicleAreReplacedByIncludedOnesAndThoseByItsOwn) {
   EXPECT_EQ(experiment.vehicle.effects.size(), 2u);
 }
 
+TEST(Experiment, FileOfAnIncludedControllerIsBesideTheIncludedFileWhoeverListsTheControllers) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "gains");
+  folder.write("gains/model.toml",
+               "[[effect]]\ntype = \"sindy_residual\"\nterms = [\"1\"]\nfx = [0.0]\nfy = [0.0]\nfz = [0.0]\n");
+  folder.write("gains/adaptive.toml", "[controller.asindy]\nmodel = \"model.toml\"\n");
+  const std::string path = folder.write("experiment.toml", "include = [\"gains/adaptive.toml\"]\n" + small_experiment);
+  EXPECT_EQ(read_experiment(path, {"controllers=[\"asindy\"]"}).controllers.front().name, "asindy");
+  EXPECT_EQ(read_experiment(path, {"controllers=asindy", "controller.asindy.rate_hz=100"}).controllers.size(), 1u);
+}
+
 struct Mistake {
   const char* says;
   const char* from;
