@@ -81,8 +81,44 @@ struct World {
     data.reset(mj_makeData(model.get()));
     mj_setConst(model.get(), data.get());
     mj_resetData(model.get(), data.get());
+    // the mass matrix, which step_free_body() takes as it finds it
+    if (!with_ground) mj_forward(model.get(), data.get());
   }
 };
+
+// as mj_checkPos and its like see it
+bool is_sound(const mjtNum* values, int count) {
+  return std::all_of(values, values + count, [](mjtNum value) { return std::abs(value) <= mjMAXVAL; });
+}
+
+// What mj_step does to a free body that nothing touches, by MuJoCo's own parts and to the same bits. What such a body has not got is not
+// looked for: constraints, actuators, passive forces, sensors. false: a number was not finite, or beyond any reason.
+bool step_free_body(const mjModel* model, mjData* data) {
+  bool sound = is_sound(data->qpos, 7) && is_sound(data->qvel, 6);
+  mj_kinematics(model, data);
+  mj_comPos(model, data);
+  // along the axes of its inertia a body's mass matrix is the same in every attitude
+  if (model->body_simple[1] == 0) {
+    mj_makeM(model, data);
+    mj_factorM(model, data);
+  }
+  mj_comVel(model, data);
+  mj_rne(model, data, 0, data->qfrc_bias);
+  mj_fwdAcceleration(model, data);
+  sound = sound && is_sound(data->qacc_smooth, 6);
+  mju_copy(data->qacc_warmstart, data->qacc_smooth, 6);
+  mju_addToScl(data->qvel, data->qacc_smooth, model->opt.timestep, 6);
+  mj_integratePos(model, data->qpos, data->qvel, model->opt.timestep);
+  return sound;
+}
+
+// mj_step; false as above
+bool step_with_contacts(const mjModel* model, mjData* data) {
+  mj_step(model, data);
+  return data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number +
+             data->warning[mjWARN_BADQACC].number ==
+         0;
+}
 
 }  // namespace
 
@@ -153,16 +189,15 @@ bool RigidBody::step(const Flow& flow, const Wrench& wrench, VehicleState& state
   Eigen::Map<Vector3>(data->qvel + 3) = state.body_rate_B_radps;
   Eigen::Map<Vector3>(data->qfrc_applied) = flow.R_WB * wrench.force_B_N;
   Eigen::Map<Vector3>(data->qfrc_applied + 3) = wrench.torque_B_Nm;
-  mj_step(impl_->flying->model.get(), data);
+  const mjModel* model = impl_->flying->model.get();
+  const bool sound = impl_->flying == &impl_->air ? step_free_body(model, data) : step_with_contacts(model, data);
 
   state.attitude_WB = Quaternion(data->qpos[3], data->qpos[4], data->qpos[5], data->qpos[6]);
   state.body_rate_B_radps = Eigen::Map<const Vector3>(data->qvel + 3);
   const Matrix3 R_WB = state.attitude_WB.toRotationMatrix();
   state.position_W_m = Eigen::Map<const Vector3>(data->qpos) - R_WB * arm;
   state.velocity_W_mps = Eigen::Map<const Vector3>(data->qvel) - R_WB * state.body_rate_B_radps.cross(arm);
-  return data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number +
-                 data->warning[mjWARN_BADQACC].number ==
-             0 &&
+  return sound &&
          std::isfinite(data->qpos[0] + data->qpos[1] + data->qpos[2] + data->qvel[3] + data->qvel[4] + data->qvel[5]);
 }
 

@@ -107,6 +107,30 @@ TEST(Ground, ChangesNoBitOfAFlightThatStaysAway) {
   EXPECT_EQ(seen(a), seen(b));
 }
 
+// near the ground mj_step flies the body's twin; away from it the step is made of MuJoCo's own parts
+TEST(Ground, StepInTheAirIsThatOfMuJoCoToTheBit) {
+  for (const double product_kgm2 : {0.0, 2e-6}) {
+    VehicleModel low = over_ground(), high = read_vehicle("crazyflie");
+    for (VehicleModel* vehicle : {&low, &high})
+      vehicle->inertia_B_kgm2(0, 1) = vehicle->inertia_B_kgm2(1, 0) = product_kgm2;
+    Plant a = make_plant(low, low.effects), b = make_plant(high, high.effects);
+    for (int i = 0; i < 2000; ++i) {
+      VehicleState state = a.state();
+      state.position_W_m = Vector3(0.1, 0.2, 0.06);
+      if (i % 50 == 0) {
+        state.attitude_WB = Quaternion(Eigen::AngleAxisd(0.3, Vector3(std::sin(i), std::cos(i), 0.0)));
+        state.body_rate_B_radps = Vector3(0.3, -0.4, 0.5);
+      }
+      for (Plant* plant : {&a, &b}) {
+        plant->set_state(state);
+        ASSERT_TRUE(plant->step(shaken(high, i)));
+      }
+      ASSERT_FALSE(a.touches_ground()) << i;
+      ASSERT_EQ(seen(a), seen(b)) << i;
+    }
+  }
+}
+
 TEST(Ground, SnapshotOnTheGroundGivesTheSameBits) {
   const VehicleModel vehicle = over_ground();
   Plant plant = make_plant(vehicle, {});
