@@ -1,5 +1,6 @@
 """Writes a flight log (CSV with its sidecar): the same input gives the same bytes."""
 
+import contextlib
 import io
 import os
 import tempfile
@@ -52,14 +53,25 @@ def sidecar_text(flight: Flight, top: dict, environment: dict, origin: dict) -> 
 
 
 def write_all(folder: Path, files: dict) -> None:
-    """Writes name -> bytes into a folder, each file whole or not at all. Throws ImportFailure with code 4."""
+    """Writes name -> bytes into a folder, all of them or none. Throws ImportFailure with code 4."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    ready = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in files.items():
-            handle, temporary = tempfile.mkstemp(dir=folder, prefix=".import-")
+            handle, ready[name] = tempfile.mkstemp(dir=folder, prefix=".import-")
             with os.fdopen(handle, "wb") as stream:
                 stream.write(content)
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, folder / name)
+            os.chmod(ready[name], 0o644)
+        for name in files:
+            os.replace(ready[name], folder / name)
+            del ready[name]
     except OSError as error:
         raise ImportFailure(f"{folder}: cannot write ({error.strerror})", IO) from error
+    finally:
+        for temporary in ready.values():
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+        for path in missing:
+            with contextlib.suppress(OSError):  # a folder with files in it stays
+                path.rmdir()

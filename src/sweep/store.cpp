@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <filesystem>
 #include <sstream>
 
 #include "config/toml.hpp"
@@ -240,6 +241,9 @@ Results RunStore::results() {
 void RunStore::close() {
   insert_.reset();
   database_.run("PRAGMA journal_mode = DELETE");
+  // a reader that found a log that was not closed leaves this, and nobody needs it now
+  std::error_code ignored;
+  std::filesystem::remove(database_.path() + "-shm", ignored);
 }
 
 }  // namespace gustlab

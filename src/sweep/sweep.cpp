@@ -218,8 +218,10 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
     if (!there.provenance().empty()) check_same_sweep(path, there.provenance(), here);
   };
   // to open a store for writing changes it: one that was closed well is asked before. One with a log beside it is not, because
-  // only a writer can take the log in where memory is not shared (a network file system)
-  if (fs::exists(path) && !fs::exists(path + "-wal")) check(RunStore(path, Database::Mode::read));
+  // only a writer can take the log in where memory is not shared (a network file system), nor one with a journal beside it,
+  // which only a writer can roll back (a disk that was full at the very end)
+  if (fs::exists(path) && !fs::exists(path + "-wal") && !fs::exists(path + "-journal"))
+    check(RunStore(path, Database::Mode::read));
   RunStore store(path, Database::Mode::create);
   try {
     check(store);

@@ -39,11 +39,15 @@ std::string mjcf_file(Table& document) {
   const std::string file = document.need_text("mjcf");
   const fs::path folder = fs::path(document.path()).parent_path(), path = folder / file;
   const fs::path here = fs::current_path() / folder;
-  const fs::path relative = fs::weakly_canonical(here / file).lexically_relative(fs::weakly_canonical(here));
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(here / file, error);
+  // links in a circle, for one
+  if (error) document.fail("mjcf", fmt::format("cannot read \"{}\" ({})", path.string(), error.message()), "", "");
+  const fs::path relative = real.lexically_relative(fs::weakly_canonical(here));
   if (fs::path(file).is_absolute() || relative.empty() || *relative.begin() == "..")
     document.fail("mjcf", fmt::format("\"{}\" is outside the vehicle's folder", file), "a vehicle is one folder",
                   "move the file there");
-  if (std::error_code error; !fs::is_regular_file(path, error))
+  if (!fs::is_regular_file(path, error))
     document.fail("mjcf", fmt::format("there is no file \"{}\"", path.string()), "", "");
   return path.string();
 }
