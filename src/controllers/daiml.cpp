@@ -5,6 +5,7 @@
 // comparison Neural-Fly-Constant. The weights that are shipped were trained by `gustlab train collect_iris`; the file says
 // on what, and control/daiml_input.hpp why they fly other vehicles.
 #include <algorithm>
+#include <mutex>
 
 #include "control/daiml_input.hpp"
 #include "control/network.hpp"
@@ -15,6 +16,19 @@
 namespace gustlab {
 
 namespace {
+
+// The network of a file. All runs of a sweep have the same, and to read it takes a tenth of a run: the last one is kept.
+NetworkWeights read_network(const InputFile& file) {
+  static std::mutex mutex;
+  static std::string bytes;
+  static NetworkWeights weights;
+  const std::lock_guard lock(mutex);
+  if (file.bytes != bytes) {
+    weights = parse_network(file.bytes, file.path);
+    bytes = file.bytes;
+  }
+  return weights;
+}
 
 class Daiml {
  public:
@@ -27,7 +41,7 @@ class Daiml {
   void reset(const OffboardSetup& setup) {
     vehicle_ = setup.vehicle;
     mixer_ = Mixer(vehicle_);
-    network_ = weights_.bytes.empty() ? Network() : Network(parse_network(weights_.bytes, weights_.path));
+    network_ = weights_.bytes.empty() ? Network() : Network(read_network(weights_));
     if (!weights_.bytes.empty() && !std::equal(daiml_input_names.begin(), daiml_input_names.end(),
                                                network_.weights().inputs.begin(), network_.weights().inputs.end()))
       throw ParameterError("weights", weights_.path + " looks at other inputs (see its line `inputs`) train it again");
