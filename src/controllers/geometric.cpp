@@ -13,7 +13,7 @@ namespace {
 class Geometric {
  public:
   void visit(ParameterVisitor& visitor) {
-    visitor.number("integral", integral_, {.help = "K_i = integral w³/4; 0: none", .min = 0.0, .max = 4.0});
+    visitor.number("integral", integral_, {.help = "K_i = integral w³/4; 0: none", .min = 0.0, .max = 1000.0});
     visitor.number("integral_limit_mps2", limit_mps2_,
                    {.unit = "m/s^2", .help = "largest acceleration of the integral", .min = 0.0, .max = 50.0});
   }

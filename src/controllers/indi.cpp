@@ -27,13 +27,16 @@ class Indi final : public Controller {
     visitor.number("rate_gain", options_.rate_gain,
                    {.unit = "1/s", .help = "angular acceleration per rate error", .min = 0.1, .max = 200.0});
     visitor.number("filter_hz", options_.filter_hz,
-                   {.unit = "Hz", .help = "second-order filter of sensors and actuators", .min = 0.0, .max = 200.0});
+                   {.unit = "Hz",
+                    .help = "second-order filter of sensors and actuators; 0, or from half of the rate on: none",
+                    .min = 0.0,
+                    .max = 1000.0});
     visitor.number("bandwidth_radps", bandwidth_radps_,
                    {.unit = "rad/s",
                     .help = "of the position error, K_p = w² (flatness law); 0: 0.27 of the attitude gain",
                     .min = 0.0,
                     .max = 50.0});
-    visitor.number("damping", damping_, {.help = "K_v = 2 damping w (flatness law)", .min = 0.0, .max = 10.0});
+    visitor.number("damping", damping_, {.help = "K_v = 2 damping w (flatness law)", .min = 0.0, .max = 100.0});
     visitor.number("tilt_limit_deg", tilt_limit_deg_,
                    {.unit = "deg",
                     .help = "0: 10 (the Crazyflie firmware's clamp), 30 on other vehicles and in flatness",

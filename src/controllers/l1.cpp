@@ -15,7 +15,7 @@ class L1 {
  public:
   void visit(ParameterVisitor& visitor) {
     visitor.number("predictor_radps", predictor_radps_,
-                   {.unit = "rad/s", .help = "−a_s of the state predictor", .min = 0.1, .max = 200.0});
+                   {.unit = "rad/s", .help = "−a_s of the state predictor", .min = 0.001, .max = 200.0});
     visitor.number("filter_hz", filter_hz_,
                    {.unit = "Hz", .help = "C(s): how fast a force is cancelled", .min = 0.0, .max = 50.0});
     visitor.number("limit_weights", limit_,

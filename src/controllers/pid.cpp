@@ -25,7 +25,7 @@ class PidController final : public Controller {
     visitor.number("velocity_gain", velocity_gain_,
                    {.help = "times the firmware's velocity gain", .min = 0.0, .max = 20.0});
     visitor.number("integral_gain", integral_gain_,
-                   {.help = "times the firmware's integral gains", .min = 0.0, .max = 20.0});
+                   {.help = "times the firmware's integral gains", .min = 0.0, .max = 1000.0});
     visitor.number("tilt_limit_deg", tilt_limit_deg_,
                    {.unit = "deg", .help = "0: the firmware's", .min = 0.0, .max = 80.0});
     visitor.text("feedforward", feedforward_,

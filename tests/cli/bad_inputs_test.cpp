@@ -348,7 +348,7 @@ const BadInput bad_inputs[] = {
      "v: cannot write (Is a directory)",
      {"conceal", "w.toml", "--out", "d", "--answers", "v"},
      {{"w.toml", "", trials_text}}},
-    {"gains in a file", 4, "a.csv: cannot make this folder", {"tune", "fair", "--out", "a.csv"}},
+    {"gains in a file", 4, "a.csv: cannot make this folder", {"tune", "fair_link", "--out", "a.csv"}},
     {"calibration in a file", 4, "a.csv: cannot make this folder", {"calibrate", "table1_iris", "--out", "a.csv"}},
     {"one experiment for all tables",
      2,
