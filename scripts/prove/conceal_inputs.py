@@ -187,16 +187,19 @@ def inputs_of(thrust, actuator, vehicle):
 
 # ---- how much of an effect is visible ---------------------------------------------------------------------------------
 
-def remainder(vehicle, motion, thrust):
-    """(n, 4): wrench of the recorded motion less that of the inputs, below 5 Hz, less what the inputs' own scale, velocity and
-    rate explain; NaN columns where the log does not tell."""
+def missing(vehicle, motion, thrust):
+    """(n, 4): wrench of the recorded motion less that of the inputs; NaN columns where the log does not tell."""
     rest = np.full((len(motion.time_s), 4), np.nan)
     if motion.specific_B is not None:
         rest[:, 0] = vehicle.mass * motion.specific_B[:, 2]
     if motion.angular_B is not None:
         rest[:, 1:] = vehicle.inertia * motion.angular_B + np.cross(motion.rate_B, vehicle.inertia * motion.rate_B)
-    given = wrench(vehicle, motion, thrust)
-    rest -= given
+    return rest - wrench(vehicle, motion, thrust)
+
+
+def remainder(vehicle, motion, thrust):
+    """(n, 4): what is missing below 5 Hz, less what the inputs' own scale, velocity and rate explain."""
+    given, rest = wrench(vehicle, motion, thrust), missing(vehicle, motion, thrust)
     state = [x for x in (motion.velocity_B, motion.rate_B) if x is not None] + ([motion.velocity_B**2] if motion.velocity_B is not None else [])
     for k in np.flatnonzero(np.isfinite(rest).all(axis=0)):
         known = np.column_stack([np.ones(len(rest)), given[:, k], *state])
@@ -223,3 +226,34 @@ def standard_error(vehicle, flights, effect, unit):
         once = CORRELATION_S / np.median(np.diff(motion.time_s))
         information += np.sum(shape[:, good] ** 2 / np.var(rest[:, good], axis=0)) / once
     return 1.0 / np.sqrt(information) if information > 0 else np.inf
+
+
+# channels of the wrench in which flights show by themselves how large a trim is; for inertia and yaw torque noise of the inputs hides it
+SHOWN_IN = {"thrust_scale": [0], "mass": [0], "rotor_loss": [0, 1, 2], "center_of_mass": [1, 2]}
+
+
+def sizes_shown(vehicle, flights, effect, unit):
+    """[size] of an effect that each flight shows by itself, in units of `unit`: least squares of what is missing of the wrench below 1 Hz,
+    every channel weighted by what remains of it; empty where no channel shows it. flights: [(motion, thrust)]."""
+    sizes = []
+    for motion, thrust in flights:
+        shape, rest, noise = signature(vehicle, motion, thrust, effect, unit), missing(vehicle, motion, thrust), remainder(vehicle, motion, thrust)
+        channels = [k for k in SHOWN_IN.get(effect, ()) if np.isfinite(rest[:, k]).all()]
+        if channels:
+            shape, rest = (low_pass(motion.time_s, values[:, channels], 1) / noise[:, channels].std(axis=0) for values in (shape, rest))
+            sizes.append(np.sum(shape * rest) / np.sum(shape**2))
+    return sizes
+
+
+def gyro_scale_shown(log, cut_Hz=5.0):
+    """What the gyroscope shows too much, as a share, against the derivative of the attitude, which has the noise; nan without one of them."""
+    attitude, gyro = stream(log, "qx", "qy", "qz", "qw"), stream(log, "wx", "wy", "wz")
+    if attitude is None or gyro is None:
+        return np.nan
+    turn = Rotation.from_quat(attitude[1])
+    rate = (turn[:-1].inv() * turn[1:]).as_rotvec() / np.diff(attitude[0])[:, None]
+    middle = 0.5 * (attitude[0][1:] + attitude[0][:-1])
+    times = np.arange(max(middle[0], gyro[0][0]), min(middle[-1], gyro[0][-1]), 0.01)
+    seen = [low_pass(times, np.column_stack([np.interp(times, t, column) for column in values.T]), cut_Hz) for t, values in ((middle, rate), gyro)]
+    seen = [values - values.mean(axis=0) for values in seen]
+    return float(np.sum(seen[1] ** 2) / np.sum(seen[0] * seen[1]) - 1.0)

@@ -264,7 +264,9 @@ def units(effect, vehicle, rotor, sign, has_voltage):
 # sensors' faults without a reporting tolerance, and bounds beyond which a size is no longer this effect
 SENSOR_LIMIT = {"attitude_offset": 0.01, "yaw_offset": 0.02, "imu_lever": 0.005}
 MOST = {"mass": 0.25, "thrust_scale": 0.25, "rotor_loss": 0.35, "thrust_curve": 0.5, "inertia": 0.5, "yaw_torque_ratio": 0.6, "battery_sag": 4.0,
-        "motor_lag": 0.04, "actuation_delay": 0.04, "pose_delay": 0.04, "ground_effect": 20.0}
+        "motor_lag": 0.04, "actuation_delay": 0.04, "pose_delay": 0.04, "gyro_scale": 0.2, "ground_effect": 20.0}
+# what the untouched flights show of it already gets larger, never smaller: what is asked is the total
+SIGNED = ("thrust_scale", "mass", "center_of_mass", "gyro_scale")
 MOST_PER_KG = {"axial_inflow": 2.0, "translational_lift": 0.1}
 
 
@@ -297,29 +299,46 @@ def possible(recordings):
     return {"file": file, "recording": recording, "input": inputs}
 
 
+def shown(recordings, effect, values):
+    """Per-flight sizes of an effect that the untouched flights show by themselves, in units of `values`; empty where that is not asked."""
+    entries = recordings.set.new + recordings.set.reference + recordings.set.holdout
+    if effect == "gyro_scale":
+        return [size for size in (physics.gyro_scale_shown(recordings.log(entry)) for entry in entries) if np.isfinite(size)]
+    return physics.sizes_shown(recordings.vehicle, [recordings.motion(recordings.log(entry)) for entry in entries], effect, values)
+
+
 def limit_of(recordings, effect, values):
-    """The larger of the tolerance and five standard errors on the new flights, in the leading parameter."""
-    vehicle = recordings.vehicle
+    """The larger of the tolerance and five standard errors on the new flights, in the leading parameter. Flights that differ among
+    themselves tell no more than their spread allows."""
+    vehicle, flights = recordings.vehicle, len(recordings.set.new)
     tolerance = physics.TOLERANCE.get(effect, SENSOR_LIMIT.get(effect, 0.0)) * (vehicle.arm if effect == "center_of_mass" else 1.0)
-    if effect in SENSOR_LIMIT or effect in ("gyro_scale", "pose_delay", "actuation_delay", "motor_lag"):
+    if effect in SENSOR_LIMIT or effect in ("pose_delay", "actuation_delay", "motor_lag"):
         return tolerance
     if recordings.log(recordings.set.new[0]).stack("wx") is None:
         return 0.05  # hovering flights without rates: what two normal flights of one vehicle differ by
-    natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
-    flights = [recordings.motion(recordings.log(entry)) for entry in recordings.set.new]
-    small = {name: value if name == "rotor" else natural * value for name, value in values.items()}
-    return max(tolerance, 5 * natural * physics.standard_error(vehicle, flights, effect, small))
+    if effect == "gyro_scale":
+        sizes, error = shown(recordings, effect, values), 0.0
+    else:
+        natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
+        small = {name: value if name == "rotor" else natural * value for name, value in values.items()}
+        error = natural * physics.standard_error(vehicle, [recordings.motion(recordings.log(entry)) for entry in recordings.set.new], effect, small)
+        sizes = [natural * size for size in shown(recordings, effect, small)]
+    spread = np.std(sizes, ddof=1) if len(sizes) > 1 else 0.0
+    return max(tolerance, 5 * float(np.sqrt(error**2 + spread**2 / flights)))
 
 
 def cases_of(name, recordings):
     """Every case of one set, the middle size first."""
     cases, number = [], 0
+    has_rates = recordings.log(recordings.set.new[0]).stack("wx") is not None
     voltage = np.isfinite(recordings.log(recordings.set.new[0]).column.get("vbat", np.array([np.nan]))).any()
     for way, effects in possible(recordings).items():
         for effect in effects:
             number += 1
             rotor, sign = 1 + number % len(recordings.vehicle.thrust), 1.0 if number % 2 else -1.0
             unit = units(effect, recordings.vehicle, rotor, sign, voltage)
+            if effect in SIGNED and has_rates and np.mean(shown(recordings, effect, unit) or [0.0]) < 0:
+                unit = units(effect, recordings.vehicle, rotor, -sign, voltage)
             if way == "recording" and effect == "rotor_loss":
                 unit = {"loss": -1.0, "rotor": rotor}
             limit = limit_of(recordings, effect, unit)

@@ -272,7 +272,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   out.flights.insert(out.flights.end(), fitted.used.begin(), fitted.used.end());
 
   // what only commands show depends on those that were not logged
-  if (aligned.commands_jitter)
+  if (aligned.commands_jitter && !aligned.reading.forces_only)
     suspect(out, "only suspected: the commands were sampled from a faster loop",
             [](const EffectFinding& effect) { return !find_effect(effect.effect)->commanded; });
 

@@ -42,6 +42,19 @@ std::vector<FlightData> at_own_rate(const std::vector<FlightLog>& logs, const Ve
   return raw;
 }
 
+bool thrust_is_smooth(const std::vector<FlightData>& flights) {
+  return std::all_of(flights.begin(), flights.end(), [](const FlightData& flight) {
+    return thrust_jitter_share(flight) < decisions::most_command_jitter;
+  });
+}
+
+// commands tell forces alone
+void keep_total_thrust(Aligned& aligned) {
+  aligned.reading.forces_only = true;
+  for (auto* logs : {&aligned.fit, &aligned.holdout})
+    for (FlightLog& log : *logs) log = with_total_thrust(std::move(log), aligned.vehicle);
+}
+
 // what depends on commands of a faster loop would come out too small, and look like other physics
 bool find_jitter(const std::vector<FlightData>& flights, std::vector<LogFinding>& findings) {
   bool any = false;
@@ -87,12 +100,15 @@ Aligned align(const Recordings& recordings) {
   const bool fit_apart = clocks_apart(out.raw_fit, out.vehicle, findings),
              holdout_apart = clocks_apart(out.raw_holdout, out.vehicle, findings);
   if (fit_apart || holdout_apart) {
-    out.reading.forces_only = true;
-    for (auto* logs : {&out.fit, &out.holdout})
-      for (FlightLog& log : *logs) log = with_total_thrust(std::move(log), out.vehicle);
+    keep_total_thrust(out);
   }
   out.offset_s = command_offsets(out.raw_fit, out.raw_holdout, out.vehicle, findings);
   out.commands_jitter = out.hold_unknown && find_jitter(out.raw_fit, findings);
+  // the sum of the commands jitters less than their differences: it tells of the forces
+  if (out.commands_jitter && out.attitude && thrust_is_smooth(out.raw_fit)) {
+    keep_total_thrust(out);
+    out.remarks.notes.emplace_back("the commanded torques are not known between samples: only forces are judged");
+  }
   return out;
 }
 

@@ -10,5 +10,7 @@ namespace gustlab::diagnosis {
 // With more than that of a regressor being noise, effects come out smaller and lags longer by as much (attenuation;
 // Fuller, Measurement Error Models, 1987).
 double command_jitter_share(const FlightData& flight);
+// The same of the total thrust, whose feedback through position and height is slower.
+double thrust_jitter_share(const FlightData& flight);
 
 }  // namespace gustlab::diagnosis

@@ -13,6 +13,7 @@
 #include "diagnosis/selection/subset_search.hpp"
 #include "diagnosis/selection/suspect_histories.hpp"
 #include "diagnosis/selection/trims.hpp"
+#include "diagnosis/selection/wind_start.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -43,6 +44,7 @@ class Selector {
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
     constexpr int rounds = 6;
+    int latency = -1;  // what the first round settled on
     for (int round = 0; round < rounds; ++round) {
       anew_ = round > 0;
       if (anew_) s_.linearise(value, s_.all_columns());
@@ -60,18 +62,21 @@ class Selector {
       value = refine(next, coefficients(grams, next));
       const bool settled = round > 0 && next == chosen;
       chosen = next;
-      if (round == 0) value = likelier_lateness(chosen, value);
+      if (round == 0) value = likelier_latency(chosen, value), latency = latency_of(chosen);
+      value = likelier_wind(grams, chosen, value);
       visited[chosen] = value;
       if (settled) break;
       if (round == 0) s_.forget_transitions();
       if (round == rounds - 1) value = best_visited(visited, chosen);
     }
+    // linearised about the one the other seemed likelier
+    if (latency >= 0 && latency_of(chosen) != latency) value = likelier_latency(chosen, value);
     finish(result, chosen, value);
     return result;
   }
 
   // fewer groups, fitted anew
-  Selection without(const Selection& before, const std::vector<int>& withdrawn) {
+  Selection without(const Selection& before, const std::vector<int>& failed) {
     withdrawing_ = true;
     Selection result;
     result.noise_nominal = before.noise_nominal;
@@ -79,11 +84,14 @@ class Selector {
     std::vector<int> chosen;
     Eigen::VectorXd value = catalogue_.nominal();
     for (const Finding& finding : before.findings)
-      if (std::find(withdrawn.begin(), withdrawn.end(), finding.group) == withdrawn.end())
-        chosen.push_back(finding.group);
-    drop_unfelt(chosen);
+      if (std::find(failed.begin(), failed.end(), finding.group) == failed.end()) chosen.push_back(finding.group);
+    chosen = SubsetSearch(catalogue_, s_.vehicle(), 0.0).without(chosen, -1);
     for (const int c : s_.with_biases(chosen)) value[c] = before.value[c];
-    finish(result, chosen, refine(chosen, value));
+    value = refine(chosen, value);
+    // a lag and a delay were one latency between them: the one that is left may be the wrong one
+    const auto among = [&](int g) { return std::find(failed.begin(), failed.end(), g) != failed.end(); };
+    if (std::ranges::any_of(latencies(), among)) value = likelier_latency(chosen, value);
+    finish(result, chosen, value);
     return result;
   }
 
@@ -147,10 +155,33 @@ class Selector {
                        [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].admits(value[c]); });
   }
 
+  bool forces_alone() const { return !s_.shoots() && s_.flights().front().collective_only; }
+
+  // Thrust swings at several hertz: from half a swing away a fit runs the wrong way. Torques say it by themselves; forces alone
+  // are tried at some latencies, and the likeliest is where the fit begins.
+  void start_latency(const std::vector<int>& groups, const std::vector<int>& columns, Eigen::VectorXd& value) {
+    if (!forces_alone()) return;
+    for (const Latency kind : {Latency::delay, Latency::lag}) {
+      const int late = catalogue_.find(Place::actuation, kind);
+      if (late < 0 || std::find(groups.begin(), groups.end(), late) == groups.end()) continue;
+      Eigen::VectorXd best = value;
+      double least = std::numeric_limits<double>::infinity();
+      for (const double later_s : {0.0, 0.02, 0.04, 0.08}) {
+        Eigen::VectorXd trial = value;
+        for (const int c : catalogue_.groups()[static_cast<std::size_t>(late)].columns)
+          trial[c] = later_s == 0.0 ? trial[c] : catalogue_.nominal()[c] + later_s;
+        s_.linearise(trial, columns, false);
+        if (const double loss = solve(s_.grams().total(), columns).loss; loss < least) least = loss, best = trial;
+      }
+      value = best;
+    }
+  }
+
   // Gauss–Newton in the nonlinear model, at most three steps
   Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
     s_.start_delay(groups, value);
     const std::vector<int> columns = s_.with_biases(groups);
+    start_latency(groups, columns, value);
     for (int step = 0; step < (s_.shoots() ? 6 : 3); ++step) {
       s_.linearise(value, columns, false);
       const Fit fit = solve(s_.grams().total(), columns);
@@ -185,25 +216,51 @@ class Selector {
     return value;
   }
 
+  std::array<int, 2> latencies() const {
+    return {catalogue_.find(Place::actuation, Latency::lag), catalogue_.find(Place::actuation, Latency::delay)};
+  }
+  // the lag or the delay of a set that has one of them alone, or −1
+  int latency_of(const std::vector<int>& groups) const {
+    const auto [lag, delay] = latencies();
+    const bool lags = std::count(groups.begin(), groups.end(), lag) > 0,
+               delays = std::count(groups.begin(), groups.end(), delay) > 0;
+    return lags == delays ? -1 : lags ? lag : delay;
+  }
+
   // Where the model was linearised a lag and a delay are the same: if one was chosen, the other is fitted in its place.
-  Eigen::VectorXd likelier_lateness(std::vector<int>& chosen, const Eigen::VectorXd& value) {
-    const std::array<int, 2> late = {catalogue_.find(Place::actuation, Latency::lag),
-                                     catalogue_.find(Place::actuation, Latency::delay)};
-    for (const auto& [from, to] : {std::pair{late[0], late[1]}, {late[1], late[0]}}) {
-      const bool chosen_alone =
-          std::count(chosen.begin(), chosen.end(), from) > 0 && std::count(chosen.begin(), chosen.end(), to) == 0;
-      if (to < 0 || !chosen_alone || below_tolerance(s_, value, from)) continue;
-      std::vector<int> other = chosen;
-      std::replace(other.begin(), other.end(), from, to);
-      std::sort(other.begin(), other.end());
-      const int was = columns_of(catalogue_, {from}).front(), is = columns_of(catalogue_, {to}).front();
-      Eigen::VectorXd start = value;
-      for (const int c : columns_of(catalogue_, {from})) start[c] = catalogue_.nominal()[c];
-      start[is] += value[was] - catalogue_.nominal()[was];
-      catalogue_.clamp(start);
-      return best_visited({{chosen, value}, {other, start}}, chosen);
-    }
-    return value;
+  Eigen::VectorXd likelier_latency(std::vector<int>& chosen, const Eigen::VectorXd& value) {
+    const int from = latency_of(chosen);
+    const auto [lag, delay] = latencies();
+    const int to = from == lag ? delay : lag;
+    if (from < 0 || to < 0 || below_tolerance(s_, value, from)) return value;
+    std::vector<int> other = chosen;
+    std::replace(other.begin(), other.end(), from, to);
+    std::sort(other.begin(), other.end());
+    const int was = columns_of(catalogue_, {from}).front(), is = columns_of(catalogue_, {to}).front();
+    Eigen::VectorXd start = value;
+    for (const int c : columns_of(catalogue_, {from})) start[c] = catalogue_.nominal()[c];
+    start[is] += value[was] - catalogue_.nominal()[was];
+    catalogue_.clamp(start);
+    return best_visited({{chosen, value}, {other, start}}, chosen);
+  }
+
+  // Linearised in still air a wind is a force of every flight: where one was chosen beside a drag, winds are fitted in its place.
+  Eigen::VectorXd likelier_wind(const Grams& grams, std::vector<int>& chosen, const Eigen::VectorXd& value) {
+    const int force = force_like_wind(catalogue_), linear_drag = catalogue_.find(Airflow::drag);
+    const auto is_drag = [&](int g) {
+      return catalogue_.groups()[static_cast<std::size_t>(g)].row->air == Airflow::drag;
+    };
+    if (linear_drag < 0 || std::find(chosen.begin(), chosen.end(), force) == chosen.end() ||
+        std::none_of(chosen.begin(), chosen.end(), is_drag) || !winds_tried_.insert(chosen).second)
+      return value;
+    std::vector<int> linear = chosen;
+    std::erase_if(linear, is_drag);
+    linear.push_back(linear_drag);
+    std::sort(linear.begin(), linear.end());
+    std::map<std::vector<int>, Eigen::VectorXd> sets{{chosen, value}};
+    for (StartedSet& set : winds_instead(catalogue_, linear, coefficients(grams, linear)))
+      sets.emplace(std::move(set.groups), std::move(set.value));
+    return best_visited(sets, chosen);
   }
 
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
@@ -212,6 +269,7 @@ class Selector {
     bool simplified = false;
     anew_ = true;
     for (bool settled = false; !settled;) {
+      measure_latency(chosen, value);
       s_.linearise(value, s_.all_columns());
       s_.learn_noise(6, s_.with_biases(chosen));
       result.grams = absolute(value);
@@ -257,19 +315,17 @@ class Selector {
           std::sqrt(std::max(0.0, covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)))) *
           natural_[columns[i]];
     catalogue_.clamp(result.value);
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     for (const int g : chosen) {
       Finding finding;
       finding.group = g;
-      std::vector<int> rest = chosen;
-      std::erase(rest, g);
-      finding.gain = solve(total, s_.with_biases(rest)).loss - fit.loss;
+      const std::vector<int> rest = search.without(chosen, g);
+      finding.gain = gain_of(g, solve(total, s_.with_biases(rest)).loss - fit.loss);
       finding.gain_alone = result.loss_nominal - solve(total, s_.with_biases({g})).loss;
       finding.gain_with_partner = finding.gain;
       for (const int partner : rest) {
-        std::vector<int> neither = rest;
-        std::erase(neither, partner);
-        const double gain = solve(total, s_.with_biases(neither)).loss - fit.loss;
-        finding.gain_with_partner = std::min(finding.gain_with_partner, gain);
+        const double gain = solve(total, s_.with_biases(search.without(rest, partner))).loss - fit.loss;
+        finding.gain_with_partner = std::min(finding.gain_with_partner, gain_of(g, gain));
       }
       finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
       result.findings.push_back(finding);
@@ -277,7 +333,6 @@ class Selector {
     rivals(result, chosen, fit);
     const std::vector<double> included = inclusion(s_, result.grams, chosen, options_);
     for (Finding& finding : result.findings) finding.inclusion = included[static_cast<std::size_t>(finding.group)];
-    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     for (const int g : search.candidates) {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
       std::vector<int> more = chosen;
@@ -286,12 +341,6 @@ class Selector {
           g, fit.loss - solve(total, s_.with_biases(more)).loss -
                  std::log(result.grams.rows) * static_cast<double>(columns_of(catalogue_, {g}).size()));
     }
-  }
-
-  // a wind is felt only with a drag
-  void drop_unfelt(std::vector<int>& chosen) const {
-    if (!SubsetSearch(catalogue_, s_.vehicle(), 0.0).allowed(chosen))
-      std::erase(chosen, catalogue_.find(Airflow::wind));
   }
 
   // One effect exchanged for another, and the set to compare that with: a trim is at work beside the effect as well, and only
@@ -339,8 +388,35 @@ class Selector {
     return best;
   }
 
+  // Δχ² without a lag or a delay, all else fitted anew where there is none. Linearised about a lag that is as long as the commands'
+  // swings, its own column says next to nothing of that.
+  void measure_latency(const std::vector<int>& chosen, const Eigen::VectorXd& value) {
+    latency_gain_.clear();
+    if (s_.shoots()) return;
+    const auto loss_of = [&](const std::vector<int>& groups, const Eigen::VectorXd& at) {
+      s_.linearise(at, s_.with_biases(groups), false);
+      return solve(s_.grams().total(), s_.with_biases(groups)).loss;
+    };
+    std::optional<double> loss;
+    for (const int late : latencies()) {
+      if (std::find(chosen.begin(), chosen.end(), late) == chosen.end()) continue;
+      if (!loss) loss = loss_of(chosen, value);
+      std::vector<int> rest = chosen;
+      std::erase(rest, late);
+      Eigen::VectorXd prompt = value;
+      for (const int c : columns_of(catalogue_, {late})) prompt[c] = catalogue_.nominal()[c];
+      latency_gain_[late] = loss_of(rest, prompt) - *loss;
+    }
+  }
+  // Δχ² without an effect, whose linear model says `linear`
+  double gain_of(int group, double linear) const {
+    const auto flown = latency_gain_.find(group);
+    return flown == latency_gain_.end() ? linear : std::max(linear, flown->second);
+  }
+
   // backward: what is not material, not significant or not possible goes, the weakest first
   void prune(const Selection& result, std::vector<int>& chosen, const Eigen::MatrixXd& total, double loss_none) const {
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     while (!chosen.empty()) {
       const std::vector<int> columns = s_.with_biases(chosen);
       const Fit fit = solve(total, columns);
@@ -352,9 +428,7 @@ class Selector {
       Eigen::Index at = 0;
       for (const int g : chosen) {
         const auto size = static_cast<Eigen::Index>(own_columns(catalogue_, chosen, g).size());
-        std::vector<int> rest = chosen;
-        std::erase(rest, g);
-        const double gain = solve(total, s_.with_biases(rest)).loss - fit.loss;
+        const double gain = gain_of(g, solve(total, s_.with_biases(search.without(chosen, g))).loss - fit.loss);
         const Eigen::VectorXd b = fit.coefficient.segment(at, size);
         Eigen::MatrixXd block = covariance.block(at, at, size, size);
         block.diagonal().array() += 1e-18;
@@ -367,8 +441,7 @@ class Selector {
         at += size;
       }
       if (worst < 0) return;
-      std::erase(chosen, worst);
-      drop_unfelt(chosen);
+      chosen = search.without(chosen, worst);
     }
   }
 
@@ -378,6 +451,9 @@ class Selector {
     const Eigen::VectorXd own = block_losses(result.grams, s_.with_biases(chosen), fit.coefficient);
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     for (Finding& finding : result.findings) {
+      // of a latency of which the linear model knows next to nothing it knows no rivals either
+      const double linear = solve(total, s_.with_biases(search.without(chosen, finding.group))).loss - fit.loss;
+      if (gain_of(finding.group, linear) > 2.0 * linear) continue;
       for (const int other : search.candidates) {
         const std::optional<Exchange> e = exchange(total, search, chosen, fit, finding.group, other);
         if (!e) continue;
@@ -403,6 +479,8 @@ class Selector {
   const SelectionOptions& options_;
   const Catalogue& catalogue_;
   Eigen::VectorXd natural_;
+  std::set<std::vector<int>> winds_tried_;
+  std::map<int, double> latency_gain_;
   bool anew_ = false;         // linearised about what was found
   bool withdrawing_ = false;  // what was withdrawn must not come back
 };

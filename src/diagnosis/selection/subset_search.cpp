@@ -30,6 +30,12 @@ bool SubsetSearch::allowed(const std::vector<int>& groups) const {
   return (!wind || felt) && std::find_first_of(names.begin(), names.end(), apart.begin(), apart.end()) == names.end();
 }
 
+std::vector<int> SubsetSearch::without(std::vector<int> groups, int group) const {
+  std::erase(groups, group);
+  if (!allowed(groups)) std::erase(groups, catalogue.find(Airflow::wind));
+  return groups;
+}
+
 Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const {
   Subset subset;
   subset.groups = groups;

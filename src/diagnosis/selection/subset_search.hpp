@@ -28,6 +28,8 @@ struct SubsetSearch {
   std::vector<int> improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups,
                             const std::set<std::vector<int>>& visited, double material) const;
   bool allowed(const std::vector<int>& groups) const;
+  // `groups` without one of them, and without a wind that nothing feels any more.
+  std::vector<int> without(std::vector<int> groups, int group) const;
 
   const Catalogue& catalogue;
   double penalty;

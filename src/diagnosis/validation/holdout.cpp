@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
+#include <utility>
 
 #include "diagnosis/selection/pendulum.hpp"
+#include "diagnosis/selection/subset_search.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -49,63 +50,103 @@ void suspect_what_was_found(const Session& fitted, const Selection& selection, S
     session.suspect_limit(fitted.catalogue().groups()[static_cast<std::size_t>(limit)].limit_radps);
 }
 
+// The findings on the held-out flights: shared coefficients as they were fitted, values per flight free.
+class OnHeldOut {
+ public:
+  OnHeldOut(const Session& fitted, const Selection& selection, Session& session)
+      : fitted_(fitted),
+        s_(session),
+        catalogue_(session.catalogue()),
+        search_(catalogue_, fitted.vehicle(), 0.0),
+        natural_(catalogue_.size()),
+        value_(carry_over(fitted.catalogue(), selection.value, catalogue_)),
+        wanted_(session.biases()) {
+    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.columns()[static_cast<std::size_t>(c)].natural;
+    for (const Finding& finding : selection.findings) {
+      groups_.push_back(catalogue_.find(fitted.catalogue().groups()[static_cast<std::size_t>(finding.group)].label));
+      used_.push_back(groups_.back() < 0 ? std::vector<int>{}
+                                         : catalogue_.groups()[static_cast<std::size_t>(groups_.back())].columns);
+      wanted_.insert(wanted_.end(), used_.back().begin(), used_.back().end());
+    }
+    std::sort(wanted_.begin(), wanted_.end());
+    linearise();
+    // the force of a wind is not linear in it
+    if (std::find(groups_.begin(), groups_.end(), catalogue_.find(Airflow::wind)) != groups_.end())
+      for (int step = 0; step < 2; ++step) follow_own_values();
+  }
+
+  HoldoutTest test() const {
+    HoldoutTest test;
+    test.rows = grams_.rows;
+    const Eigen::MatrixXd projected = project_out(grams_.total(), s_.biases());
+    const Eigen::VectorXd coefficient = coefficients();
+    test.loss_selected = fit_without(-1).second.loss;
+    test.loss_nominal = solve(grams_.total(), s_.biases()).loss;
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      test.gain.push_back(groups_[i] < 0 ? 0.0 : fit_without(groups_[i]).second.loss - test.loss_selected);
+      Eigen::VectorXd fitted_part = Eigen::VectorXd::Zero(catalogue_.size() + 1);
+      for (const int c : used_[i]) fitted_part[c] = coefficient[c];
+      test.expected.push_back(fitted_part.dot(projected * fitted_part));
+    }
+    return test;
+  }
+
+ private:
+  Eigen::VectorXd coefficients() const { return (value_ - catalogue_.nominal()).cwiseQuotient(natural_); }
+
+  void linearise() {
+    s_.linearise(value_, wanted_);
+    s_.take_weights(fitted_);
+    grams_ = s_.grams();
+    grams_.shift(coefficients());
+  }
+
+  // (free columns, their fit) when one group, and what only it lets feel, is not there
+  std::pair<std::vector<int>, Fit> fit_without(int out) const {
+    const std::vector<int> kept = search_.without(groups_, out);
+    const Eigen::VectorXd coefficient = coefficients();
+    Eigen::VectorXd fixed = Eigen::VectorXd::Zero(catalogue_.size());
+    std::vector<int> free = s_.biases();
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      if (std::find(kept.begin(), kept.end(), groups_[i]) == kept.end()) continue;
+      for (const int c : used_[i]) {
+        if (catalogue_.columns()[static_cast<std::size_t>(c)].flight < 0) fixed[c] = coefficient[c];
+        else free.push_back(c);
+      }
+    }
+    Grams rest = grams_;
+    rest.shift(-fixed);
+    return {free, solve(rest.total(), free)};
+  }
+
+  void follow_own_values() {
+    const auto [free, fit] = fit_without(-1);
+    for (std::size_t i = 0; i < free.size(); ++i)
+      if (const int c = free[i]; catalogue_.columns()[static_cast<std::size_t>(c)].group >= 0)
+        value_[c] = catalogue_.nominal()[c] + fit.coefficient[static_cast<Eigen::Index>(i)] * natural_[c];
+    catalogue_.clamp(value_);
+    linearise();
+  }
+
+  const Session& fitted_;
+  Session& s_;
+  const Catalogue& catalogue_;
+  const SubsetSearch search_;
+  Eigen::VectorXd natural_, value_;
+  std::vector<int> wanted_;  // columns that any finding uses, and the biases
+  std::vector<int> groups_;  // of each finding; −1: not on these flights
+  std::vector<std::vector<int>> used_;
+  Grams grams_;
+};
+
 }  // namespace
 
 HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout,
                          std::vector<FlightData> own_rate, int jobs) {
-  HoldoutTest test;
   Session session(std::move(holdout), fitted.vehicle(), jobs, std::move(own_rate));
-  const Catalogue& catalogue = session.catalogue();
   session.noise = selection.noise_selected;
-  const Eigen::VectorXd value = carry_over(fitted.catalogue(), selection.value, catalogue);
-
-  // columns that any finding uses, and the biases
-  std::vector<std::vector<int>> used;
-  std::vector<int> wanted = session.biases();
-  for (const Finding& finding : selection.findings) {
-    const int g = catalogue.find(fitted.catalogue().groups()[static_cast<std::size_t>(finding.group)].label);
-    used.push_back(g < 0 ? std::vector<int>{} : catalogue.groups()[static_cast<std::size_t>(g)].columns);
-    wanted.insert(wanted.end(), used.back().begin(), used.back().end());
-  }
-  std::sort(wanted.begin(), wanted.end());
   suspect_what_was_found(fitted, selection, session);
-  session.linearise(value, wanted);
-  session.take_weights(fitted);
-  Grams grams = session.grams();
-  Eigen::VectorXd natural(catalogue.size());
-  for (int c = 0; c < catalogue.size(); ++c) natural[c] = catalogue.columns()[static_cast<std::size_t>(c)].natural;
-  const Eigen::VectorXd coefficient = (value - catalogue.nominal()).cwiseQuotient(natural);
-  grams.shift(coefficient);
-  test.rows = grams.rows;
-
-  // loss when the findings in `out` are not there: shared coefficients fixed, values per flight and biases free
-  const auto loss_without = [&](const std::vector<bool>& out) {
-    Eigen::VectorXd fixed = Eigen::VectorXd::Zero(catalogue.size());
-    std::vector<int> free = session.biases();
-    for (std::size_t i = 0; i < used.size(); ++i) {
-      if (out[i]) continue;
-      for (const int c : used[i]) {
-        if (catalogue.columns()[static_cast<std::size_t>(c)].flight < 0) fixed[c] = coefficient[c];
-        else free.push_back(c);
-      }
-    }
-    Grams rest = grams;
-    rest.shift(-fixed);
-    return solve(rest.total(), free).loss;
-  };
-  const Eigen::MatrixXd projected = project_out(grams.total(), session.biases());
-  const std::vector<bool> none(used.size(), false), all(used.size(), true);
-  test.loss_selected = loss_without(none);
-  test.loss_nominal = loss_without(all);
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    std::vector<bool> out = none;
-    out[i] = true;
-    test.gain.push_back(loss_without(out) - test.loss_selected);
-    Eigen::VectorXd fitted_part = Eigen::VectorXd::Zero(catalogue.size() + 1);
-    for (const int c : used[i]) fitted_part[c] = coefficient[c];
-    test.expected.push_back(fitted_part.dot(projected * fitted_part));
-  }
-  return test;
+  return OnHeldOut(fitted, selection, session).test();
 }
 
 }  // namespace gustlab::diagnosis
