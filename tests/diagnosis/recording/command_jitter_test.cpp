@@ -46,6 +46,26 @@ TEST(CommandJitter, IsTheWhiteShareOfTheCommandedTorque) {
   EXPECT_NEAR(command_jitter_share(commanded(50.0, 40.0)), 6400.0 / (6400.0 + 20000.0), 0.03);
 }
 
+TEST(CommandJitter, OfTheTorquesLeavesTheThrust) {
+  FlightData flight = commanded(0.0, 0.0);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<double> time_s;
+  std::vector<RotorArray> speed;
+  const double hover = flight.vehicle.hover_speed_radps();
+  for (const Sample& sample : flight.samples) {
+    time_s.push_back(sample.time_s);
+    const double roll = 0.1 * normal(random), climb = 0.1 * std::sin(2.0 * pi * sample.time_s);
+    RotorArray row{};
+    for (std::size_t i = 0; i < 4; ++i)
+      row[i] = hover * std::sqrt(1.0 + climb + std::copysign(roll, flight.vehicle.rotors[i].position_B_m.y()));
+    speed.push_back(row);
+  }
+  flight.commands = CommandRecord(time_s, speed, false);
+  EXPECT_GT(command_jitter_share(flight), 0.7);
+  EXPECT_LT(thrust_jitter_share(flight), 0.01);
+}
+
 // a 500 Hz loop, logged at 100 Hz; the geometric controller's commands change at every tick, those of PID hardly do
 test::TrialSettings sampled_loop(const char* controller, double noise) {
   return {.controller = controller,
@@ -85,6 +105,16 @@ TEST(CommandJitterTrials, OfASampledLoopMakesTheLogInsufficient) {
   const Diagnosis believed = diagnose_saying(trial, Hold::zoh);
   EXPECT_NE(believed.verdict, Verdict::insufficient_data);
   EXPECT_THAT(finding_kinds(believed), IsEmpty());
+}
+
+TEST(CommandJitterTrials, LeavesWhatTheForcesTell) {
+  const TemporaryFolder folder;
+  test::TrialSettings settings = sampled_loop("geometric", 1.0);
+  settings.concealed = R"({type = "rotor_drag", at_hover = 0.03})";
+  const Diagnosis d = diagnose_saying(test::fly_trial(folder, settings), Hold::unknown);
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_EQ(d.effects[0].effect, "rotor_drag");
+  EXPECT_NEAR(d.effects[0].parameters[0].value, 0.03, 0.009);
 }
 
 TEST(CommandJitterTrials, DoesNotConcernSmoothCommandsWhoseHoldIsUnknown) {
