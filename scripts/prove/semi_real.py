@@ -475,16 +475,19 @@ def totals(diagnosis, effect, rotor, file):
 
 
 def judge(case, found, base=None, before=None):
-    """One row. Against the file: what is named beyond `base`; against reference flights: all that is named.
+    """One row. Against the file: what is named beyond `base`; against reference flights: all that is named but values of every flight's
+    own (a wind) that `base` names too, which are no change of the vehicle.
     outcome: exact | size (right name, wrong size) | wrong (a name that is not true) | withheld (right, suspected) | nothing."""
     row = {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times,
            "named": [label(e) for e in found["effects"]], "suspected": [label(e) for e in found.get("suspected", [])], "verdict": found["verdict"]}
     known, before = base["effects"] if base else [], before or {}
+    if case.asked == "reference":
+        known = [effect for effect in known if effect.get("per_flight")]
     right = lambda effect: case.truth is not None and means(effect, case.truth, case.rotor)
     hits = [effect for effect in found["effects"] if right(effect)]
     new = beyond([effect for effect in found["effects"] if not right(effect)], known)
     row["wrong"] = [label(effect) for effect in new]
-    if base:
+    if base and case.asked == "file":
         row["lost"] = [label(old) for old in beyond([e for e in known if not right(e)], found["effects"])]
     errors = [error for hit in hits if (error := size_error(hit, case, before)) is not None]
     row["size_error"] = min(errors) if errors else None
@@ -563,14 +566,15 @@ class Bench:
                 for effect in (base["effects"] if base else []) if effect["effect"] in REMOVABLE]
 
     def row(self, case):
-        base = self.base(case.set) if case.asked == "file" else None
+        base = self.base(case.set)
         shown = base if case.way == "removed" else None
         if shown is not None:
             base = self.diagnosis(Case("complete_file", case.set, "nothing", "file"), shown)
         found = self.diagnosis(case, shown)
         if found is None or (case.asked == "file" and base is None):
             return {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times, "outcome": "failed"}
-        before = totals(base, case.effect, case.rotor, VehicleFolder(self.of(case.set).vehicle_file)) if base and case.effect and shown is None else {}
+        from_file = base and case.effect and shown is None and case.asked == "file"
+        before = totals(base, case.effect, case.rotor, VehicleFolder(self.of(case.set).vehicle_file)) if from_file else {}
         return judge(case, found, base, before)
 
 

@@ -67,6 +67,25 @@ def test_the_standard_error_falls_with_the_signature():
     assert physics.standard_error(VEHICLE, [(motion, thrust)] * 4, "thrust_curve", {"curvature": 0.01}) == pytest.approx(one / 2, rel=1e-6)
 
 
+def test_flights_show_a_trim_by_themselves():
+    motion, thrust = flight(3000)
+    motion.time_s = 0.01 * np.arange(3000)
+    # the recorded force is that of a thrust 4 % larger than the file's
+    motion.specific_B[:, 2] = 1.04 * thrust.sum(axis=1) / VEHICLE.mass
+    assert physics.sizes_shown(VEHICLE, [(motion, thrust)] * 2, "thrust_scale", {"delta": 0.01}) == pytest.approx([4.0, 4.0], abs=0.05)
+    assert physics.sizes_shown(VEHICLE, [(motion, thrust)], "thrust_curve", {"curvature": 0.01}) == []
+
+
+def test_the_scale_of_a_gyroscope_shows_against_the_attitude():
+    time_s = 0.01 * np.arange(2000)
+    angle = 0.5 * np.sin(2 * time_s)
+    column = {"time_s": time_s, **{q: 0 * time_s for q in ("qy", "qz", "wy", "wz")}, "qx": np.sin(angle / 2), "qw": np.cos(angle / 2),
+              "wx": 1.03 * np.cos(2 * time_s)}
+    assert physics.gyro_scale_shown(Log("a.csv", {}, column)) == pytest.approx(0.03, abs=1e-3)
+    del column["wx"]
+    assert np.isnan(physics.gyro_scale_shown(Log("a.csv", {}, column)))
+
+
 def test_files_are_wrong_by_as_much_as_the_case_says(tmp_path):
     for effect, values, rotor in (("mass", {"delta": 0.1}, None), ("thrust_scale", {"delta": 0.1}, None), ("rotor_loss", {"loss": 0.2}, 3),
                                   ("center_of_mass", {"x": 0.002}, None), ("inertia", {"delta_x": 0.1, "delta_y": 0.1, "delta_z": 0.1}, None)):
@@ -151,6 +170,11 @@ def test_reference_flights_ask_for_the_size():
 def test_nothing_concealed_wants_nothing_and_a_wrong_file_is_no_change():
     nothing = Case("untouched", "s", "nothing", "reference")
     assert judge(nothing, diagnosis())["outcome"] == "exact" and judge(nothing, diagnosis(DRAG))["outcome"] == "wrong"
+    # every flight has its own wind: no change, where the untouched flights have one
+    wind = {**finding("steady_wind", x=2.0), "per_flight": {"a.csv": {}}}
+    assert judge(nothing, diagnosis(wind), diagnosis(wind))["outcome"] == "exact"
+    assert judge(nothing, diagnosis(wind), diagnosis())["outcome"] == "wrong"
+    assert judge(nothing, diagnosis(DRAG), diagnosis(DRAG))["outcome"] == "wrong"
     both = Case("file_mass", "s", "file", "reference", "mass", {"delta": 0.1})
     assert both.truth is None and deepcopy(both).effect == "mass"
     assert combined("rotor_loss", "loss", 0.1, 0.2) == pytest.approx(0.28)
