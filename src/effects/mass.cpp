@@ -14,7 +14,8 @@ class Mass final : public Effect {
                     .min = -0.9,
                     .max = 10.0,
                     .natural = 0.05,
-                    .tolerance = 0.012});
+                    .tolerance = 0.012,
+                    .plausible = 0.6});  // a scale knows better; more is a thrust map that is wrong
   }
 
   void on_body(VehicleModel& vehicle) const override {
