@@ -477,7 +477,8 @@ def totals(diagnosis, effect, rotor, file):
 def judge(case, found, base=None, before=None):
     """One row. Against the file: what is named beyond `base`; against reference flights: all that is named but values of every flight's
     own (a wind) that `base` names too, which are no change of the vehicle.
-    outcome: exact | size (right name, wrong size) | wrong (a name that is not true) | withheld (right, suspected) | nothing."""
+    outcome: exact | size (right name, wrong size) | wrong (a name that is not true) | withheld (right, suspected) | nothing | not_told (nothing,
+    and the diagnosis says that these logs do not tell it)."""
     row = {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times,
            "named": [label(e) for e in found["effects"]], "suspected": [label(e) for e in found.get("suspected", [])], "verdict": found["verdict"]}
     known, before = base["effects"] if base else [], before or {}
@@ -501,12 +502,15 @@ def judge(case, found, base=None, before=None):
         row["outcome"] = "exact"
     elif counts:
         row["outcome"] = "exact" if case.asked == "file" or not errors or min(errors) <= 0.3 else "size"
+    elif any(right(e) for e in found.get("suspected", [])):
+        row["outcome"] = "withheld"
     else:
-        row["outcome"] = "withheld" if any(right(e) for e in found.get("suspected", [])) else "nothing"
+        told = case.truth not in [e["effect"] for e in found.get("not_identifiable", [])]
+        row["outcome"] = "nothing" if told else "not_told"
     return row
 
 
-OUTCOMES = ("exact", "size", "wrong", "withheld", "nothing", "failed")
+OUTCOMES = ("exact", "size", "wrong", "withheld", "nothing", "not_told", "failed")
 
 
 def counts(rows, key, only=lambda row: True):

@@ -154,6 +154,11 @@ def test_a_new_name_alone_is_exact_and_any_other_new_name_is_wrong():
     assert outcome(diagnosis(finding("quadratic_drag", ["rotor_drag"], area_xy=0.01), found), base=[DRAG]) == "exact"
 
 
+def test_what_logs_do_not_tell_is_counted_apart():
+    says_so = {**diagnosis(), "not_identifiable": [{"effect": "thrust_scale", "why": "no torque"}]}
+    assert outcome(says_so) == "not_told" and outcome({**says_so, "not_identifiable": [{"effect": "mass", "why": ""}]}) == "nothing"
+
+
 def test_what_was_named_before_must_have_moved():
     before = finding("thrust_scale", delta=0.10)
     assert outcome(diagnosis(before), base=[before], before={"delta": 0.10}) == "nothing"
