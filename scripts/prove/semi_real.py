@@ -327,6 +327,12 @@ def limit_of(recordings, effect, values):
     return max(tolerance, 5 * float(np.sqrt(error**2 + spread**2 / flights)))
 
 
+def in_range(log, recordings, effect, values):
+    """Whether the inputs that conceal the effect are inputs that this actuator takes."""
+    changed = recordings.inputs(change_inputs(log, recordings, effect, values))[3]
+    return log.meta["actuator"] != "pwm" or bool(np.all((changed >= 0) & (changed <= 65535)))
+
+
 def cases_of(name, recordings):
     """Every case of one set, the middle size first."""
     cases, number = [], 0
@@ -346,6 +352,9 @@ def cases_of(name, recordings):
             for times in (times for times in TIMES if times * limit <= most):
                 size = times * limit
                 parameters = {key: value if key == "rotor" else size * value for key, value in unit.items()}
+                logs = [recordings.log(entry) for entry in recordings.set.new + recordings.set.holdout] if way == "input" else []
+                if not all(in_range(log, recordings, effect, parameters) for log in logs):
+                    continue
                 for asked in ("file", "reference"):
                     cases.append(Case(f"{way}_{effect}_x{times:g}_{asked}", name, way, asked, effect, parameters,
                                       rotor if effect == "rotor_loss" else None, times, limit))

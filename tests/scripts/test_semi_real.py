@@ -14,7 +14,7 @@ import conceal_inputs as physics  # noqa: E402
 from falsify import VehicleFolder  # noqa: E402
 from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
 from flight_files import Log, read_vehicle  # noqa: E402
-from semi_real import Case, change_recording, combined, falsify_file, judge  # noqa: E402
+from semi_real import Case, change_recording, combined, falsify_file, in_range, judge  # noqa: E402
 
 FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
 VEHICLE = read_vehicle(FILE)
@@ -98,6 +98,26 @@ def test_files_are_wrong_by_as_much_as_the_case_says(tmp_path):
         assert effect != "rotor_loss" or wrong.thrust[2] * 0.8 == pytest.approx(VEHICLE.thrust[2])
         assert effect != "center_of_mass" or wrong.center[0] + 0.002 == pytest.approx(VEHICLE.center[0])
         assert effect != "inertia" or wrong.inertia * 1.1 == pytest.approx(VEHICLE.inertia)
+
+
+def test_only_inputs_that_the_actuator_takes_conceal():
+    class Flown:
+        vehicle = VEHICLE
+        set = type("Set", (), {"latency_s": 0.0})
+
+        @staticmethod
+        def inputs(log):
+            values = log.stack("u1", "u2", "u3", "u4")
+            return ["u1", "u2", "u3", "u4"], np.ones(len(values), dtype=bool), log.column["time_s"], values
+
+        @staticmethod
+        def motion(log):
+            return flight(100)[0], physics.thrust_of(log.stack("u1", "u2", "u3", "u4"), "pwm", VEHICLE)
+
+    column = {"time_s": 0.01 * np.arange(100), **{f"u{i}": np.full(100, 60000.0) for i in range(1, 5)}}
+    log = Log("a.csv", {"actuator": "pwm"}, column)
+    assert in_range(log, Flown, "thrust_scale", {"delta": 0.1})        # stronger rotors need less
+    assert not in_range(log, Flown, "thrust_scale", {"delta": -0.3})
 
 
 def test_a_late_pose_and_a_turned_attitude():
