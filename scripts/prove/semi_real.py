@@ -145,6 +145,9 @@ class Recordings:
             self.read[entry] = log
         return self.read[entry]
 
+    def has_rates(self):
+        return self.log(self.set.new[0]).stack("wx") is not None
+
     def inputs(self, log):
         """(names, rows, time_s (n,), inputs (n, k))."""
         names = [f"u{i + 1}" for i in range(len(self.vehicle.thrust)) if f"u{i + 1}" in log.column]
@@ -265,9 +268,9 @@ def units(effect, vehicle, rotor, sign, has_voltage):
 SENSOR_LIMIT = {"attitude_offset": 0.01, "yaw_offset": 0.02, "imu_lever": 0.005}
 MOST = {"mass": 0.25, "thrust_scale": 0.25, "rotor_loss": 0.35, "thrust_curve": 0.5, "inertia": 0.5, "yaw_torque_ratio": 0.6, "battery_sag": 4.0,
         "motor_lag": 0.04, "actuation_delay": 0.04, "pose_delay": 0.04, "gyro_scale": 0.2, "ground_effect": 20.0}
+MOST_PER_KG = {"axial_inflow": 2.0, "translational_lift": 0.1}
 # what the untouched flights show of it already gets larger, never smaller: what is asked is the total
 SIGNED = ("thrust_scale", "mass", "center_of_mass", "gyro_scale")
-MOST_PER_KG = {"axial_inflow": 2.0, "translational_lift": 0.1}
 
 
 def possible(recordings):
@@ -314,7 +317,7 @@ def limit_of(recordings, effect, values):
     tolerance = physics.TOLERANCE.get(effect, SENSOR_LIMIT.get(effect, 0.0)) * (vehicle.arm if effect == "center_of_mass" else 1.0)
     if effect in SENSOR_LIMIT or effect in ("pose_delay", "actuation_delay", "motor_lag"):
         return tolerance
-    if recordings.log(recordings.set.new[0]).stack("wx") is None:
+    if not recordings.has_rates():
         return 0.05  # hovering flights without rates: what two normal flights of one vehicle differ by
     if effect == "gyro_scale":
         sizes, error = shown(recordings, effect, values), 0.0
@@ -329,21 +332,22 @@ def limit_of(recordings, effect, values):
 
 def in_range(log, recordings, effect, values):
     """Whether the inputs that conceal the effect are inputs that this actuator takes."""
+    if log.meta["actuator"] != "pwm":
+        return True
     changed = recordings.inputs(change_inputs(log, recordings, effect, values))[3]
-    return log.meta["actuator"] != "pwm" or bool(np.all((changed >= 0) & (changed <= 65535)))
+    return bool(np.all((changed >= 0) & (changed <= 65535)))
 
 
 def cases_of(name, recordings):
     """Every case of one set, the middle size first."""
     cases, number = [], 0
-    has_rates = recordings.log(recordings.set.new[0]).stack("wx") is not None
     voltage = np.isfinite(recordings.log(recordings.set.new[0]).column.get("vbat", np.array([np.nan]))).any()
     for way, effects in possible(recordings).items():
         for effect in effects:
             number += 1
             rotor, sign = 1 + number % len(recordings.vehicle.thrust), 1.0 if number % 2 else -1.0
             unit = units(effect, recordings.vehicle, rotor, sign, voltage)
-            if effect in SIGNED and has_rates and np.mean(shown(recordings, effect, unit) or [0.0]) < 0:
+            if effect in SIGNED and recordings.has_rates() and np.mean(shown(recordings, effect, unit) or [0.0]) < 0:
                 unit = units(effect, recordings.vehicle, rotor, -sign, voltage)
             if way == "recording" and effect == "rotor_loss":
                 unit = {"loss": -1.0, "rotor": rotor}
@@ -395,7 +399,7 @@ def build(case, recordings, folder, found=None):
     if case.name.startswith("exchanged"):
         roles["reference"], roles["fit"] = roles["fit"], roles["reference"]
     # without angular rates only the balance against another flight is left
-    if case.asked == "file" and recordings.log(recordings.set.new[0]).stack("wx") is None:
+    if case.asked == "file" and not recordings.has_rates():
         roles["fit"] = roles["reference"] + roles["fit"]
     for role, entries in roles.items():
         for index, entry in enumerate(entries):
