@@ -42,7 +42,7 @@ def arguments(argv: list) -> argparse.Namespace:
 def stem(path: Path, by_folder: bool) -> str:
     """File name without its endings; with by_folder, `folder-name`."""
     name = path.name
-    for ending in (".gz", ".csv", ".txt", ".parquet", ".ulg", ".bin", ".BIN", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".bbl"):
+    for ending in (".gz", ".csv", ".txt", ".parquet", ".ulg", ".bin", ".BIN", ".log", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".bbl"):
         name = name.removesuffix(ending)
     return f"{path.resolve().parent.name}-{name}" if by_folder else name
 

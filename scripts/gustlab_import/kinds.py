@@ -6,9 +6,9 @@ from .column_map import MAPS
 from .problems import USAGE, ImportFailure
 from .tables import first_bytes
 
-MAGIC = ((b"ULog\x01\x12\x35", "ulog"), (b"\xa3\x95", "dataflash"), (b"#ROSBAG V", "ros"), (b"SQLite format 3", "ros"),
+MAGIC = ((b"ULog\x01\x12\x35", "ulog"), (b"\xa3\x95", "dataflash"), (b"FMT, 128,", "dataflash"), (b"#ROSBAG V", "ros"), (b"SQLite format 3", "ros"),
          (b"\x89MCAP", "ros"), (b"H Product:Blackbox", "blackbox"), (b"\xbc", "usd"), (b"PAR1", "parquet"))
-ENDINGS = {".ulg": "ulog", ".bin": "dataflash", ".tlog": "tlog", ".bag": "ros", ".db3": "ros", ".mcap": "ros", ".bfl": "blackbox",
+ENDINGS = {".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash", ".tlog": "tlog", ".bag": "ros", ".db3": "ros", ".mcap": "ros", ".bfl": "blackbox",
            ".bbl": "blackbox", ".csv": "csv", ".gz": "csv", ".parquet": "parquet"}
 
 

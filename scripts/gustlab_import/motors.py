@@ -38,13 +38,40 @@ def put_speeds(out, time_s, rpm, source: str) -> None:
 
 
 def thrust_share(signal: np.ndarray, factor: float) -> np.ndarray:
-    """PX4's signal to a motor -> the share of thrust that it stands for (THR_MDL_FAC): what actuator_motors holds."""
-    return factor * signal**2 + (1.0 - factor) * signal if 0.0 < factor <= 1.0 else signal
+    """Signal to a motor -> the share of thrust that the autopilot takes it for (PX4's THR_MDL_FAC, ArduPilot's MOT_THST_EXPO)."""
+    return factor * signal**2 + (1.0 - factor) * signal if -1.0 <= factor <= 1.0 else signal
 
 
 def pulse_share(pulses: np.ndarray, low: float, high: float) -> np.ndarray:
     """Pulse widths [us] or DShot values -> 0..1 of the range, clipped at its ends (1000 and below is off)."""
     return np.clip((np.asarray(pulses, dtype=float) - low) / (high - low), 0.0, 1.0)
+
+
+def ardupilot_range(parameters: dict) -> tuple:
+    """(lowest, highest) pulse of the motors [us]: MOT_PWM_MIN and MAX, or where these are not set those of the throttle stick."""
+    stick = f"RC{int(parameters.get('RCMAP_THROTTLE', 3))}_"
+    for low, high in (("MOT_PWM_MIN", "MOT_PWM_MAX"), (stick + "MIN", stick + "MAX")):
+        if 0 < parameters.get(low, 0) < parameters.get(high, 0):
+            return float(parameters[low]), float(parameters[high])
+    return 1000.0, 2000.0
+
+
+def ardupilot_share(signal: np.ndarray, parameters: dict) -> tuple:
+    """(share of thrust, what to say) of ArduPilot's signal to a motor, 0..1 of its range.
+
+    From 3.5 on (Thrust_Linearization): thrust begins at MOT_SPIN_MIN, ends at MOT_SPIN_MAX and has MOT_THST_EXPO between them. To
+    3.2: two straight lines through half the thrust at MOT_TCRV_MIDPCT and all of it at MOT_TCRV_MAXPCT. What the autopilot adds
+    for an empty battery stays in, because the motor got it.
+    """
+    first, last = parameters.get("MOT_SPIN_MIN"), parameters.get("MOT_SPIN_MAX", 1.0)
+    if first is not None and first < last and "MOT_THST_EXPO" in parameters:
+        curve = float(np.clip(parameters["MOT_THST_EXPO"], -1.0, 1.0))
+        return (thrust_share(np.clip((signal - first) / (last - first), 0.0, 1.0), curve),
+                f"as shares of thrust (MOT_THST_EXPO {curve:.3g} from {first:.3g} to {last:.3g})")
+    middle, last = 0.01 * parameters.get("MOT_TCRV_MIDPCT", 0), 0.01 * parameters.get("MOT_TCRV_MAXPCT", 0)
+    if parameters.get("MOT_TCRV_ENABLE", 0) == 1 and 0.0 < middle < last:
+        return np.interp(signal, (0.0, middle, last), (0.0, 0.5, 1.0)), f"as shares of thrust (half at {middle:.3g}, all at {last:.3g}: MOT_TCRV)"
+    return signal, "not led back through a thrust curve: the log's parameters name none that is known"
 
 
 def allocated_motors(stamps, asked, published_s, motor_stamps, motors, motor_times_s):

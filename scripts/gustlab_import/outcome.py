@@ -94,9 +94,10 @@ def _lines(one: Outcome, topics: bool) -> list:
         repaired = " [repaired]" if finding.repaired else ""
         lines.append(f"  {MARK[finding.severity]} {finding.kind}: {finding.column} ({finding.from_s:.2f} to "
                      f"{finding.to_s:.2f} s): {finding.says}{repaired}")
+    together = {}
     for limit in one.limits:
-        setting = f"; {limit['setting']}" if "setting" in limit else ""
-        lines.append(f"  cannot tell {limit['effect']}: {limit['why']}{setting}")
+        together.setdefault(limit["why"] + (f"; {limit['setting']}" if "setting" in limit else ""), []).append(limit["effect"])
+    lines += [f"  cannot tell {', '.join(effects)}: {why}" for why, effects in together.items()]
     if one.topics and (topics or not one.flights):
         lines.append("  holds: " + ", ".join(f"{name} {hz:.0f} Hz" for name, count, hz in one.topics if count > 1))
     return lines

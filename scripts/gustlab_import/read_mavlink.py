@@ -1,7 +1,10 @@
 """ArduPilot DataFlash and MAVLink telemetry logs (pymavlink) -> Recording."""
 
+import contextlib
 import hashlib
 import os
+import sys
+import tempfile
 import warnings
 from collections import defaultdict
 from pathlib import Path
@@ -9,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from . import airframes, frames
-from .motors import pulse_share, put_speeds
-from .problems import ImportFailure
+from .motors import ardupilot_range, ardupilot_share, pulse_share, put_speeds
+from .problems import Finding, ImportFailure
 from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, spans, stream
 from .tables import read_bytes
 
@@ -33,16 +36,38 @@ TELEMETRY = {"rate": "SRn_* stream rates (50 Hz and more), or better the vehicle
 def read_dataflash(path: Path) -> Recording:
     from pymavlink import DFReader  # a second to import
     data = read_bytes(path)
+    if not data.startswith((b"\xa3\x95", b"FMT,")):
+        raise ImportFailure(f"{path.name}: byte 0: a DataFlash log begins with A3 95, or as text with FMT; is it another kind of log?")
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _set_aside() as said:
             warnings.simplefilter("ignore")
-            log = DFReader.DFReader_binary(str(path))
+            log = DFReader.DFReader_text(str(path)) if data.startswith(b"FMT,") else DFReader.DFReader_binary(str(path))
             messages = _collect(log, lambda m: m.get_type(), _dataflash_time)
     except Exception as error:  # pymavlink raises whatever a damaged byte leads to
         raise ImportFailure(f"{path.name}: the DataFlash log cannot be read ({type(error).__name__}: {error}); fetch it again") from error
     if not messages:
         raise ImportFailure(f"{path.name}: the DataFlash log holds no messages (cut off after its formats?); fetch it again")
-    return _DataFlash(path.name, data, messages).recording()
+    recording = _DataFlash(path.name, data, messages).recording()
+    if lost := sum(line.startswith(b"bad header") for line in said[0].splitlines()):
+        recording.findings.append(Finding("gap", "time_s", 0.0, recording.end_s, "warning", f"the file is damaged in places ({lost} bytes that are no message)"))
+    return recording
+
+
+@contextlib.contextmanager
+def _set_aside():
+    """What pymavlink's compiled reader writes to the process's stderr, a line for each byte that it skips: a list of one bytes object."""
+    said = [b""]
+    sys.stderr.flush()
+    real = os.dup(2)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            yield said
+        finally:
+            os.dup2(real, 2)
+            os.close(real)
+            file.seek(0)
+            said[0] = file.read()
 
 
 def _dataflash_time(message) -> float:
@@ -194,9 +219,10 @@ class _DataFlash(_Messages):
         if found is None:
             self.out.facts["no_motors"] = "there is no RCOU message (LOG_BITMASK bit 10)"
             return
-        low, high = self.parameters.get("MOT_PWM_MIN", 0) or 1000.0, self.parameters.get("MOT_PWM_MAX", 0) or 2000.0
-        self.out.put("u", stream([f"u{k + 1}" for k in range(len(names))], found[0], pulse_share(found[1], low, high),
-                                 f"RCOU {names[0]} to {names[-1]}, {low:g} to {high:g} us"))
+        low, high = ardupilot_range(self.parameters)
+        share, says = ardupilot_share(pulse_share(found[1], low, high), self.parameters)
+        self.out.put("u", stream([f"u{k + 1}" for k in range(len(names))], found[0], share,
+                                 f"RCOU {names[0]} to {names[-1]}, {low:g} to {high:g} us, {says}"))
         self.speeds(numbers)
 
     def speeds(self, numbers: list) -> None:
@@ -219,6 +245,8 @@ class _DataFlash(_Messages):
         for label in ("BAT", "CURR"):
             if self.put("vbat", BATTERY, label, ("Volt",), lambda v: v):
                 break
+        if (power := self.get("POWR", "Vcc")) is not None:
+            self.out.supply = stream(("supply",), *power, "POWR.Vcc")
 
 
 def read_tlog(path: Path) -> Recording:

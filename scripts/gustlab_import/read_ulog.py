@@ -212,7 +212,8 @@ class _Reader:
                 others = [str(n) for n in self.instances("actuator_outputs") if n != number]
                 beside = f" (instance {', '.join(others)} does not hold the motors)" if others else ""
                 factor = float(self.parameters.get("THR_MDL_FAC", 0.0))
-                curve = f", back through THR_MDL_FAC {factor:.3g}" if 0.0 < factor <= 1.0 else ""
+                factor = factor if 0.0 < factor <= 1.0 else 0.0
+                curve = f", back through THR_MDL_FAC {factor:.3g}" if factor else ""
                 return self.commands(data, thrust_share(pulse_share(pulses, low, high), factor),
                                      f"actuator_outputs[{number}] {low:g} to {high:g}{curve}{beside}")
         return None
@@ -263,6 +264,9 @@ class _Reader:
         if best is not None:
             data = self.get("battery_status", best)
             self.out.put("vbat", stream(BATTERY, self.seconds(data["timestamp"]), data["voltage_v"], f"battery_status[{best}]"))
+        power = self.get("system_power")
+        if power is not None and "voltage5v_v" in power:
+            self.out.supply = stream(("supply",), self.seconds(power["timestamp"]), power["voltage5v_v"], "system_power")
 
     def reference(self) -> None:
         wanted = self.get("vehicle_local_position_setpoint")

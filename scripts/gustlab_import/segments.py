@@ -8,6 +8,9 @@ SHORTEST_s = 3.0        # of a flight: shorter ones hold no window of a second b
 GAP_s = 1.0             # without any sample of the fastest stream: a flight is cut there
 SLOWEST_Hz = 5.0        # position and motors both slower than this cannot be judged
 HEIGHT_WINDOW_s, HEIGHT_OFF_m = 2.0, 1.5    # height against its velocity: barometers drift by less
+BROWN_OUT_SHARE = 0.65  # of the flight's median: 2.5 V of a cell at 3.8 V, below what a cell gives unharmed; a hard pull takes a quarter
+BROWN_OUT_s = 0.1       # one low reading is an error or a hard pull, however many rows repeat it
+BROWN_OUT_V = 4.3       # of a supply of 5 V: processors and sensors are specified down to here
 RUNNING_SHARE = 0.4     # of the median command of the running motors: below it, over a second, the vehicle does not fly
 LONGEST_DIVE_s = 4.0    # with idle motors
 NEEDED = ("position", "specific_force", "body_rate")
@@ -71,8 +74,8 @@ def running(recording: Recording) -> list:
 
 
 def cut(recording: Recording, span: tuple) -> tuple:
-    """One time in the air without its gaps, resets and stretches whose height contradicts their velocity."""
-    holes = gaps(recording, span) + contradictions(recording, span)
+    """One time in the air without its gaps, resets, brown-outs and stretches whose height contradicts their velocity."""
+    holes = gaps(recording, span) + contradictions(recording, span) + brown_outs(recording, span)
     marks = [(t, t, why) for t, why in recording.breaks if span[0] < t < span[1]]
     kept = without(span, [(a, b) for a, b, _ in holes])
     for time_s, _, _ in marks:
@@ -87,6 +90,24 @@ def gaps(recording: Recording, span: tuple) -> list:
     times = np.concatenate([[span[0]], fastest.time_s, [span[1]]])
     wide = np.flatnonzero(np.diff(times) > GAP_s)
     return [(float(times[k]), float(times[k + 1]), f"gap: no sample for {times[k + 1] - times[k]:.1f} s") for k in wide]
+
+
+def brown_outs(recording: Recording, span: tuple) -> list:
+    """Stretches in which the battery or the board's supply collapsed."""
+    out = []
+    for name, volts in (("the battery", recording.streams.get("vbat")), ("the board's supply", recording.supply)):
+        volts = volts and volts.between(*span)
+        if not volts or len(volts.time_s) < 10:
+            continue
+        usual = float(np.nanmedian(volts.values))
+        low = volts.values[:, 0] < (BROWN_OUT_SHARE * usual if name == "the battery" else BROWN_OUT_V)
+        if usual < BROWN_OUT_V and name != "the battery":
+            continue
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], low.astype(int), [0]])))
+        times = np.concatenate([[span[0]], volts.time_s, [span[1]]])
+        out += [(float(times[a]), float(times[b + 1]), f"brown-out: {name} fell from {usual:.1f} to {np.nanmin(volts.values[a:b]):.1f} V")
+                for a, b in zip(edges[::2], edges[1::2]) if volts.time_s[b - 1] - volts.time_s[a] >= BROWN_OUT_s]
+    return out
 
 
 def contradictions(recording: Recording, span: tuple) -> list:

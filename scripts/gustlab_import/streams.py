@@ -64,6 +64,7 @@ class Recording:
     armed      [(from_s, to_s)], or None when the log does not say
     flying     [(from_s, to_s)] by the vehicle's own judgement, or None
     no_flight  reason why nothing in this log can be a multirotor's flight, or ""
+    supply     Stream of the voltage that feeds the board [V], or None
     breaks     [(time_s, why)] where the estimator was reset
     topics     [(name, samples, Hz)]
     rotors     [Rotor] in the order of u1...uN, or [] when unknown
@@ -81,6 +82,7 @@ class Recording:
     armed: list = None
     flying: list = None
     no_flight: str = ""
+    supply: Stream = None
     breaks: list = field(default_factory=list)
     findings: list = field(default_factory=list)
     topics: list = field(default_factory=list)

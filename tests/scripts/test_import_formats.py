@@ -3,10 +3,14 @@
 import json
 import os
 import struct
+import subprocess
+import sys
 import unittest
+from pathlib import Path
 
 import numpy as np
 from import_fixture import MAP, ImportCase, csv, flight
+from pymavlink import DFReader
 
 os.environ["MAVLINK20"] = "1"
 ENU = MAP.replace('kind = "csv"', 'kind = "{kind}"')
@@ -178,7 +182,7 @@ class DataFlash(FormatCase):
 
     LAYOUT = {"Q": "Q", "f": "f", "C": "H", "H": "H", "B": "B", "c": "h", "N": "16s", "Z": "64s", "n": "4s", "h": "h", "M": "B"}
 
-    def write_log(self, version: str = "ArduCopter V4.5.1 (abcdef01)", speeds_every: int = 0):
+    def write_log(self, version: str = "ArduCopter V4.5.1 (abcdef01)", speeds_every: int = 0, parameters=(), pulses=None):
         out, formats = b"", {}
 
         def define(number, name, kinds, columns):
@@ -205,7 +209,7 @@ class DataFlash(FormatCase):
         define(10, "ESC", "QBf", "TimeUS,Instance,RPM")
         put("MSG", 10**6, version.encode())
         for name, value in (("FRAME_CLASS", 1), ("FRAME_TYPE", 1), ("AHRS_EKF_TYPE", 3), ("MOT_PWM_MIN", 1100), ("MOT_PWM_MAX", 1900),
-                            ("SERVO1_FUNCTION", 33), ("SERVO2_FUNCTION", 34), ("SERVO3_FUNCTION", 36), ("SERVO4_FUNCTION", 35)):
+                            ("SERVO1_FUNCTION", 33), ("SERVO2_FUNCTION", 34), ("SERVO3_FUNCTION", 36), ("SERVO4_FUNCTION", 35), *parameters):
             put("PARM", 10**6, name.encode(), float(value))
         noise = np.random.default_rng(5)
         for k in range(2000):
@@ -223,7 +227,8 @@ class DataFlash(FormatCase):
                 # one speed controller answers after the other
                 put("ESC", us + 300 * output, output, 5000.0 + 1000.0 * output + 50.0 * np.sin(t))
             if k % 2 == 0:
-                put("RCOU", us, 1500, 1480, *(round(v) for v in 1500 + 20 * noise.normal(size=2)), 0, 0, 65000, 65000)
+                others = noise.normal(size=2)
+                put("RCOU", us, *(pulses(t) if pulses else (1500, 1480, *(round(v) for v in 1500 + 20 * others))), 0, 0, 65000, 65000)
                 put("BAT", us, 12.0 - 0.02 * t)
         return self.write("flight.bin", out)
 
@@ -261,6 +266,73 @@ class DataFlash(FormatCase):
         _, log, _ = self.take(self.write_log(speeds_every=20), "--out", self.out.with_name("slow"))
         self.assertEqual(log["flights"][0]["rates_hz"]["rotor"], 0)
         self.assertTrue(any("more seldom than the motors' commands" in f["says"] for f in log["findings"]))
+
+    # thrust of the outputs in flight
+    @staticmethod
+    def asked(t):
+        return [0.2 + 0.15 * np.sin(1.3 * t + k) for k in range(4)]
+
+    def shares(self, parameters, pulse) -> tuple:
+        """(largest distance of u from what was asked, what is said of it) of a flight whose pulses an autopilot made"""
+        log = self.write_log(parameters=parameters, pulses=lambda t: [round(pulse(share)) for share in self.asked(t)])
+        _, entry, _ = self.take(log, "--out", self.out)
+        written = self.written("flight_1.csv")
+        rows = np.isfinite(written["u1"])
+        # motors 3 and 4 are on outputs 4 and 3
+        wanted = np.array([self.asked(t) for t in written["time_s"][rows]])[:, [0, 1, 3, 2]]
+        got = np.column_stack([written[f"u{k}"][rows] for k in (1, 2, 3, 4)])
+        return np.abs(got - wanted).max(), entry["flights"][0]["sources"]["u"]
+
+    def test_outputs_are_behind_the_thrust_curve(self):
+        low, high, first, last = 1100.0, 1900.0, 0.12, 0.95
+        for curve in (0.65, 1.0, -0.4):
+            with self.subTest(curve):
+                # as the autopilot does it: the positive root of e s^2 + (1 - e) s = share
+                def pulse(share, e=curve):
+                    s = ((e - 1.0) + np.sqrt((1.0 - e) ** 2 + 4.0 * e * share)) / (2.0 * e)
+                    return low + (high - low) * (first + (last - first) * s)
+                apart, says = self.shares((("MOT_SPIN_MIN", first), ("MOT_SPIN_MAX", last), ("MOT_THST_EXPO", curve)), pulse)
+                self.assertLess(apart, 1.6e-3)  # half a microsecond at the steepest
+                self.assertIn(f"MOT_THST_EXPO {curve:.3g} from 0.12 to 0.95", says)
+
+    def test_without_a_range_of_their_own_motors_have_that_of_the_stick(self):
+        parameters = (("MOT_PWM_MIN", 0), ("MOT_PWM_MAX", 0), ("RCMAP_THROTTLE", 5), ("RC5_MIN", 991), ("RC5_MAX", 2016),
+                      ("MOT_TCRV_ENABLE", 1), ("MOT_TCRV_MIDPCT", 40), ("MOT_TCRV_MAXPCT", 90))
+        apart, says = self.shares(parameters, lambda share: 991 + 1025 * np.interp(share, (0.0, 0.5, 1.0), (0.0, 0.4, 0.9)))
+        self.assertLess(apart, 0.7e-3)
+        self.assertIn("991 to 2016 us", says)
+
+    def test_unknown_curves_are_said(self):
+        apart, says = self.shares((), lambda share: 1100 + 800 * share)
+        self.assertLess(apart, 0.7e-3)
+        self.assertIn("not led back", says)
+
+    def test_the_text_of_a_log_gives_the_same_flight(self):
+        binary = self.write_log()
+        log = DFReader.DFReader_binary(str(binary))
+        lines = [f"FMT, {f.type}, {f.len}, {f.name}, {f.format}, {','.join(f.columns)}" for f in log.formats.values()]
+        lines.sort(key=lambda line: not line.startswith("FMT, 128,"))
+        while (m := log.recv_msg()) is not None:
+            if m.get_type() != "FMT":
+                lines.append(", ".join([m.get_type()] + [str(getattr(m, name)) for name in m.get_fieldnames()]))
+        text = self.write("text.log", "\n".join(lines) + "\n")
+        flights = [self.take(path)[1]["flights"] for path in (binary, text)]
+        for flight in flights:
+            del flight[0]["log"]
+        self.assertEqual(*flights)
+        self.assertEqual(*((self.out / f"{name}_1.csv").read_bytes() for name in ("flight", "text")))
+
+    def test_damage_is_one_finding_and_not_a_line_for_each_byte(self):
+        data = bytearray(self.write_log().read_bytes())
+        data[len(data) // 2:len(data) // 2 + 900] = bytes(900)
+        log = self.write("holes.bin", bytes(data))
+        script = Path(__file__).resolve().parents[2] / "scripts" / "import_log.py"
+        # what compiled code writes to the process's stderr
+        done = subprocess.run([sys.executable, str(script), str(log), "--format", "json"], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        damage = [f["says"] for f in json.loads(done.stdout)["logs"][0]["findings"] if "damaged in places" in f["says"]]
+        self.assertEqual(len(damage), 1)
+        self.assertRegex(damage[0], r"\((8|9)\d\d bytes that are no message\)")
 
     def test_a_plane_is_refused(self):
         code, _, err = self.take(self.write_log("ArduPlane V4.5.1 (abcdef01)"))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from import_fixture import ImportCase
+from pymavlink import DFReader
 
 LOGS = Path(os.environ.get("GUSTLAB_FLIGHTS", ""), "logs")
 # file -> (flights as (from, to) in whole seconds, rates that are known, words in the reason of what is refused)
@@ -68,6 +69,28 @@ class FlightComputers(ImportCase):
     def test_a_voltage_that_reads_nothing_is_not_used(self):
         _, log, _ = self.take("ardupilot_quad_136s.bin")
         self.assertFound(log["findings"], "out_of_range", "reads 0.0 to 0.0 V: not used")
+
+    def test_shares_of_thrust_are_the_autopilots_own_throttle(self):
+        def throttle(name, message, field, time):
+            log, found = DFReader.DFReader_binary(str(LOGS / name)), []
+            while (m := log.recv_match(type=[message, "IMU"])) is not None:
+                found.append((getattr(m, time), getattr(m, field) if m.get_type() == message else np.nan))
+            at, value = np.array(found, dtype=float).T
+            at = (at - at.min()) * (1e-6 if time == "TimeUS" else 1e-3)
+            return at[np.isfinite(value)], value[np.isfinite(value)]
+
+        # RATE.AOut is before the compensation for thin air, which divides by the density (0.97 here); old logs have none
+        for name, message, field, time, scale, within in (("ardupilot_rtl_51s.bin", "RATE", "AOut", "TimeUS", 1.0, (1.02, 1.04)),
+                                                          ("ardupilot_quad_136s.bin", "CTUN", "ThrOut", "TimeMS", 1e-3, (0.995, 1.005))):
+            with self.subTest(name):
+                self.take(name)
+                written = self.written(name[:-4] + "_1.csv")
+                rows = np.isfinite(written["u1"])
+                mean = np.mean([written[f"u{k}"][rows] for k in (1, 2, 3, 4)], axis=0)
+                asked = scale * np.interp(written["time_s"][rows], *throttle(name, message, field, time))
+                ratio = mean[asked > 0.05] / asked[asked > 0.05]
+                self.assertTrue(within[0] < np.median(ratio) < within[1], np.median(ratio))
+                self.assertLess(np.subtract(*np.percentile(ratio, (75, 25))), 0.01)
 
     def test_blackbox_axes(self):
         self.take("betaflight_122s.bfl")

@@ -191,6 +191,18 @@ class PX4(ImportCase):
         self.assertGreater(entry["flights"][1]["from_s"], 10.0)
         self.assertTrue([part for part in entry["refused"] if "the height contradicts its velocity by 4.0 m" in part["why"]])
 
+    def test_a_brown_out_is_cut_and_one_low_reading_is_not(self):
+        at = np.arange(100) * 0.2
+        for topic, key, usual, low in (("battery_status", "voltage_v", 16.5, 9.9), ("system_power", "voltage5v_v", 5.1, 4.1)):
+            volts = np.full(100, usual)
+            volts[[40, 50, 51, 52]] = low    # at 8 s, and from 10.0 to 10.4 s
+            log = px4_flight(synthetic())
+            log.topic(topic, at, {f"float {key}": volts}, 1 if topic == "battery_status" else 0)
+            _, entry, _ = self.take(log)
+            self.assertEqual([(round(f["from_s"], 1), round(f["to_s"], 1)) for f in entry["flights"]], [(3.0, 9.8), (10.6, 17.0)], topic)
+            whose = "the battery" if topic == "battery_status" else "the board's supply"
+            self.assertIn(f"brown-out: {whose} fell from {usual} to {low} V", [part["why"] for part in entry["refused"]])
+
     def test_what_cannot_be_told_names_the_setting(self):
         _, log, _ = self.take(px4_flight(synthetic()))
         lag = next(limit for limit in log["cannot_tell"] if limit["effect"] == "motor_lag")
@@ -251,7 +263,8 @@ class Damaged(ImportCase):
     def test_logs_that_are_none(self):
         good = px4_flight(synthetic(6.0), armed=(0.0, 6.0), flying=(0.5, 5.5)).bytes()
         cases = {"empty.ulg": b"", "text.ulg": b"hello, world\n" * 20, "head.ulg": good[:16], "formats.ulg": good[:400],
-                 "zeros.ulg": good[:16] + bytes(4000), "empty.bin": b"", "noise.bin": b"\xa3\x95" + bytes(range(256)) * 8,
+                 "zeros.ulg": good[:16] + bytes(4000), "empty.bin": b"", "text.log": b"hello, world\n" * 20, "head.log": b"FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n",
+                 "noise.bin": b"\xa3\x95" + bytes(range(256)) * 8,
                  "empty.tlog": b"", "text.tlog": b"hello, world\n" * 50, "noise.bag": b"#ROSBAG V2.0\n" + bytes(500),
                  "noise.db3": b"SQLite format 3\0" + bytes(500), "noise.mcap": b"\x89MCAP0\r\n" + bytes(200), "noise.bbl": bytes(300),
                  "head.bbl": b"H Product:Blackbox flight data recorder by Nicholas Sherlock\nH Data version:2\n",
