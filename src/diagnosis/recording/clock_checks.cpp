@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/recording/row_intervals.hpp"
 #include "diagnosis/recording/vehicle_check.hpp"
 #include "vehicle/rotor_speed.hpp"
 
@@ -183,9 +184,7 @@ FlightLog laid_on_pose_clock(FlightLog log, const ClockTrack& track) {
     if (!input && std::find(std::begin(on_board), std::end(on_board), column.name) == std::end(on_board)) continue;
     const bool held = column.name.starts_with('u') && log.meta.hold == Hold::zoh;
     const std::vector<double> values = column.values;
-    std::vector<std::size_t> rows;
-    for (std::size_t k = 0; k < log.rows(); ++k)
-      if (std::isfinite(values[k])) rows.push_back(k);
+    const std::vector<std::size_t> rows = sampled_rows(values);
     for (const std::size_t k : rows)
       column.values[k] = between(log.time_s, values, rows, log.time_s[k] + track.at(log.time_s[k]), held);
   }

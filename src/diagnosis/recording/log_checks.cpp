@@ -126,40 +126,71 @@ class Checker {
           "coefficient",
           true);
     if (u.empty()) return;
-    std::size_t outside = 0, first = log_.rows(), last = 0;
-    for (auto* c : u)
-      for (std::size_t k = 0; k < c->size(); ++k)
-        if (std::isfinite((*c)[k]) && ((*c)[k] < -1e-6 * top || (*c)[k] > 1.0001 * top)) {
-          ++outside;
-          first = std::min(first, k);
-          last = std::max(last, k + 1);
-        }
-    if (outside > 0) {
-      const double share = static_cast<double>(outside) / static_cast<double>(u.size() * log_.rows());
-      add("u1…uN", "out_of_range", first, last,
-          fmt::format("{:.1f} % of the inputs are outside 0…{:g}: the flight is set aside", 100.0 * share, top), true);
-      return;
+    if (!in_range(u, top)) return;
+    std::size_t still = 0;
+    Stretch straight;
+    for (const auto* c : u) {
+      still += never_changes(*c) ? 1 : 0;
+      straight = std::max(straight, straight_line(*c, 1e-9 * top));
     }
-    std::size_t moving = 0, longest = 0, end = 0;
-    for (auto* c : u) {
-      std::size_t run = 0;
-      moving += std::adjacent_find(c->begin(), c->end(), std::not_equal_to<>()) != c->end() ? 1 : 0;
-      for (std::size_t k = 2; k < c->size(); ++k) {
-        const double bend = (*c)[k] - 2.0 * (*c)[k - 1] + (*c)[k - 2], slope = (*c)[k] - (*c)[k - 1];
-        run = std::abs(bend) < 1e-9 * top && slope != 0.0 ? run + 1 : 0;
-        if (run > longest) longest = run, end = k;
-      }
-    }
-    if (moving < u.size()) {
+    if (still > 0) {
       add("u1…uN", "frozen", 0, log_.rows(),
-          fmt::format("{} of {} inputs never change: the flight is set aside", u.size() - moving, u.size()), true);
-    } else if (static_cast<double>(longest) * step_s_ > 0.5) {
-      add("u1…uN", "inconsistent", end - longest, end + 1,
+          fmt::format("{} of {} inputs never change: the flight is set aside", still, u.size()), true);
+    } else if (straight.lasts_s > 0.5) {
+      add("u1…uN", "inconsistent", straight.first, straight.last + 1,
           fmt::format(
               "the inputs are a straight line for {:.1f} s (interpolated over lost telemetry): the flight is set aside",
-              static_cast<double>(longest) * step_s_),
+              straight.lasts_s),
           true);
     }
+  }
+
+  bool in_range(const std::vector<std::vector<double>*>& u, double top) {
+    std::size_t outside = 0, count = 0, first = log_.rows(), last = 0;
+    for (const auto* c : u)
+      for (std::size_t k = 0; k < c->size(); ++k) {
+        count += std::isfinite((*c)[k]) ? 1 : 0;
+        if (!((*c)[k] < -1e-6 * top || (*c)[k] > 1.0001 * top)) continue;
+        ++outside;
+        first = std::min(first, k);
+        last = std::max(last, k + 1);
+      }
+    if (outside > 0)
+      add("u1…uN", "out_of_range", first, last,
+          fmt::format("{:.1f} % of the inputs are outside 0…{:g}: the flight is set aside",
+                      100.0 * static_cast<double>(outside) / static_cast<double>(count), top),
+          true);
+    return outside == 0;
+  }
+
+  // from one row to another
+  struct Stretch {
+    double lasts_s = 0.0;
+    std::size_t first = 0, last = 0;
+    bool operator<(const Stretch& other) const { return lasts_s < other.lasts_s; }
+  };
+  Stretch between(std::size_t first, std::size_t last) const {
+    return {log_.time_s[last] - log_.time_s[first], first, last};
+  }
+
+  static bool never_changes(const std::vector<double>& values) {
+    const std::vector<std::size_t> rows = sampled_rows(values);
+    return !rows.empty() &&
+           std::all_of(rows.begin(), rows.end(), [&](std::size_t k) { return values[k] == values[rows.front()]; });
+  }
+
+  // the longest part of a column that rises or falls by the same from sample to sample. Of coarse pulses a few do by chance
+  Stretch straight_line(const std::vector<double>& values, double same) const {
+    constexpr std::size_t fewest_bends = 10;
+    const std::vector<std::size_t> rows = sampled_rows(values);
+    Stretch longest;
+    std::size_t run = 0;
+    for (std::size_t i = 2; i < rows.size(); ++i) {
+      const double now = values[rows[i]], last = values[rows[i - 1]], before = values[rows[i - 2]];
+      run = std::abs(now - 2.0 * last + before) < same && now != last ? run + 1 : 0;
+      if (run >= fewest_bends) longest = std::max(longest, between(rows[i - run], rows[i]));
+    }
+    return longest;
   }
 
   // rows before take-off, after landing and of a stop between: rotors that cannot carry the weight
@@ -180,7 +211,7 @@ class Checker {
       off[k] = thrust < 0.35;
     }
     // in between, a moment of falling is flight, and so is what moves
-    std::size_t count = 0;
+    double left_out_s = 0.0;
     for (std::size_t first = 0, last = 0; first < off.size(); first = last) {
       for (last = first; last < off.size() && off[last] == off[first];) ++last;
       const bool inside = first > 0 && last < off.size();
@@ -189,12 +220,11 @@ class Checker {
            moves(data, log_.time_s[first], log_.time_s[last])))
         std::fill(off.begin() + static_cast<std::ptrdiff_t>(first), off.begin() + static_cast<std::ptrdiff_t>(last),
                   false);
-      for (std::size_t k = first; k < last; ++k) count += off[k] ? 1 : 0;
+      if (off[first]) left_out_s += log_.time_s[last - 1] - log_.time_s[first] + step_s_;
     }
-    if (count > 0) {
+    if (left_out_s > 0.0) {
       add("*", "out_of_range", 0, log_.rows(),
-          fmt::format("{:.1f} s with rotors too slow to fly (on the ground) are left out",
-                      static_cast<double>(count) * step_s_));
+          fmt::format("{:.1f} s with rotors too slow to fly (on the ground) are left out", left_out_s));
       const auto keep = [&](std::vector<double>& v) {
         std::size_t to = 0;
         for (std::size_t k = 0; k < off.size(); ++k)
@@ -251,35 +281,35 @@ class Checker {
   void held(const char* name) {
     auto* c = column(name);
     if (!c) return;
-    std::size_t repeats = 0, valid = 0, longest = 0, run = 0, end = 0;
-    for (std::size_t k = 1; k < c->size(); ++k) {
-      if (!std::isfinite((*c)[k]) || !std::isfinite((*c)[k - 1])) continue;
-      ++valid;
-      const bool same = (*c)[k] == (*c)[k - 1];
+    const std::vector<std::size_t> rows = sampled_rows(*c);
+    if (rows.size() <= 20) return;
+    constexpr std::size_t fewest_repeats = 5;  // coarse values of a slow column repeat by chance
+    std::size_t repeats = 0, run = 0;
+    Stretch still;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      const bool same = (*c)[rows[i]] == (*c)[rows[i - 1]];
       repeats += same ? 1 : 0;
       run = same ? run + 1 : 0;
-      if (run > longest) longest = run, end = k;
+      if (run >= fewest_repeats) still = std::max(still, between(rows[i - run], rows[i]));
     }
-    if (valid < 20) return;
-    const double share = static_cast<double>(repeats) / static_cast<double>(valid);
+    const double share = static_cast<double>(repeats) / static_cast<double>(rows.size() - 1);
     if (share > 0.999) {
       add(name, "frozen", 0, c->size(), "never changes: not used");
       std::fill(c->begin(), c->end(), nan);
       return;
     }
-    const bool stuck = static_cast<double>(longest) * step_s_ > 0.25;
     if (share > 0.25)
       add(name, "held", 0, c->size(),
           fmt::format("{:.0f} % of its samples repeat the one before (forward-filled): only new ones are used",
                       100.0 * share));
-    else if (stuck)
-      add(name, "frozen", end - longest, end + 1,
-          fmt::format("stands still for {:.2f} s: not used there", static_cast<double>(longest) * step_s_));
+    else if (still.lasts_s > 0.25)
+      add(name, "frozen", still.first, still.last + 1,
+          fmt::format("stands still for {:.2f} s: not used there", still.lasts_s));
     else return;
     double last = nan;
-    for (double& value : *c) {
-      const double now = value;
-      if (now == last) value = nan;
+    for (const std::size_t k : rows) {
+      const double now = (*c)[k];
+      if (now == last) (*c)[k] = nan;
       last = now;
     }
   }
@@ -295,50 +325,81 @@ class Checker {
     std::erase_if(log_.columns, [](const LogColumn& column) { return column.name == "vbat"; });
   }
 
-  // gyro against attitude, accelerometer and inputs against the motion, velocity against position
+  // gyro against attitude, velocity against position, accelerometer and inputs against the motion that these tell
   void sensors() {
     if (column("wx") && column("wy") && column("wz") && column("qw") && column("qx") && column("qy") && column("qz"))
       gyro();
+    velocity_frame();
     if (judge_forces_)
       for (const ForceFault& fault : check_forces(log_, vehicle_)) {
         add(fault.column, fault.kind, 0, log_.rows(), fault.says);
         if (fault.sets_column_aside) drop("ax", "ay", "az");
       }
-    velocity_frame();
   }
 
-  // the gyro per sample of a reading of the log at its own rate
-  std::vector<Vector3> gyro_of(const FlightLog& log, const FlightData& data) const {
-    const auto &wx = *log.find("wx"), &wy = *log.find("wy"), &wz = *log.find("wz");
-    std::vector<Vector3> rate;
+  // the log without some columns, read at its own rate
+  FlightData without(std::initializer_list<std::string_view> names) const {
+    FlightLog rest = log_;
+    std::erase_if(rest.columns,
+                  [&](const LogColumn& c) { return std::find(names.begin(), names.end(), c.name) != names.end(); });
+    return prepare_flight(rest, vehicle_, {.linear_hold = false, .max_rate_hz = 1e6});
+  }
+
+  // three columns per sample of a reading of the log at its own rate, which leaves out rows without a pose
+  static std::vector<Vector3> at_samples(const FlightLog& log, const FlightData& data, const char* x, const char* y,
+                                         const char* z) {
+    const auto &of_x = *log.find(x), &of_y = *log.find(y), &of_z = *log.find(z);
+    std::vector<Vector3> values;
     std::size_t row = 0;
     for (const Sample& sample : data.samples) {
       while (log.time_s[row] < sample.time_s) ++row;
-      rate.emplace_back(wx[row], wy[row], wz[row]);
+      values.emplace_back(of_x[row], of_y[row], of_z[row]);
     }
-    return rate;
+    return values;
+  }
+  static std::vector<Vector3> gyro_of(const FlightLog& log, const FlightData& data) {
+    return at_samples(log, data, "wx", "wy", "wz");
+  }
+
+  // which samples are no further from one with a channel than those are from each other
+  static std::vector<bool> near(const FlightData& data, Channel channel) {
+    std::vector<double> at_s, steps_s;
+    for (const Sample& sample : data.samples)
+      if (sample.channels & channel) {
+        if (!at_s.empty()) steps_s.push_back(sample.time_s - at_s.back());
+        at_s.push_back(sample.time_s);
+      }
+    const double far_s = longest_interval_s(steps_s);
+    std::vector<bool> result;
+    for (const Sample& sample : data.samples) {
+      const auto next = std::lower_bound(at_s.begin(), at_s.end(), sample.time_s);
+      result.push_back((next != at_s.end() && *next - sample.time_s <= far_s) ||
+                       (next != at_s.begin() && sample.time_s - *(next - 1) <= far_s));
+    }
+    return result;
   }
 
   void gyro() {
-    FlightLog pose = log_;
-    std::erase_if(pose.columns, [](const LogColumn& c) { return c.name == "wx" || c.name == "wy" || c.name == "wz"; });
-    const FlightData data = prepare_flight(pose, vehicle_, {.linear_hold = false, .max_rate_hz = 1e6});
+    const FlightData data = without({"wx", "wy", "wz"});
     const std::vector<Vector3> rates = gyro_of(log_, data);
+    const std::vector<bool> told = near(data, has_attitude);
     Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
     Vector3 rate_energy = Vector3::Zero(), gyro_energy = Vector3::Zero();
+    double count = 0.0;
     for (std::size_t k = 0; k < rates.size(); ++k) {
-      if (!rates[k].allFinite() || !(data.samples[k].channels & has_attitude)) continue;
+      if (!rates[k].allFinite() || !told[k]) continue;
       const Vector3& rate = data.motion[k].body_rate_B_radps;
       cross += rates[k] * rate.transpose();
       rate_energy += rate.cwiseAbs2();
       gyro_energy += rates[k].cwiseAbs2();
+      count += 1.0;
     }
     bool wrong = false;
     for (int i = 0; i < 3; ++i) {
       const double slope = cross(i, i) / (rate_energy[i] + 1e-300);
       const double agreement = cross(i, i) / std::sqrt(rate_energy[i] * gyro_energy[i] + 1e-300);
       const char* name = i == 0 ? "wx" : i == 1 ? "wy" : "wz";
-      if (rate_energy[i] / static_cast<double>(log_.rows()) < 0.01) continue;
+      if (rate_energy[i] < 0.01 * count) continue;
       if (agreement > 0.6 && slope > 0.5 * degrees_per_radian) {
         add(name, "unit", 0, log_.rows(),
             "is in degrees per second: the attitude turns 57 times slower; the gyro is not used");
@@ -373,19 +434,22 @@ class Checker {
   }
 
   void velocity_frame() {
-    const auto *vx = column("vx"), *vy = column("vy"), *vz = column("vz");
-    if (!vx || !vy || !vz || !column("px") || !column("py") || !column("pz") || !column("qw")) return;
-    const FlightData data = prepare_flight(log_, vehicle_, {.linear_hold = false, .max_rate_hz = 1e6});
-    double world = 0.0, body = 0.0, energy = 0.0;
-    for (std::size_t k = 0; k < data.samples.size() && k < log_.rows(); ++k) {
-      const Vector3 v((*vx)[k], (*vy)[k], (*vz)[k]);
-      if (!v.allFinite()) continue;
+    for (const char* name : {"vx", "vy", "vz", "px", "py", "pz", "qw"})
+      if (!column(name)) return;
+    const FlightData data = without({"vx", "vy", "vz"});
+    const std::vector<Vector3> velocity = at_samples(log_, data, "vx", "vy", "vz");
+    const std::vector<bool> told = near(data, has_position);
+    double world = 0.0, body = 0.0, energy = 0.0, count = 0.0;
+    for (std::size_t k = 0; k < velocity.size(); ++k) {
+      const Vector3& v = velocity[k];
+      if (!v.allFinite() || !told[k]) continue;
       const Motion& m = data.motion[k];
       world += (v - m.velocity_W_mps).squaredNorm();
       body += (v - m.attitude_WB.conjugate() * m.velocity_W_mps).squaredNorm();
       energy += m.velocity_W_mps.squaredNorm();
+      count += 1.0;
     }
-    if (energy / static_cast<double>(log_.rows()) < 0.01) return;
+    if (energy < 0.01 * count) return;
     if (body < 0.3 * world && world > 0.05 * energy) {
       add("vx…vz", "frame", 0, log_.rows(),
           "velocity is in body axes, not in world axes: the derivative of the position is used instead");

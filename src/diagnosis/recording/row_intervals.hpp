@@ -1,4 +1,4 @@
-// How far apart the rows of a log are.
+// How far apart the rows of a log are, and which of them hold a sample: columns with a rate of their own have empty cells between.
 #pragma once
 
 #include <algorithm>
@@ -28,6 +28,13 @@ inline double interval_s(const std::vector<double>& steps_s) {
   for (const double step_s : steps_s)
     if (step_s <= longest_s) sum_s += step_s, count += 1.0;
   return count == 0.0 || std::abs(sum_s / count - even_s) < 0.1 * even_s ? even_s : sum_s / count;
+}
+
+inline std::vector<std::size_t> sampled_rows(const std::vector<double>& values) {
+  std::vector<std::size_t> rows;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (std::isfinite(values[k])) rows.push_back(k);
+  return rows;
 }
 
 }  // namespace gustlab::diagnosis
