@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "util/three.hpp"
+
 namespace gustlab {
 
 namespace {
@@ -27,21 +29,28 @@ double yaw_of(const Quaternion& q) {
 }
 
 Quaternion from_euler(const EulerAngles& angles) {
-  return Quaternion(Eigen::AngleAxisd(angles.yaw_rad, Vector3::UnitZ()) *
-                    Eigen::AngleAxisd(angles.pitch_rad, Vector3::UnitY()) *
-                    Eigen::AngleAxisd(angles.roll_rad, Vector3::UnitX()));
+  const double cr = std::cos(0.5 * angles.roll_rad), sr = std::sin(0.5 * angles.roll_rad);
+  const double cp = std::cos(0.5 * angles.pitch_rad), sp = std::sin(0.5 * angles.pitch_rad);
+  const double cy = std::cos(0.5 * angles.yaw_rad), sy = std::sin(0.5 * angles.yaw_rad);
+  // turns about z and y, and then about x
+  const double w = cy * cp, x = sy * sp, y = cy * sp, z = sy * cp;
+  return Quaternion(w * cr + x * sr, w * sr - x * cr, y * cr + z * sr, z * cr - y * sr);
 }
 
 Quaternion attitude_along(const Vector3& force_W_N, double yaw_rad) {
-  const double length = force_W_N.norm();
-  const Vector3 z = length < 1e-9 ? Vector3(Vector3::UnitZ()) : Vector3(force_W_N / length);
-  const Vector3 across(-std::sin(yaw_rad), std::cos(yaw_rad), 0.0);
-  Vector3 x = across.cross(z);
+  const Three force = force_W_N;
+  const double most = length(force);
+  const Three z = most < 1e-9 ? Three(0.0, 0.0, 1.0) : force / most;
+  const Three across(-std::sin(yaw_rad), std::cos(yaw_rad), 0.0);
+  Three x = cross(across, z);
   // a force across the heading leaves the pitch open: keep the nose level
-  const double nose = x.norm();
-  x = nose < 1e-9 ? Vector3(across.y(), -across.x(), 0.0) : Vector3(x / nose);
+  const double nose = length(x);
+  x = nose < 1e-9 ? Three(across.y, -across.x, 0.0) : x / nose;
+  const Three y = cross(z, x);
   Matrix3 R;
-  R << x, z.cross(x), z;
+  R(0, 0) = x.x, R(0, 1) = y.x, R(0, 2) = z.x;
+  R(1, 0) = x.y, R(1, 1) = y.y, R(1, 2) = z.y;
+  R(2, 0) = x.z, R(2, 1) = y.z, R(2, 2) = z.z;
   return Quaternion(R);
 }
 

@@ -43,19 +43,19 @@ class CrazyflieLoop final : public LowLevelLoop {
   }
 
   RotorCommand update(const Observation& observation) override {
-    const Vector3 angle_deg = degrees(observation.attitude_WB);
-    const Vector3 rate_degps = observation.body_rate_B_radps / degree;
+    const Three angle_deg = degrees(observation.attitude_WB);
+    const Three rate_degps = Three(observation.body_rate_B_radps) / degree;
 
     // attitude error → rate, in Euler angles; derivative of the measured angle, not of the error
-    Vector3 error_deg = wanted_deg_ - angle_deg;
-    error_deg.z() = wrapped_deg(error_deg.z());
-    Vector3 angle_change_deg = last_angle_deg_ - angle_deg;
-    angle_change_deg.z() = wrapped_deg(angle_change_deg.z());
+    Three error_deg = wanted_deg_ - angle_deg;
+    error_deg.z = wrapped_deg(error_deg.z);
+    Three angle_change_deg = last_angle_deg_ - angle_deg;
+    angle_change_deg.z = wrapped_deg(angle_change_deg.z);
     last_angle_deg_ = angle_deg;
-    const Vector3 wanted_rate_degps = attitude_.update(error_deg, angle_change_deg / period_s_, period_s_);
+    const Three wanted_rate_degps = attitude_.update(error_deg, angle_change_deg / period_s_, period_s_);
 
     // rate error → torque in counts
-    const Vector3 rate_change = (last_rate_degps_ - rate_degps) / period_s_;
+    const Three rate_change = (last_rate_degps_ - rate_degps) / period_s_;
     last_rate_degps_ = rate_degps;
     const Vector3 torque =
         limited(rate_.update(wanted_rate_degps - rate_degps, derivative_.update(rate_change), period_s_),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <type_traits>
 
 #include "gustlab/types.hpp"
 
@@ -52,14 +53,20 @@ class LowPass2 {
   }
 
   const Value& update(const Value& input) {
-    value_ = b0_ * input + s1_;
-    s1_ = b1_ * input - a1_ * value_ + s2_;
-    s2_ = b2_ * input - a2_ * value_;
+    if constexpr (std::is_same_v<Value, double>) step(input, value_, s1_, s2_);
+    else
+      for (int i = 0; i < 3; ++i) step(input[i], value_[i], s1_[i], s2_[i]);
     return value_;
   }
   const Value& value() const { return value_; }
 
  private:
+  void step(double input, double& value, double& s1, double& s2) const {
+    value = b0_ * input + s1;
+    s1 = b1_ * input - a1_ * value + s2;
+    s2 = b2_ * input - a2_ * value;
+  }
+
   double b0_ = 1.0, b1_ = 0.0, b2_ = 0.0, a1_ = 0.0, a2_ = 0.0;
   Value value_{}, s1_{}, s2_{};
 };

@@ -7,6 +7,7 @@
 
 #include "control/attitude.hpp"
 #include "control/pid.hpp"
+#include "util/three.hpp"
 
 namespace gustlab {
 
@@ -26,7 +27,7 @@ Vector3 times_pseudo_inverse(const Matrix3& G, const Vector3& y) {
   Matrix3 inverse;
   bool invertible = false;
   G.computeInverseWithCheck(inverse, invertible, least_share * G.col(0).norm() * G.col(0).norm());
-  if (invertible) return inverse * y;
+  if (invertible) return rotated(inverse, y);
   Eigen::CompleteOrthogonalDecomposition<Matrix3> decomposition;
   decomposition.setThreshold(least_share);
   return decomposition.compute(G).solve(y);
@@ -74,21 +75,21 @@ void IndiAttitude::reset(const Observation& first) {
 }
 
 RotorCommand IndiAttitude::update(const Observation& observation, const ThrustAttitude& wanted) {
-  const Vector3 error = attitude_error_B_rad(observation.attitude_WB, wanted.attitude_WB, 1.0);
-  const Vector3 wanted_rate = options_.attitude_gain * error + wanted.body_rate_B_radps;
-  const Vector3 wanted_acceleration = options_.rate_gain * (wanted_rate - observation.body_rate_B_radps);
+  const Three error = attitude_error_B_rad(observation.attitude_WB, wanted.attitude_WB, 1.0);
+  const Three wanted_rate = options_.attitude_gain * error + wanted.body_rate_B_radps;
+  const Three wanted_acceleration = options_.rate_gain * (wanted_rate - observation.body_rate_B_radps);
 
-  const Vector3 before = rate_.value();
-  const Vector3 acceleration = (rate_.update(observation.body_rate_B_radps) - before) / period_s_;
-  const Vector3 torque_f = actuator_filter_.update(actuator_);
+  const Three before = rate_.value();
+  const Three acceleration = (rate_.update(observation.body_rate_B_radps) - before) / period_s_;
+  const Three torque_f = actuator_filter_.update(actuator_);
 
   // Δu = G1⁻¹ (ν − ω̇_f); yaw also feels the rotors speed up: (ν − ω̇_f + G2 Δu_prev)/(G1 + G2)
-  Vector3 missing = wanted_acceleration - acceleration;
-  missing.z() += yaw_g2_ * last_yaw_increment_;
-  const Vector3 increment = torque_per_acceleration_ * missing;
-  last_yaw_increment_ = increment.z();
+  Three missing = wanted_acceleration - acceleration;
+  missing.z += yaw_g2_ * last_yaw_increment_;
+  const Three increment = rotated(torque_per_acceleration_, missing);
+  last_yaw_increment_ = increment.z;
   const Vector3 torque = limited(torque_f + increment, limit_);
-  actuator_ += actuator_follows_ * (torque - actuator_);
+  actuator_ = actuator_ + actuator_follows_ * (Three(torque) - actuator_);
 
   if (counts_)
     return legacy_.speeds(std::clamp(legacy_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full), torque);
@@ -125,21 +126,25 @@ void IndiPosition::reset(const Observation& first) {
 }
 
 ThrustAttitude IndiPosition::update(const Observation& observation, const Reference& reference) {
-  const Vector3 wanted_velocity = options_.position_gain * (reference.position_W_m - observation.position_W_m);
-  const Vector3 wanted_acceleration = options_.velocity_gain * (wanted_velocity - observation.velocity_W_mps);
+  const Three wanted_velocity = options_.position_gain * (Three(reference.position_W_m) - observation.position_W_m);
+  const Three wanted_acceleration = options_.velocity_gain * (wanted_velocity - observation.velocity_W_mps);
 
   // sensors through one filter; yaw is unwound so that it passes too
   const EulerAngles now = euler_angles(observation.attitude_WB);
   last_yaw_rad_ += wrapped(now.yaw_rad - last_yaw_rad_);
   const Vector3 angles = angles_rad_.update({now.roll_rad, now.pitch_rad, last_yaw_rad_});
   const Vector3 felt = specific_force_.update(observation.specific_force_B_mps2);
-  const Matrix3 R = from_euler({angles.x(), angles.y(), angles.z()}).toRotationMatrix();
-  const Vector3 missing = wanted_acceleration - (R * felt - gravity_mps2_ * Vector3::UnitZ());
+  Matrix3 R;
+  rotation_of(from_euler({angles.x(), angles.y(), angles.z()}), R);
+  const Three missing = wanted_acceleration - (rotated(R, felt) - Three(0.0, 0.0, gravity_mps2_));
 
   // G = [g ∂(R e_z)/∂φ, g ∂(R e_z)/∂θ, R e_z]; turning by dφ about body x moves body z to −body y
-  const Vector3 level_y(-std::sin(angles.z()), std::cos(angles.z()), 0.0);
+  const Three level_y(-std::sin(angles.z()), std::cos(angles.z()), 0.0), up = Vector3(R.col(2));
+  const Three by_roll = -gravity_mps2_ * Three(R.col(1)), by_pitch = gravity_mps2_ * cross(level_y, up);
   Matrix3 G;
-  G << -gravity_mps2_ * R.col(1), gravity_mps2_ * level_y.cross(R.col(2)), R.col(2);
+  G(0, 0) = by_roll.x, G(0, 1) = by_pitch.x, G(0, 2) = up.x;
+  G(1, 0) = by_roll.y, G(1, 1) = by_pitch.y, G(1, 2) = up.y;
+  G(2, 0) = by_roll.z, G(2, 1) = by_pitch.z, G(2, 2) = up.z;
   const Vector3 increment = times_pseudo_inverse(G, missing);
 
   // thrust: what was asked for, through filter and actuator, plus the increment

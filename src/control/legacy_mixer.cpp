@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "util/three.hpp"
+
 namespace gustlab {
 
 LegacyMixer::LegacyMixer(const VehicleModel& vehicle) : count_(vehicle.rotor_count), pwm_(vehicle) {
@@ -23,7 +25,7 @@ RotorCommand LegacyMixer::speeds(double thrust_pwm, const Vector3& torque_pwm) c
   RotorArray pwm{};
   double above = 0.0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
-    pwm[i] = thrust_pwm + share_[i].dot(torque_pwm);
+    pwm[i] = thrust_pwm + dot(share_[i], torque_pwm);
     above = std::max(above, pwm[i] - PwmMap::full);
   }
   RotorCommand command;

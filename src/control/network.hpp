@@ -47,7 +47,9 @@ class Network {
 
  private:
   NetworkWeights weights_;
-  std::vector<Eigen::VectorXd> values_;  // of every layer, the normalised input first
+  std::vector<NetworkWeights::Layer> padded_;  // the same, rows filled up with zeros
+  std::vector<Eigen::VectorXd> values_;        // of every layer, the normalised input first
+  Eigen::VectorXd output_;
 };
 
 }  // namespace gustlab

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gustlab/types.hpp"
+#include "util/three.hpp"
 
 namespace gustlab {
 
@@ -16,7 +16,10 @@ inline Vector3 limited(const Vector3& value, const Vector3& limit) {
 }
 
 // an angle within (−π, π]
-inline double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * pi); }
+// std::remainder is slow, and seldom needed
+inline double wrapped(double angle_rad) {
+  return std::abs(angle_rad) < pi ? angle_rad : std::remainder(angle_rad, 2.0 * pi);
+}
 
 struct PidGains {
   Vector3 p = Vector3::Zero(), i = Vector3::Zero(), d = Vector3::Zero();
@@ -30,8 +33,10 @@ class Pid {
 
   // derivative: of the error, as the caller filtered it
   Vector3 update(const Vector3& error, const Vector3& derivative, double period_s) {
-    integral_ = limited(integral_ + error * period_s, gains_.integral_limit);
-    return gains_.p.cwiseProduct(error) + gains_.i.cwiseProduct(integral_) + gains_.d.cwiseProduct(derivative);
+    const Three sum = integral_ + period_s * Three(error), most = gains_.integral_limit;
+    const Three integral(limited(sum.x, most.x), limited(sum.y, most.y), limited(sum.z, most.z));
+    integral_ = integral;
+    return times(gains_.p, error) + times(gains_.i, integral) + times(gains_.d, derivative);
   }
   const Vector3& integral() const { return integral_; }
   // takes the last step of the integral back, for an output that met its limit

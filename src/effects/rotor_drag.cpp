@@ -3,6 +3,7 @@
 // F_i = −(at_hover / (N Ω_h)) Ω_i v_ip at hub i, torque r_i × F_i. Faessler, Franchi, Scaramuzza, RA-L 3(2) 2018,
 // doi 10.1109/LRA.2017.2776353; blade flapping and induced drag: Mahony, Kumar, Corke, RAM 19(3) 2012.
 #include "effects/effects.hpp"
+#include "util/three.hpp"
 
 namespace gustlab {
 
@@ -25,14 +26,18 @@ class RotorDrag final : public Effect {
 
   void wrench(const Flow& flow, const RotorSet& rotors, std::span<const double>, Wrench& total) const override {
     if (per_speed_ == 0.0) return;
-    for (int i = 0; i < rotors.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const Vector3 velocity = rotors.hub_velocity_B_mps(flow, i);
-      const Vector3 in_plane = velocity - rotors.axis_B[k].dot(velocity) * rotors.axis_B[k];
-      const Vector3 force = -per_speed_ * rotors.speed_radps[k] * in_plane;
-      total.force_B_N += force;
-      total.torque_B_Nm += rotors.hub_B_m[k].cross(force);
+    Three force_sum = total.force_B_N, torque_sum = total.torque_B_Nm;
+    const Three air = flow.air_velocity_B_mps, rate = flow.body_rate_B_radps;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rotors.count); ++i) {
+      const Three hub = rotors.hub_B_m[i], axis = rotors.axis_B[i];
+      const Three velocity = air + cross(rate, hub);
+      const Three in_plane = velocity - dot(axis, velocity) * axis;
+      const Three force = -per_speed_ * rotors.speed_radps[i] * in_plane;
+      force_sum = force_sum + force;
+      torque_sum = torque_sum + cross(hub, force);
     }
+    total.force_B_N = force_sum;
+    total.torque_B_Nm = torque_sum;
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "config/toml.hpp"
+#include "util/three.hpp"
 
 namespace gustlab {
 
@@ -80,10 +81,13 @@ Flow ForceModel::flow(const VehicleState& state, double voltage_V) const {
   Flow flow;
   flow.time_s = state.time_s;
   flow.position_W_m = state.position_W_m;
-  flow.R_WB = state.attitude_WB.toRotationMatrix();
+  const Matrix3& R_WB = flow.R_WB;
+  rotation_of(state.attitude_WB, flow.R_WB);
   flow.body_rate_B_radps = state.body_rate_B_radps;
-  flow.velocity_W_mps = state.velocity_W_mps + flow.R_WB * state.body_rate_B_radps.cross(vehicle_.center_of_mass_B_m);
-  flow.air_velocity_B_mps = flow.R_WB.transpose() * flow.velocity_W_mps;
+  const Three velocity_W_mps =
+      state.velocity_W_mps + rotated(R_WB, cross(state.body_rate_B_radps, vehicle_.center_of_mass_B_m));
+  flow.velocity_W_mps = velocity_W_mps;
+  flow.air_velocity_B_mps = rotated_back(R_WB, velocity_W_mps);
   flow.voltage_V = voltage_V;
   flow.speed_is_measured = speed_is_measured_;
   flow.vehicle = &vehicle_;
@@ -107,12 +111,13 @@ void ForceModel::rotors(const RotorArray& speed_radps, const RotorArray& acceler
 }
 
 Wrench ForceModel::wrench(const Flow& flow, const RotorSet& set, std::span<const double> state) const {
-  Wrench total;
+  Three force_B_N(0.0, 0.0, 0.0), torque_B_Nm(0.0, 0.0, 0.0);
   for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
-    const Vector3 thrust = set.thrust_N[i] * set.axis_B[i];
-    total.force_B_N += thrust;
-    total.torque_B_Nm += set.hub_B_m[i].cross(thrust) - set.direction[i] * set.reaction_Nm[i] * set.axis_B[i];
+    const Three axis = set.axis_B[i], thrust = set.thrust_N[i] * axis;
+    force_B_N = force_B_N + thrust;
+    torque_B_Nm = torque_B_Nm + (cross(set.hub_B_m[i], thrust) - set.direction[i] * set.reaction_Nm[i] * axis);
   }
+  Wrench total{force_B_N, torque_B_Nm};
   for (const Stateful& entry : wrench_) entry.effect->wrench(flow, set, slice(state, entry), total);
   return total;
 }
@@ -125,20 +130,19 @@ Wrench ForceModel::disturbance(const Flow& flow, const RotorSet& set, std::span<
 }
 
 Acceleration ForceModel::acceleration(const Flow& flow, const Wrench& wrench) const {
-  Acceleration result;
-  result.linear_W_mps2 = flow.R_WB * wrench.force_B_N / vehicle_.mass_kg;
-  result.linear_W_mps2.z() -= vehicle_.gravity_mps2;
-  const Vector3& rate = flow.body_rate_B_radps;
-  const Vector3 momentum = vehicle_.inertia_B_kgm2 * rate;
-  result.angular_B_radps2 = inverse_inertia_ * (wrench.torque_B_Nm - rate.cross(momentum));
-  return result;
+  const Three force_W_N = rotated(flow.R_WB, wrench.force_B_N), rate = flow.body_rate_B_radps;
+  const double mass = vehicle_.mass_kg;
+  const Three momentum = rotated(vehicle_.inertia_B_kgm2, rate);
+  return {Vector3(force_W_N.x / mass, force_W_N.y / mass, force_W_N.z / mass - vehicle_.gravity_mps2),
+          rotated(inverse_inertia_, wrench.torque_B_Nm - cross(rate, momentum))};
 }
 
 Vector3 ForceModel::specific_force_at_origin(const Flow& flow, const Wrench& wrench,
                                              const Vector3& angular_acceleration_B_radps2) const {
-  const Vector3& arm = vehicle_.center_of_mass_B_m;
-  const Vector3& rate = flow.body_rate_B_radps;
-  return wrench.force_B_N / vehicle_.mass_kg - angular_acceleration_B_radps2.cross(arm) - rate.cross(rate.cross(arm));
+  const Three arm = vehicle_.center_of_mass_B_m, rate = flow.body_rate_B_radps, force = wrench.force_B_N;
+  const double mass = vehicle_.mass_kg;
+  return Three(force.x / mass, force.y / mass, force.z / mass) - cross(angular_acceleration_B_radps2, arm) -
+         cross(rate, cross(rate, arm));
 }
 
 void ForceModel::advance(const Flow& flow, const RotorSet& set, const Wrench& wrench, std::span<double> state) const {

@@ -8,7 +8,9 @@
 #include <mutex>
 
 #include "gustlab/errors.hpp"
+#include "plant/bias_force.hpp"
 #include "plant/mujoco.hpp"
+#include "util/three.hpp"
 
 namespace gustlab {
 
@@ -91,19 +93,32 @@ bool is_sound(const mjtNum* values, int count) {
   return std::all_of(values, values + count, [](mjtNum value) { return std::abs(value) <= mjMAXVAL; });
 }
 
-// What mj_step does to a free body that nothing touches, by MuJoCo's own parts and to the same bits. What such a body has not got is not
+// Along the axes of its inertia a body's mass matrix is the same in every attitude, and what resists without acceleration has a short form.
+void resist_simply(const mjModel* model, mjData* data) {
+  Matrix3 R_WB;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) R_WB(row, column) = data->xmat[9 + 3 * row + column];
+  const BiasForce bias = bias_force({model->body_mass[1], Vector3(model->body_inertia + 3), -model->opt.gravity[2]},
+                                    Vector3(data->xipos + 3), R_WB, Vector3(data->qvel), Vector3(data->qvel + 3));
+  mju_copy3(data->qfrc_bias, bias.force_W_N.data());
+  mju_copy3(data->qfrc_bias + 3, bias.torque_B_Nm.data());
+}
+
+void resist(const mjModel* model, mjData* data) {
+  mj_comPos(model, data);
+  mj_makeM(model, data);
+  mj_factorM(model, data);
+  mj_comVel(model, data);
+  mj_rne(model, data, 0, data->qfrc_bias);
+}
+
+// What mj_step does to a free body that nothing touches, by MuJoCo's own parts or to their bits. What such a body has not got is not
 // looked for: constraints, actuators, passive forces, sensors. false: a number was not finite, or beyond any reason.
 bool step_free_body(const mjModel* model, mjData* data) {
   bool sound = is_sound(data->qpos, 7) && is_sound(data->qvel, 6);
   mj_kinematics(model, data);
-  mj_comPos(model, data);
-  // along the axes of its inertia a body's mass matrix is the same in every attitude
-  if (model->body_simple[1] == 0) {
-    mj_makeM(model, data);
-    mj_factorM(model, data);
-  }
-  mj_comVel(model, data);
-  mj_rne(model, data, 0, data->qfrc_bias);
+  if (model->body_simple[1] != 0) resist_simply(model, data);
+  else resist(model, data);
   mj_fwdAcceleration(model, data);
   sound = sound && is_sound(data->qacc_smooth, 6);
   mju_copy(data->qacc_warmstart, data->qacc_smooth, 6);
@@ -124,13 +139,17 @@ bool step_with_contacts(const mjModel* model, mjData* data) {
 
 struct RigidBody::Impl {
   Vector3 center_of_mass_B_m;
+  bool centered;  // it is the body's origin
   World air;
   std::unique_ptr<World> ground;  // nullptr: no ground in this environment
   double ground_below_m = 0.0;    // the twin flies below this height of the centre of mass
   World* flying;
 
   Impl(const VehicleModel& vehicle, double step_s)
-      : center_of_mass_B_m(vehicle.center_of_mass_B_m), air(vehicle, step_s, false), flying(&air) {
+      : center_of_mass_B_m(vehicle.center_of_mass_B_m),
+        centered(center_of_mass_B_m.isZero(0.0)),
+        air(vehicle, step_s, false),
+        flying(&air) {
     if (!vehicle.environment.ground_z_m || vehicle.shapes.empty()) return;
     ground = std::make_unique<World>(vehicle, step_s, true);
     double reach_m = 0.0;
@@ -173,7 +192,8 @@ const double* RigidBody::load(const double* in) {
 
 bool RigidBody::step(const Flow& flow, const Wrench& wrench, VehicleState& state) {
   const Vector3& arm = impl_->center_of_mass_B_m;
-  const Vector3 position_W_m = state.position_W_m + flow.R_WB * arm;
+  Vector3 position_W_m = state.position_W_m;
+  if (!impl_->centered) position_W_m += flow.R_WB * arm;
   // the twin with the floor flies near the ground
   if (impl_->ground) {
     World* wanted = position_W_m.z() < impl_->ground_below_m ? impl_->ground.get() : &impl_->air;
@@ -187,16 +207,20 @@ bool RigidBody::step(const Flow& flow, const Wrench& wrench, VehicleState& state
   Eigen::Map<Eigen::Vector4d>(data->qpos + 3) << q.w(), q.vec();
   Eigen::Map<Vector3>(data->qvel) = flow.velocity_W_mps;
   Eigen::Map<Vector3>(data->qvel + 3) = state.body_rate_B_radps;
-  Eigen::Map<Vector3>(data->qfrc_applied) = flow.R_WB * wrench.force_B_N;
+  Eigen::Map<Vector3>(data->qfrc_applied) = Vector3(rotated(flow.R_WB, wrench.force_B_N));
   Eigen::Map<Vector3>(data->qfrc_applied + 3) = wrench.torque_B_Nm;
   const mjModel* model = impl_->flying->model.get();
   const bool sound = impl_->flying == &impl_->air ? step_free_body(model, data) : step_with_contacts(model, data);
 
   state.attitude_WB = Quaternion(data->qpos[3], data->qpos[4], data->qpos[5], data->qpos[6]);
   state.body_rate_B_radps = Eigen::Map<const Vector3>(data->qvel + 3);
-  const Matrix3 R_WB = state.attitude_WB.toRotationMatrix();
-  state.position_W_m = Eigen::Map<const Vector3>(data->qpos) - R_WB * arm;
-  state.velocity_W_mps = Eigen::Map<const Vector3>(data->qvel) - R_WB * state.body_rate_B_radps.cross(arm);
+  state.position_W_m = Eigen::Map<const Vector3>(data->qpos);
+  state.velocity_W_mps = Eigen::Map<const Vector3>(data->qvel);
+  if (!impl_->centered) {
+    const Matrix3 R_WB = state.attitude_WB.toRotationMatrix();
+    state.position_W_m -= R_WB * arm;
+    state.velocity_W_mps -= R_WB * state.body_rate_B_radps.cross(arm);
+  }
   return sound &&
          std::isfinite(data->qpos[0] + data->qpos[1] + data->qpos[2] + data->qvel[3] + data->qvel[4] + data->qvel[5]);
 }

@@ -116,7 +116,10 @@ TEST(Ground, StepInTheAirIsThatOfMuJoCoToTheBit) {
     Plant a = make_plant(low, low.effects), b = make_plant(high, high.effects);
     for (int i = 0; i < 2000; ++i) {
       VehicleState state = a.state();
-      state.position_W_m = Vector3(0.1, 0.2, 0.06);
+      // near and far, at rest and fast: what is rounded depends on it
+      const double far_m = std::pow(10.0, i % 7 - 3), speed_mps = i % 3 == 0 ? 0.0 : std::pow(10.0, i % 5 - 3);
+      state.position_W_m = Vector3(far_m * std::sin(i), far_m * std::cos(3 * i), 0.06);
+      state.velocity_W_mps = speed_mps * Vector3(std::cos(i), std::sin(2 * i), std::cos(5 * i));
       if (i % 50 == 0) {
         state.attitude_WB = Quaternion(Eigen::AngleAxisd(0.3, Vector3(std::sin(i), std::cos(i), 0.0)));
         state.body_rate_B_radps = Vector3(0.3, -0.4, 0.5);
