@@ -21,7 +21,7 @@ namespace gustlab {
 namespace {
 
 struct NewArguments {
-  std::string mass, arm, prop, layout, px4_log, out = "my_vehicle";
+  std::string mass, arm, prop, layout, log, out = "my_vehicle";
   std::optional<double> thrust_to_weight, hover, throttle_curve;
 };
 
@@ -76,7 +76,7 @@ void take_hubs(const nlohmann::json& said, const NewArguments& options, NewVehic
   wanted.hubs_source = said["hubs_source"];
   if (options.arm.empty()) {
     if (!said["metres"])
-      throw ConfigError(fmt::format("--arm is missing: {} has the proportions of the airframe only", options.px4_log));
+      throw ConfigError(fmt::format("--arm is missing: {} has the proportions of the airframe only", options.log));
     wanted.hubs_source += " (m)";
     return;
   }
@@ -86,8 +86,8 @@ void take_hubs(const nlohmann::json& said, const NewArguments& options, NewVehic
 }
 
 // what the log says, where the user does not say otherwise
-void take_px4_log(const NewArguments& options, NewVehicle& wanted) {
-  const nlohmann::json said = nlohmann::json::parse(output_of_script("px4_vehicle.py", {options.px4_log}));
+void take_log(const NewArguments& options, NewVehicle& wanted) {
+  const nlohmann::json said = nlohmann::json::parse(output_of_script("log_vehicle.py", {options.log}));
   if (!said["hubs"].is_null() && options.layout.empty()) take_hubs(said, options, wanted);
   if (!wanted.thrust_to_weight && !wanted.hover) wanted.hover = sourced(said, "hover");
   if (!wanted.throttle_curve) wanted.throttle_curve = sourced(said, "throttle_curve");
@@ -103,7 +103,7 @@ NewVehicle wanted_vehicle(const NewArguments& options) {
   if (options.thrust_to_weight) wanted.thrust_to_weight = Sourced{*options.thrust_to_weight, "given"};
   if (options.hover) wanted.hover = Sourced{*options.hover, "given"};
   if (options.throttle_curve) wanted.throttle_curve = Sourced{*options.throttle_curve, "given"};
-  if (!options.px4_log.empty()) take_px4_log(options, wanted);
+  if (!options.log.empty()) take_log(options, wanted);
   if (!wanted.hubs.empty()) return wanted;
   if (options.arm.empty())
     throw ConfigError("--arm is missing: the distance from the centre to a motor, with its unit, for example 0.25m");
@@ -201,7 +201,7 @@ void add_new(CLI::App& group) {
   for (const Layout& layout : layouts()) names.emplace_back(layout.name);
   command->add_option("--mass", options->mass, "of the whole vehicle, with its unit: 1.2kg, 650g")->required();
   command->add_option("--arm", options->arm,
-                      "from the centre to a motor, with its unit: 0.25m, 110mm (not needed where --from-px4 tells it)");
+                      "from the centre to a motor, with its unit: 0.25m, 110mm (not needed where --from-log tells it)");
   command->add_option(
       "--prop", options->prop,
       "diameter of a propeller, with its unit: 10in (default: estimated from the distance of the motors)");
@@ -216,8 +216,8 @@ void add_new(CLI::App& group) {
       ->check(number_up_to(1.0));
   command->add_option("--layout", options->layout,
                       fmt::format("{} (default: the log's, or x)", fmt::join(names, " | ")));
-  command->add_option("--from-px4", options->px4_log,
-                      "a PX4 log: places and directions of the rotors, hover throttle, throttle curve");
+  command->add_option("--from-log,--from-px4", options->log,
+                      "a log of PX4 or ArduPilot: places and directions of the rotors, hover throttle, throttle curve");
   command->add_option("--out", options->out, "folder of the vehicle; its name is the vehicle's")->capture_default_str();
   command->callback([options] { make_new(*options); });
 }

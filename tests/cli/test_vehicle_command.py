@@ -100,6 +100,17 @@ class NewVehicle(InFolder):
         self.assertEqual((done.returncode, done.stdout), (3, ""))
         self.assertIn("not of a multicopter", done.stderr)
 
+    def test_ardupilot_logs_tell_the_same(self):
+        folder = os.environ.get("GUSTLAB_FLIGHTS")
+        if not folder:
+            self.skipTest("GUSTLAB_FLIGHTS is not set")
+        logs = Path(folder) / "logs"
+        vehicle = self.new("vehicle", "new", "--mass", "2kg", "--arm", "30cm", "--from-log", str(logs / "ardupilot_rtl_51s.bin"))
+        # the autopilot's own estimate is MOT_THST_HOVER 0.2096, before it divides by the density of the air, 0.97
+        self.assertAlmostEqual(vehicle["thrust"]["hover"], 0.2096 / 0.97, delta=0.004)
+        self.assertEqual(vehicle["actuator"]["throttle_curve"], 0)
+        self.assertEqual([rotor["direction"] for rotor in vehicle["rotor"]], ["ccw", "ccw", "cw", "cw"])
+
     def test_the_same_numbers_give_the_same_bytes(self):
         self.new(*NEW)
         first = [path.read_bytes() for path in sorted((self.folder / "mine").iterdir())]

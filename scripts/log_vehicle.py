@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints what a PX4 log says of its vehicle, as JSON: for `gustlab vehicle new --from-px4 LOG`.
+"""Prints what a PX4 or ArduPilot log says of its vehicle, as JSON: for `gustlab vehicle new --from-log LOG`.
 
 Hubs [m or in units of the arm, x forward, y left, z up], hover throttle, throttle curve and torque ratio, each with its source.
 """
@@ -9,8 +9,13 @@ import argparse
 import json
 import math
 import sys
+from pathlib import Path
 
 import numpy as np
+from gustlab_import.problems import ImportFailure
+from gustlab_import.read_mavlink import read_dataflash
+from gustlab_import.read_ulog import read_ulog
+from gustlab_import.segments import split
 from pyulog import ULog
 
 KM_DEFAULT = 0.05       # PX4's default moment ratio CA_ROTORn_KM, which says nothing of a vehicle
@@ -47,6 +52,27 @@ def hover(log):
     return None
 
 
+def hover_of_flights(recording):
+    """median command over the times in the air, where these are long enough; None otherwise"""
+    inputs, flights = recording.streams.get("u"), split(recording)[0]
+    seconds = sum(b - a for a, b in flights)
+    if inputs is None or seconds < LEAST_HOVER_S:
+        return None
+    means = np.concatenate([np.nanmean(inputs.between(*span).values, axis=1) for span in flights])
+    return {"value": round(float(np.nanmedian(means)), 4), "source": f"median of the motors' commands over {seconds:.0f} s in the air"}
+
+
+def of_ardupilot(path):
+    recording = read_dataflash(path)
+    if recording.no_flight:
+        sys.exit(f"{path}: not of a multicopter ({recording.no_flight})")
+    source = recording.streams["u"].source if "u" in recording.streams else ""
+    places = [{"position_B_m": [rotor.x, rotor.y, 0.0], "counter_clockwise": rotor.direction > 0} for rotor in recording.rotors]
+    return {"hubs": places or None, "hubs_source": f"the log's FRAME_CLASS and FRAME_TYPE ({recording.airframe})", "metres": False,
+            "hover": hover_of_flights(recording), "torque_ratio_m": None,
+            "throttle_curve": {"value": 0.0, "source": f"import reads {source}"} if "as shares of thrust" in source else None}
+
+
 def curve(parameters):
     """f of thrust ~ f u^2 + (1 - f) u for u = actuator_motors; None where the log does not say"""
     factor = float(parameters.get("THR_MDL_FAC", 0.0))
@@ -62,12 +88,9 @@ def torque_ratio(parameters):
     return {"value": round(sum(ratios) / len(ratios), 6), "source": "the log's parameters CA_ROTORn_KM"}
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("log", metavar="LOG.ulg")
-    path = parser.parse_args().log
+def of_px4(path):
     try:
-        log = ULog(path, ["hover_thrust_estimate"], disable_str_exceptions=True)
+        log = ULog(str(path), ["hover_thrust_estimate"], disable_str_exceptions=True)
     except OSError as error:
         sys.exit(f"{path}: cannot read ({error.strerror})")
     except Exception as error:  # noqa: BLE001 (pyulog raises whatever a broken file leads to)
@@ -77,9 +100,19 @@ def main():
     if kind not in MULTICOPTERS or int(parameters.get("CA_AIRFRAME", 0)) != 0:
         sys.exit(f"{path}: not of a multicopter (MAV_TYPE is {kind}, CA_AIRFRAME {int(parameters.get('CA_AIRFRAME', 0))})")
     found = hubs(parameters)
-    said = {"hubs": found and found[0], "hubs_source": found and found[1], "metres": bool(found and found[2]), "hover": hover(log),
-            "throttle_curve": curve(parameters), "torque_ratio_m": torque_ratio(parameters)}
-    print(json.dumps(said))
+    return {"hubs": found and found[0], "hubs_source": found and found[1], "metres": bool(found and found[2]),
+            "hover": hover(log) or hover_of_flights(read_ulog(path)), "throttle_curve": curve(parameters), "torque_ratio_m": torque_ratio(parameters)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("log", metavar="LOG", type=Path)
+    path = parser.parse_args().log
+    try:
+        dataflash = path.is_file() and path.read_bytes()[:4].startswith((b"\xa3\x95", b"FMT,"))
+        print(json.dumps(of_ardupilot(path) if dataflash else of_px4(path)))
+    except (ImportFailure, OSError) as failure:
+        sys.exit(str(failure))
 
 
 if __name__ == "__main__":
