@@ -27,6 +27,8 @@ double median_step(const std::vector<double>& time) {
 
 // one flight while it is looked at
 class Checker {
+  using Names = std::vector<const char*>;
+
  public:
   Checker(FlightLog& log, const VehicleModel& vehicle)
       : log_(log),
@@ -44,7 +46,11 @@ class Checker {
     if (aside_) return std::move(found_);
     for (const char* name : {"px", "py", "pz"}) leaps(name);
     if (aside_) return std::move(found_);
-    for (const char* name : {"px", "py", "pz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "ax", "ay", "az"}) held(name);
+    for (const Names& names :
+         {Names{"px", "py", "pz"}, Names{"qw", "qx", "qy", "qz"}, Names{"wx", "wy", "wz"}, Names{"ax", "ay", "az"}}) {
+      for (const char* name : names) frozen(name);
+      held(names);
+    }
     voltage();
     sensors();
     return std::move(found_);
@@ -277,8 +283,8 @@ class Checker {
         many);
   }
 
-  // forward-filled samples are no samples; a column that never moves is none at all
-  void held(const char* name) {
+  // a column that never moves is no sample at all, one that stands still is none there
+  void frozen(const char* name) {
     auto* c = column(name);
     if (!c) return;
     const std::vector<std::size_t> rows = sampled_rows(*c);
@@ -292,26 +298,44 @@ class Checker {
       run = same ? run + 1 : 0;
       if (run >= fewest_repeats) still = std::max(still, between(rows[i - run], rows[i]));
     }
-    const double share = static_cast<double>(repeats) / static_cast<double>(rows.size() - 1);
-    if (share > 0.999) {
+    if (static_cast<double>(repeats) > 0.999 * static_cast<double>(rows.size() - 1)) {
       add(name, "frozen", 0, c->size(), "never changes: not used");
       std::fill(c->begin(), c->end(), nan);
-      return;
-    }
-    if (share > 0.25)
-      add(name, "held", 0, c->size(),
-          fmt::format("{:.0f} % of its samples repeat the one before (forward-filled): only new ones are used",
-                      100.0 * share));
-    else if (still.lasts_s > 0.25)
+    } else if (still.lasts_s > 0.25) {
       add(name, "frozen", still.first, still.last + 1,
           fmt::format("stands still for {:.2f} s: not used there", still.lasts_s));
-    else return;
-    double last = nan;
-    for (const std::size_t k : rows) {
-      const double now = (*c)[k];
-      if (now == last) (*c)[k] = nan;
-      last = now;
+      double last = nan;
+      for (const std::size_t k : rows) {
+        const double now = (*c)[k];
+        if (now == last) (*c)[k] = nan;
+        last = now;
+      }
     }
+  }
+
+  // forward-filled samples are no samples: all columns of a sensor repeat at once, while coarse values repeat one by one
+  void held(const Names& names) {
+    std::vector<std::vector<double>*> columns;
+    for (const char* name : names)
+      if (auto* c = column(name); c && !sampled_rows(*c).empty()) columns.push_back(c);
+    if (columns.empty()) return;
+    std::vector<std::size_t> repeated;
+    std::size_t count = 0, last = 0;
+    for (std::size_t k = 0; k < log_.rows(); ++k) {
+      const auto all = [&](const auto& holds) { return std::all_of(columns.begin(), columns.end(), holds); };
+      if (!all([&](const auto* c) { return std::isfinite((*c)[k]); })) continue;
+      if (count++ > 0 && all([&](const auto* c) { return (*c)[k] == (*c)[last]; })) repeated.push_back(k);
+      last = k;
+    }
+    const double share = static_cast<double>(repeated.size()) / static_cast<double>(count);
+    if (count <= 20 || share <= 0.25) return;
+    for (const char* name : names)
+      if (column(name))
+        add(name, "held", 0, log_.rows(),
+            fmt::format("{:.0f} % of its samples repeat the one before (forward-filled): only new ones are used",
+                        100.0 * share));
+    for (auto* c : columns)
+      for (const std::size_t k : repeated) (*c)[k] = nan;
   }
 
   void voltage() {

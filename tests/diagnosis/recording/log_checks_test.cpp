@@ -91,14 +91,24 @@ TEST(LogChecksOfSlowColumns, FindColumnsThatStandStill) {
   log = at_own_rates(test::hover);
   change(log, "py", [](double value, double before, int i) { return i > 30 && i <= 50 ? before : value; });
   EXPECT_THAT(says(log), ElementsAre("py stands still for 1.60 s: not used there"));
+}
 
-  log = at_own_rates(test::hover);
-  change(log, "ax", [](double value, double before, int i) { return i % 2 == 1 ? before : value; });
-  EXPECT_THAT(says(log), ElementsAre(HasSubstr("ax 50 % of its samples repeat the one before")));
+TEST(LogChecksOfSlowColumns, FindForwardFilledSensorsButNotCoarseOnes) {
+  FlightLog log = at_own_rates(test::hover);
+  for (const char* name : accelerometer)
+    change(log, name, [](double value, double before, int i) { return i % 2 == 1 ? before : value; });
+  EXPECT_THAT(says(log), ElementsAre(HasSubstr("ax 50 % of its samples repeat the one before"), HasSubstr("ay 50 %"),
+                                     HasSubstr("az 50 %")));
   check_log(log, racer());
   const auto& left = column(log, "ax");
   const auto samples = std::count_if(left.begin(), left.end(), [](double v) { return std::isfinite(v); });
   EXPECT_EQ(samples, static_cast<std::ptrdiff_t>(log.rows() / 4));
+
+  // a gyro in whole degrees per second repeats each of its values half of the time, and seldom all three
+  log = at_own_rates(test::hover);
+  for (const char* name : gyro)
+    change(log, name, [](double value, double, int) { return std::round(value / 0.0175) * 0.0175; });
+  EXPECT_THAT(says(log), IsEmpty());
 }
 
 TEST(LogChecksOfSlowColumns, CompareAGyroWithAttitudesOfOtherRows) {
