@@ -157,6 +157,11 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
                     "told from those of the filter, "
                     "which the commands did not pass",
                     1e3 * decisions::filter_lag_s));
+  if (session.catalogue().commands_are_slow())
+    reading.remarks.notes.emplace_back(
+        "the commands were logged at a lower rate than the motion: how much torque in roll and pitch the loop added "
+        "between them is "
+        "fitted beside all else, and what roll and pitch alone would show (inertia, damping) is not told");
   tell(options, "choosing effects", 0.1);
   Selection selection = select_effects(session, {});
   tell(options, "testing them on other flights", 0.5);
@@ -272,7 +277,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   out.flights.insert(out.flights.end(), fitted.used.begin(), fitted.used.end());
 
   // what only commands show depends on those that were not logged
-  if (aligned.commands_jitter && !aligned.reading.forces_only)
+  if (aligned.thrust_jitters || (aligned.commands_jitter && !aligned.attitude))
     suspect(out, "only suspected: the commands were sampled from a faster loop",
             [](const EffectFinding& effect) { return !find_effect(effect.effect)->commanded; });
 

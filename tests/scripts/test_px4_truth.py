@@ -43,7 +43,7 @@ replicates = 2
 duration_s = 30
 step_s = 0.002
 [controller.geometric]
-rate_hz = 500
+rate_hz = 100
 [[effect]]
 type = "gust"
 sigma_xy = 0.3

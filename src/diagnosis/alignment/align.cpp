@@ -51,7 +51,7 @@ bool thrust_is_smooth(const std::vector<FlightData>& flights) {
 // commands tell forces alone
 void keep_total_thrust(Aligned& aligned) {
   aligned.reading.forces_only = true;
-  for (auto* logs : {&aligned.fit, &aligned.holdout})
+  for (auto* logs : {&aligned.fit, &aligned.holdout, &aligned.reference})
     for (FlightLog& log : *logs) log = with_total_thrust(std::move(log), aligned.vehicle);
 }
 
@@ -105,7 +105,8 @@ Aligned align(const Recordings& recordings) {
   out.offset_s = command_offsets(out.raw_fit, out.raw_holdout, out.vehicle, findings);
   out.commands_jitter = out.hold_unknown && find_jitter(out.raw_fit, findings);
   // the sum of the commands jitters less than their differences: it tells of the forces
-  if (out.commands_jitter && out.attitude && thrust_is_smooth(out.raw_fit)) {
+  out.thrust_jitters = out.commands_jitter && !thrust_is_smooth(out.raw_fit);
+  if (out.commands_jitter && !out.thrust_jitters && out.attitude) {
     keep_total_thrust(out);
     out.remarks.notes.emplace_back("the commanded torques are not known between samples: only forces are judged");
   }

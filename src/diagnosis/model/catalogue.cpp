@@ -195,7 +195,8 @@ void Catalogue::add_biases(int flights) {
 }
 
 void Catalogue::add_command_surprise() {
-  for (int p = 0; p < Surprise::RowsAtCompileTime; ++p) {
+  constexpr int innovations = loop_between_of - command_surprise_of;
+  for (int p = 0; p < (seen_.slow_commands ? static_cast<int>(Surprise::RowsAtCompileTime) : innovations); ++p) {
     Column surprise;
     surprise.parameter = command_surprise_of + p;
     surprise.name = fmt::format("command_surprise_{}", p);

@@ -13,14 +13,15 @@ namespace gustlab::diagnosis {
 
 // Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims, a clock, and how much
 // less the commands were smoothed than the motion. Elsewhere, of all flights: coefficients of what was not foretold of the
-// commands (command_surprise.hpp).
+// commands, and of what the loop did between two of them (command_surprise.hpp).
 enum Nuisance : int {
   rate_bias = 0,
   force_bias = 3,
   torque_trim = 6,
   command_clock = 9,
   command_smoothing = 10,
-  command_surprise_of = 11
+  command_surprise_of = 11,
+  loop_between_of = 19
 };
 
 // One number that may be fitted.
@@ -34,7 +35,10 @@ struct Column {
   double tolerance = 0.0, estimate_tolerance = 0.0;  // the latter where errors of the sensors last
   double min = 0.0, max = 0.0;
   double nominal = 0.0;  // value in the vehicle file
-  bool of_surprise() const { return group < 0 && parameter >= command_surprise_of; }
+  // coefficient of the commands' innovation
+  bool of_surprise() const { return group < 0 && parameter >= command_surprise_of && parameter < loop_between_of; }
+  // of what the loop did between two commands that were logged
+  bool of_loop_between() const { return group < 0 && parameter >= loop_between_of; }
   // a little beyond a bound is noise
   bool admits(double value) const { return value >= min - 0.02 * natural && value <= max + 0.02 * natural; }
 };
@@ -82,6 +86,7 @@ class Catalogue {
     bool voltage = false;
     bool trims = false;      // torque trims and command clocks are free in every flight
     bool smoothing = false;  // and how much less the commands were smoothed
+    bool slow_commands = false;
     bool tells(Need need) const { return (told & need) != Need::nothing; }
   };
   Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen);
@@ -90,6 +95,8 @@ class Catalogue {
   const std::vector<Column>& columns() const { return columns_; }
   // lags and delays up to decisions::filter_lag_s may be a filter's
   bool filter_feigns_lags() const { return seen_.smoothing; }
+  // what the loop did between two of them is a nuisance (command_surprise.hpp)
+  bool commands_are_slow() const { return seen_.slow_commands && !seen_.trims && seen_.tells(Need::torque); }
   // why an effect of the registry is not among the candidates; empty when it is
   std::string why_left_out(const EffectRow& row) const;
   int size() const { return static_cast<int>(columns_.size()); }

@@ -16,6 +16,12 @@ namespace gustlab::diagnosis {
 // Per sample, of the acceleration that the rotors cause until the next (roll, pitch, yaw [rad/s²], along the body's z [m/s²]): what a
 // regression on all that was logged until then does not say, and what is remembered of that for as long as air lasts: it tells of the
 // vehicle's rates and of the disturbance. Empty where torques are not known.
+//
+// Commands that were logged at a lower rate than the motion are regressed from command to command. Between two of them the loop
+// went on and answered the motion: the mean of what it added is about a multiple of the body's rates, which has coefficients of its own.
 std::vector<Surprise> command_surprise(const FlightData& flight);
+
+// Whether commands drive the rotors that were logged at a lower rate than the motion, and the log does not say that they were held.
+bool commands_are_slower(const FlightData& flight);
 
 }  // namespace gustlab::diagnosis

@@ -239,11 +239,12 @@ class Lineariser {
     add(ColumnFrom::speed_limit, !flight_.limit_change.empty(), [&](std::size_t k) { return flight_.limit_change[k]; });
     for (int c = 0; c < catalogue_.size() && !flight_.surprise.empty(); ++c) {
       const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-      if (!column.of_surprise()) continue;
+      if (!column.of_surprise() && !column.of_loop_between()) continue;
       const int p = column.parameter - command_surprise_of;
-      histories_.push_back({c, [&, p](std::size_t k) {
+      histories_.push_back({c, [&, p, between = column.of_loop_between()](std::size_t k) {
                               Push push = Push::Zero();
-                              if (p % 4 < 3) push[3 + p % 4] = flight_.surprise[k][p];
+                              if (between) push[3 + p % 2] = flight_.surprise[k][p];
+                              else if (p % 4 < 3) push[3 + p % 4] = flight_.surprise[k][p];
                               else push.head<3>() = flight_.surprise[k][p] * out_.R_WB[k].col(2);
                               return push;
                             }});

@@ -10,20 +10,30 @@ namespace {
 
 using OfRotor = std::function<double(const Rotor&, const VehicleModel&)>;
 
-// white share of a sum over rotors of squared speeds, each times its weight
-double white_share(const FlightData& flight, const OfRotor& weight) {
-  if (flight.collective_only || flight.commands.empty() || flight.samples.size() < 200) return 0.0;
-  const VehicleModel& vehicle = flight.vehicle;
-  constexpr double slow_s = 2.0, instant_s = 1e-5;
-  const auto half = static_cast<std::size_t>(0.5 * slow_s / flight.sample_s);
-  std::vector<double> total;
-  for (const Sample& sample : flight.samples) {
-    const RotorArray speed = flight.commands.mean(sample.time_s, sample.time_s + instant_s);
+// Sum over rotors of squared speeds, each times its weight, at every new command: other columns may be logged faster.
+std::vector<double> sums_at_commands(const FlightData& flight, const OfRotor& weight) {
+  const auto& rows = flight.commands.speed_radps();
+  const auto rotors = static_cast<std::size_t>(flight.vehicle.rotor_count);
+  std::vector<double> sums;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double time_s = flight.commands.time_s()[k];
+    const bool flown = time_s >= flight.start_s && time_s <= flight.start_s + flight.duration_s();
+    if (!flown || (k > 0 && rows[k] == rows[k - 1])) continue;
     double sum = 0.0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
-      sum += weight(vehicle.rotors[i], vehicle) * std::pow(speed[i], 2);
-    total.push_back(sum);
+    for (std::size_t i = 0; i < rotors; ++i)
+      sum += weight(flight.vehicle.rotors[i], flight.vehicle) * std::pow(rows[k][i], 2);
+    sums.push_back(sum);
   }
+  return sums;
+}
+
+// white share of such a sum
+double white_share(const FlightData& flight, const OfRotor& weight) {
+  if (flight.collective_only || flight.commands.empty()) return 0.0;
+  const std::vector<double> total = sums_at_commands(flight, weight);
+  if (total.size() < 200) return 0.0;
+  constexpr double slow_s = 2.0;
+  const auto half = static_cast<std::size_t>(0.5 * slow_s * static_cast<double>(total.size()) / flight.duration_s());
   // what is slower than the window's mean is trim
   double variance = 0.0, running = 0.0;
   for (std::size_t k = 0; k < 2 * half + 1 && k < total.size(); ++k) running += total[k];

@@ -50,6 +50,9 @@ class CommandRecord final {
   // The same record as a filter would leave it whose kernel has this variance; negative: as it was before such a filter.
   void smooth(double variance_s2);
   bool empty() const { return time_s_.empty(); }
+  // Rows as they were logged.
+  const std::vector<double>& time_s() const { return time_s_; }
+  const std::vector<RotorArray>& speed_radps() const { return value_; }
 
  private:
   RotorArray integral(double time_s) const;
@@ -63,8 +66,9 @@ class CommandRecord final {
 // Standard deviation of white noise on a series, from its third differences (robust): median|Δ³y| / (0.6745 √20).
 double third_difference_noise(const std::vector<double>& values);
 
-// What was not foretold of the rotors' acceleration, and its memory: each roll, pitch, yaw [rad/s²], along the body's z [m/s²].
-using Surprise = Eigen::Matrix<double, 8, 1>;
+// What was not foretold of the rotors' acceleration, and its memory: each roll, pitch, yaw [rad/s²], along the body's z [m/s²]; where
+// commands are slower than the motion also roll and pitch of the body's rates [rad/s] and of the rotors' acceleration [rad/s²].
+using Surprise = Eigen::Matrix<double, 12, 1>;
 
 // Gyro and accelerometer behind the pose, see sensor_lateness.hpp.
 struct SensorLateness {

@@ -161,9 +161,9 @@ class Selector {
   // are tried at some latencies, and the likeliest is where the fit begins.
   void start_latency(const std::vector<int>& groups, const std::vector<int>& columns, Eigen::VectorXd& value) {
     if (!forces_alone()) return;
-    for (const Latency kind : {Latency::delay, Latency::lag}) {
-      const int late = catalogue_.find(Place::actuation, kind);
-      if (late < 0 || std::find(groups.begin(), groups.end(), late) == groups.end()) continue;
+    const auto [lag, delay] = latencies();
+    for (const int late : {delay, lag}) {
+      if (std::find(groups.begin(), groups.end(), late) == groups.end()) continue;
       Eigen::VectorXd best = value;
       double least = std::numeric_limits<double>::infinity();
       for (const double later_s : {0.0, 0.02, 0.04, 0.08}) {

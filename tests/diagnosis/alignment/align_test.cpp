@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <random>
+
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
@@ -36,6 +38,35 @@ void command_early(const std::string& path) {
     if (c.name[0] == 'u')
       for (std::size_t k = 0; k + 1 < c.values.size(); ++k)
         c.values[k] = c.values[std::min(k + shift, c.values.size() - 1)];
+  write_flight_log(log, path);
+}
+
+// of the commands of a faster loop each row has one
+void sample_jitter(const DiagnoseOptions& trial) {
+  for (const auto* paths : {&trial.fit, &trial.holdout})
+    for (const std::string& path : *paths) {
+      FlightLog log = read_flight_log(path);
+      log.meta.hold = Hold::unknown;
+      std::mt19937 random(7);
+      std::normal_distribution<double> normal(0.0, 80.0);  // rad/s
+      for (std::size_t k = 0; k < log.time_s.size(); ++k) {
+        const double all = normal(random);
+        for (LogColumn& c : log.columns)
+          if (c.name[0] == 'u') {
+            c.values[k] += normal(random) + 3.0 * all;
+          }
+      }
+      write_flight_log(log, path);
+    }
+}
+
+// the commands' clock falls behind in the second half
+void command_late_halfway(const std::string& path) {
+  FlightLog log = read_flight_log(path);
+  const auto shift = static_cast<std::size_t>(std::lround(0.12 / (log.time_s[1] - log.time_s[0])));
+  for (LogColumn& c : log.columns)
+    if (c.name[0] == 'u')
+      for (std::size_t k = c.values.size(); k-- > c.values.size() / 2;) c.values[k] = c.values[k - shift];
   write_flight_log(log, path);
 }
 
@@ -74,6 +105,18 @@ TEST(Align, JudgesOffsetsInTheRotorOrderThatTheFlightsShow) {
   EXPECT_EQ(found.offset_s[0], 0.0);
   EXPECT_NEAR(found.offset_s[1], later_s, 0.004);
   EXPECT_EQ(found.offset_s[2], 0.0);
+}
+
+// forces alone for another reason do not make a thrust known that jitters
+TEST(Align, SaysThatTheThrustJittersWhereTheClocksAreApartToo) {
+  const TemporaryFolder folder;
+  const DiagnoseOptions trial = flown(folder);
+  command_late_halfway(trial.fit[0]);
+  sample_jitter(trial);
+  const Aligned found = aligned(trial);
+  EXPECT_TRUE(found.reading.forces_only);
+  EXPECT_TRUE(found.commands_jitter);
+  EXPECT_TRUE(found.thrust_jitters);
 }
 
 }  // namespace

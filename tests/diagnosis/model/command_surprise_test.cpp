@@ -68,6 +68,56 @@ TEST(CommandSurprise, RemembersWhatItWas) {
   EXPECT_LT(rms(surprise, 1), 0.01 * rms(surprise, 0));
 }
 
+// every fifth command of the same flight was logged
+FlightData with_slow_commands(FlightData flight) {
+  std::vector<double> time_s;
+  std::vector<RotorArray> speed;
+  for (std::size_t k = 0; k < flight.commands.time_s().size(); k += 5) {
+    time_s.push_back(flight.commands.time_s()[k]);
+    speed.push_back(flight.commands.speed_radps()[k]);
+  }
+  flight.commands = CommandRecord(time_s, speed, false);
+  return flight;
+}
+
+TEST(CommandSurprise, IsOneForAllSamplesOfASlowCommand) {
+  const FlightData flight = with_slow_commands(flown(false));
+  ASSERT_TRUE(commands_are_slower(flight));
+  const std::vector<Surprise> surprise = command_surprise(flight);
+  for (std::size_t k = 100; k < 200; ++k) EXPECT_EQ(surprise[k][0] == surprise[k - 1][0], k % 5 != 0) << k;
+}
+
+TEST(CommandSurprise, HasRatesAndTorquesForWhatTheLoopDidBetweenSlowCommands) {
+  const FlightData flight = with_slow_commands(flown(false));
+  const std::vector<Surprise> surprise = command_surprise(flight);
+  EXPECT_EQ(surprise[123][8], flight.samples[123].body_rate_B_radps.x());
+  EXPECT_NE(surprise[123][10], 0.0);
+  EXPECT_EQ(rms(command_surprise(flown(false)), 8), 0.0);
+}
+
+TEST(CommandSurprise, TakesALogAtItsWordThatCommandsWereHeld) {
+  FlightData flight = with_slow_commands(flown(false));
+  flight.hold_known = true;
+  EXPECT_FALSE(commands_are_slower(flight));
+}
+
+// an attitude at every fourth sample is known in between as it was, not as none
+TEST(CommandSurprise, IsNotMadeByColumnsThatAreSlower) {
+  FlightData whole = flown(true);
+  for (std::size_t k = 0; k < whole.samples.size(); ++k) {
+    whole.samples[k].position_W_m.x() = 50.0;
+    whole.samples[k].channels |= has_position;
+  }
+  FlightData slow = whole;
+  for (std::size_t k = 0; k < slow.samples.size(); ++k)
+    if (k % 4 != 0) {
+      slow.samples[k].channels &= ~has_position;
+      slow.samples[k].position_W_m.setZero();
+    }
+  const std::vector<Surprise> a = command_surprise(whole), b = command_surprise(slow);
+  for (std::size_t k = 0; k < a.size(); ++k) ASSERT_NEAR(a[k][0], b[k][0], 1e-9) << k;
+}
+
 TEST(CommandSurprise, IsNotKnownWithoutTorques) {
   FlightData flight = flown(false);
   flight.collective_only = true;

@@ -46,6 +46,19 @@ TEST(CommandJitter, IsTheWhiteShareOfTheCommandedTorque) {
   EXPECT_NEAR(command_jitter_share(commanded(50.0, 40.0)), 6400.0 / (6400.0 + 20000.0), 0.03);
 }
 
+// set points at 100 Hz beside an inertial unit at 500 Hz
+TEST(CommandJitter, IsThatOfTheCommandsWhateverElseIsLoggedFaster) {
+  for (const double jitter_radps : {0.0, 40.0}) {
+    FlightData flight = commanded(50.0, jitter_radps);
+    const double slow = command_jitter_share(flight);
+    const std::vector<Sample> samples = flight.samples;
+    flight.samples.clear();
+    for (const Sample& sample : samples)
+      for (int k = 0; k < 5; ++k) flight.samples.push_back({.time_s = sample.time_s + 0.002 * k});
+    EXPECT_NEAR(command_jitter_share(flight), slow, 0.02);
+  }
+}
+
 TEST(CommandJitter, OfTheTorquesLeavesTheThrust) {
   FlightData flight = commanded(0.0, 0.0);
   std::mt19937 random(5);
