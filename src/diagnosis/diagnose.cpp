@@ -19,7 +19,7 @@
 #include "diagnosis/output/next_flight.hpp"
 #include "diagnosis/output/residual_effect.hpp"
 #include "diagnosis/recording/recordings.hpp"
-#include "diagnosis/recording/sensor_lateness.hpp"
+#include "diagnosis/recording/sensor_latency.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/rollout/verify.hpp"
 #include "diagnosis/selection/reference_fit.hpp"
@@ -151,7 +151,7 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
   std::vector<FlightUse> used = uses_of(aligned, flights);
   Session session(std::move(flights.fit), vehicle, jobs, std::move(flights.fit_own_rate));
   if (reference) session.compare_with(std::move(*reference));
-  if (session.catalogue().filter_feigns_lags())
+  if (session.catalogue().filter_looks_like_lag())
     reading.remarks.notes.push_back(
         fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not "
                     "told from those of the filter, "
@@ -168,7 +168,7 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
   std::vector<FlightLog> proof = proof_flights(aligned);
   Challenge challenged = challenge(
       session, selection, {flights.holdout, flights.holdout_own_rate, proof},
-      [&] { return std::min(pose_lateness_s(aligned.raw_fit), pose_lateness_s(aligned.raw_holdout)); }, jobs);
+      [&] { return std::min(pose_latency_s(aligned.raw_fit), pose_latency_s(aligned.raw_holdout)); }, jobs);
   return {std::move(vehicle),        std::move(reference_effects), std::move(used),      std::move(flights.holdout),
           std::move(proof),          std::move(session),           std::move(selection), std::move(challenged),
           std::move(reading.remarks)};
@@ -181,7 +181,7 @@ bool torques_mislead(const Aligned& aligned, const Fitted& fitted) {
 
 std::string speeds_note(const Session& session, const Selection& selection, const std::vector<FlightData>& holdout) {
   return fmt::format(
-      "commands foretell the rotors' speeds to {:.3g} rad/s instead of {:.3g} (rms, held-out flights); measured speeds "
+      "commands predict the rotors' speeds to {:.3g} rad/s instead of {:.3g} (rms, held-out flights); measured speeds "
       "drive "
       "the body's predictions, which that does not change",
       speeds_left_radps(holdout, session.catalogue(), selection.value),

@@ -1,7 +1,7 @@
 // recorded_loop: how a vehicle turned under the controller that flew it. Not physics, and true of no other loop.
 //
 // ω̇ = C [ω, Rᵀe₃ (x, y), v_B (x, y), 1]: whatever else turns the vehicle is replaced. `gustlab diagnose` fits it where the recorded
-// actuators foretell body rates no better than holding them does; a habit of the closed loop, not of the vehicle (Ljung, System
+// actuators predict body rates no better than holding them does; a habit of the closed loop, not of the vehicle (Ljung, System
 // Identification, 1999, §13.4). Rollouts on recordings use it; where a controller of ours flies it is left out.
 #include <array>
 

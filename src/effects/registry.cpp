@@ -382,7 +382,7 @@ constexpr EffectRow rows[] = {
      .replay_only = true,
      .says = "not physics: how the vehicle turned under the controller that flew it; left out where a controller of "
              "gustlab flies",
-     .shows_in = "recordings whose actuators do not foretell body rates",
+     .shows_in = "recordings whose actuators do not predict body rates",
      .confused_with = "nothing that it replaces is told any more",
      .source = "Ljung, System Identification, 1999, section 13.4",
      .make = make_recorded_loop},

@@ -81,8 +81,8 @@ TEST_P(EffectTraits, OfWhatFeelsTheAirDragAlonePushesAgainstAnyLevelMotion) {
 
 TEST_P(EffectTraits, LagAnswersAtOnceAndInPartDelayLaterAndInFull) {
   if (row.place != Place::actuation) GTEST_SKIP();
-  constexpr double late_s = 5 * step_s;
-  Plant plant(vehicle, planted(row, row.latency == Latency::none ? Values{} : first_number(row, late_s)),
+  constexpr double latency_s = 5 * step_s;
+  Plant plant(vehicle, planted(row, row.latency == Latency::none ? Values{} : first_number(row, latency_s)),
               {.step_s = step_s, .seed = 7});
   plant.reset(at_rest(vehicle));
   std::vector<double> answered;
@@ -95,7 +95,7 @@ TEST_P(EffectTraits, LagAnswersAtOnceAndInPartDelayLaterAndInFull) {
       EXPECT_NEAR(answered[0], 0.1, 1e-9);
       break;
     case Latency::lag:
-      EXPECT_NEAR(answered[0], 0.1 * (1.0 - std::exp(-step_s / late_s)), 1e-9);
+      EXPECT_NEAR(answered[0], 0.1 * (1.0 - std::exp(-step_s / latency_s)), 1e-9);
       break;
     case Latency::delay:
       EXPECT_NEAR(answered[3], 0.0, 1e-9);

@@ -10,7 +10,7 @@
 #include "diagnosis/recording/clock_checks.hpp"
 #include "diagnosis/recording/command_jitter.hpp"
 #include "diagnosis/recording/log_filters.hpp"
-#include "diagnosis/recording/sensor_lateness.hpp"
+#include "diagnosis/recording/sensor_latency.hpp"
 #include "diagnosis/recording/vehicle_check.hpp"
 #include "diagnosis/result/decisions.hpp"
 
@@ -36,7 +36,7 @@ ReadingOptions reading_of(const std::vector<FlightLog>& logs, std::vector<LogFin
 }
 
 std::vector<FlightData> at_own_rate(const std::vector<FlightLog>& logs, const VehicleModel& vehicle,
-                                    const SensorLateness& late) {
+                                    const SensorLatency& late) {
   std::vector<FlightData> raw = prepare(logs, vehicle, {});
   for (FlightData& flight : raw) flight.late = late;
   return raw;
@@ -88,7 +88,7 @@ Aligned align(const Recordings& recordings) {
 
   // rotor order, directions and time offsets are judged at the logs' own rate
   out.raw_fit = prepare(out.fit, out.vehicle, {});
-  if (out.attitude && !out.was_filtered()) out.reading.late = sensor_lateness(out.raw_fit);
+  if (out.attitude && !out.was_filtered()) out.reading.late = sensor_latency(out.raw_fit);
   for (FlightData& flight : out.raw_fit) flight.late = out.reading.late;
   const std::vector<LogFinding> rotors = check_rotors(out.raw_fit, out.vehicle);
   findings.insert(findings.end(), rotors.begin(), rotors.end());

@@ -6,7 +6,7 @@
 namespace gustlab::diagnosis {
 
 Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                       const std::vector<Pushes>* extra) {
+                       const std::vector<SpatialAccelerations>* extra) {
   const auto own = static_cast<Eigen::Index>(flight.columns.size());
   const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
   Whitened out;

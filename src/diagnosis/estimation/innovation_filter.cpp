@@ -15,7 +15,8 @@ using RowMap = Eigen::Map<Eigen::RowVectorXd>;
 
 // Passes along a flight; `row(k, r, variance, z, warm)` sees every innovation: z[0] is y's, z[1] the first column's.
 template <int size, class Row>
-void pass_along(const LinearFlight& flight, const NoiseModel& noise, const std::vector<Pushes>* extra, const Row& row) {
+void pass_along(const LinearFlight& flight, const NoiseModel& noise, const std::vector<SpatialAccelerations>* extra,
+                const Row& row) {
   const std::size_t n = flight.size();
   const auto own = static_cast<Eigen::Index>(flight.columns.size());
   const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
@@ -43,7 +44,7 @@ void pass_along(const LinearFlight& flight, const NoiseModel& noise, const std::
 
 template <int size>
 Whitened whiten_with(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                     const std::vector<Pushes>* extra) {
+                     const std::vector<SpatialAccelerations>* extra) {
   Eigen::Index rows = 0, columns = static_cast<Eigen::Index>(flight.columns.size()) + (extra ? (*extra)[0].cols() : 0);
   for (const auto& measured : flight.measured) rows += measured.count();
   Whitened out;
@@ -72,7 +73,7 @@ double misfit_with(const LinearFlight& flight, const NoiseModel& noise) {
 }  // namespace
 
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<Pushes>* extra) {
+                const std::vector<SpatialAccelerations>* extra) {
   if (flight.forces_alone) return whiten_forces(data, flight, noise, extra);
   return noise.errors_last() ? whiten_with<state_size + row_count>(data, flight, noise, extra)
                              : whiten_with<state_size>(data, flight, noise, extra);

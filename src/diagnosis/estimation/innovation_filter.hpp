@@ -12,7 +12,7 @@ namespace gustlab::diagnosis {
 
 // `extra`: further columns (m pushes per sample), appended before y.
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<Pushes>* extra = nullptr);
+                const std::vector<SpatialAccelerations>* extra = nullptr);
 
 // −2 log likelihood of a flight without columns whose poses or torques are told.
 double misfit(const LinearFlight& flight, const NoiseModel& noise);

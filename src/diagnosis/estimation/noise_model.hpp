@@ -17,7 +17,7 @@ inline constexpr double calm_memory_s = 0.2;
 // of white acceleration, the time that a calm room's reference floor was measured with: power = 2 white_mean_s × variance of such means
 constexpr double white_mean_s(std::size_t group) { return group < 2 ? 0.01 : 0.004; }
 
-// What commands do not foretell of a measured rotor speed: an Ornstein–Uhlenbeck process beside white noise, alike of all rotors.
+// What commands do not predict of a measured rotor speed: an Ornstein–Uhlenbeck process beside white noise, alike of all rotors.
 struct SpeedNoise {
   double variance = 0.0, time_s = 0.1;  // (rad/s)²
   double white = 0.0;                   // variance, (rad/s)²; 0: nothing is known yet

@@ -45,10 +45,10 @@ Whitened whiten_speeds(const FlightData& data, const LinearFlight& flight, const
     for (std::size_t i = 0; i < rotors; ++i) {
       const auto at = static_cast<Eigen::Index>(k * rotors + i);
       for (Eigen::Index j = 0; j < own; ++j) {
-        const auto& by = flight.foretold_by[static_cast<std::size_t>(j)];
+        const auto& by = flight.predicted_by[static_cast<std::size_t>(j)];
         e[j] = by.empty() ? 0.0 : by[k][i];
       }
-      const double speed = flight.foretold[k][i] / hover;
+      const double speed = flight.predicted[k][i] / hover;
       e[own] = flight.faster[k][i];
       e.tail<3>() << 1.0, speed, speed * speed;
       e -= state.col(static_cast<Eigen::Index>(i));
@@ -57,7 +57,7 @@ Whitened whiten_speeds(const FlightData& data, const LinearFlight& flight, const
       state.col(static_cast<Eigen::Index>(i)) += P / S * e;
       out.time_s.push_back(data.samples[k].time_s);
       out.warm.push_back(data.samples[k].time_s - begin_s > settling_s && speed > least_hover &&
-                         flight.foretold[k][i] < limit);
+                         flight.predicted[k][i] < limit);
       out.minus_two_log_likelihood += out.warm.back() ? std::log(S) : 0.0;
     }
     P *= noise.white / S;
@@ -152,23 +152,23 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
   flight.estimated = std::move(estimate);
 }
 
-double speed_lateness_s(const std::vector<FlightData>& data, const std::vector<LinearFlight>& flights) {
+double speed_latency_s(const std::vector<FlightData>& data, const std::vector<LinearFlight>& flights) {
   const double sample_s = data.front().sample_s;
   double least = std::numeric_limits<double>::infinity(), best_s = 0.0;
-  for (double late_s = 0.0; late_s <= latest_s; late_s += 0.25 * sample_s) {
-    const auto whole = static_cast<std::size_t>(late_s / sample_s);
-    const double part = late_s / sample_s - static_cast<double>(whole);
+  for (double latency_s = 0.0; latency_s <= latest_s; latency_s += 0.25 * sample_s) {
+    const auto whole = static_cast<std::size_t>(latency_s / sample_s);
+    const double part = latency_s / sample_s - static_cast<double>(whole);
     double squares = 0.0;
     for (std::size_t f = 0; f < flights.size(); ++f) {
-      const auto& foretold = flights[f].foretold;
-      for (std::size_t k = static_cast<std::size_t>(latest_s / sample_s) + 3; k < foretold.size(); ++k)
+      const auto& predicted = flights[f].predicted;
+      for (std::size_t k = static_cast<std::size_t>(latest_s / sample_s) + 3; k < predicted.size(); ++k)
         for (std::size_t i = 0; i < static_cast<std::size_t>(data[f].vehicle.rotor_count); ++i) {
-          const auto change = [&](std::size_t at) { return foretold[at][i] - foretold[at - 1][i]; };
+          const auto change = [&](std::size_t at) { return predicted[at][i] - predicted[at - 1][i]; };
           const double measured = change(k) + flights[f].faster[k][i] - flights[f].faster[k - 1][i];
           squares += std::pow(measured - (1.0 - part) * change(k - whole) - part * change(k - whole - 1), 2);
         }
     }
-    if (squares < least) least = squares, best_s = late_s;
+    if (squares < least) least = squares, best_s = latency_s;
   }
   return best_s;
 }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "diagnosis/estimation/rotor_speeds.hpp"
-#include "diagnosis/model/command_surprise.hpp"
+#include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/linear_model.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "util/parallel.hpp"
@@ -113,7 +113,8 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       corrected_(flights_.size()),
       shooting_flights_(std::move(shooting_flights)),
       shot_(shooting_flights_.size()) {
-  if (!shoots()) for_each_flight([&](std::size_t f) { flights_[f].surprise = command_surprise(flights_[f]); });
+  if (!shoots())
+    for_each_flight([&](std::size_t f) { flights_[f].command_innovation = command_innovation(flights_[f]); });
   for (int c = 0; c < catalogue_.size(); ++c) {
     all_.push_back(c);
     if (catalogue_.columns()[static_cast<std::size_t>(c)].group < 0) biases_.push_back(c);
@@ -183,7 +184,7 @@ LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& colum
       rest.b[k] += coefficient[static_cast<Eigen::Index>(i)] * flight.B[k].col(at);
       rest.y[k] -= coefficient[static_cast<Eigen::Index>(i)] * flight.D[k].col(at);
     }
-    const std::vector<RotorArray>& by = flight.foretold_by[static_cast<std::size_t>(at)];
+    const std::vector<RotorArray>& by = flight.predicted_by[static_cast<std::size_t>(at)];
     for (std::size_t k = 0; k < by.size(); ++k)
       for (std::size_t r = 0; r < max_rotors; ++r)
         rest.faster[k][r] -= coefficient[static_cast<Eigen::Index>(i)] * by[k][r];
@@ -198,7 +199,7 @@ LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns) {
     if (std::find(columns.begin(), columns.end(), flight.columns[j]) != columns.end()) {
       at.push_back(static_cast<Eigen::Index>(j));
       part.columns.push_back(flight.columns[j]);
-      part.foretold_by.push_back(flight.foretold_by[j]);
+      part.predicted_by.push_back(flight.predicted_by[j]);
     }
   for (std::size_t k = 0; k < flight.B.size(); ++k) {
     part.B.push_back(flight.B[k](Eigen::all, at));
@@ -364,7 +365,7 @@ Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
 }
 
 std::vector<Whitened> Session::innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
-                                           const std::vector<std::vector<Pushes>>* extra) const {
+                                           const std::vector<std::vector<SpatialAccelerations>>* extra) const {
   std::vector<Whitened> whitened(flights_.size());
   for_each_flight([&](std::size_t f) {
     whitened[f] =
@@ -438,17 +439,17 @@ double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& c
 
 void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const {
   const int delay = catalogue_.find(Place::actuation, Latency::delay);
-  if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().foretold.empty())
+  if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().predicted.empty())
     return;
   const int c = catalogue_.groups()[static_cast<std::size_t>(delay)].columns.front();
-  const double start_s = value_[c] + speed_lateness_s(flights_, linear_);
+  const double start_s = value_[c] + speed_latency_s(flights_, linear_);
   if (std::abs(value[c] - start_s) > sample_s()) value[c] = start_s;
 }
 
 bool Session::seen_in_speeds(int group) const {
   for (const LinearFlight& flight : linear_)
     for (std::size_t j = 0; j < flight.columns.size(); ++j)
-      if (!flight.foretold_by[j].empty() &&
+      if (!flight.predicted_by[j].empty() &&
           catalogue_.columns()[static_cast<std::size_t>(flight.columns[j])].group == group)
         return true;
   return false;

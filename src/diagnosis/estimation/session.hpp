@@ -55,7 +55,7 @@ class Session {
   // Innovations with the given columns taken out at these values (natural units, counted from the linearisation);
   // `extra`: further columns per flight, before y.
   std::vector<Whitened> innovations(const std::vector<int>& columns, const Eigen::VectorXd& coefficient,
-                                    const std::vector<std::vector<Pushes>>* extra = nullptr) const;
+                                    const std::vector<std::vector<SpatialAccelerations>>* extra = nullptr) const;
   // Whitened rows of these columns and y as they follow each other in time, per flight and channel (catalogue columns in this order,
   // natural units, counted from the linearisation).
   RowSeries row_series(const std::vector<int>& columns) const;

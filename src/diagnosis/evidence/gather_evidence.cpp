@@ -179,7 +179,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     for (const Rival& rival : finding.rivals)
       if (rival.z >= decisions::equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain))
         record.rival_gain = rival.delta_score, record.rival_z = rival.z;
-    if (group.row->commanded) record.unpredicted_commands = selection.unforetold_gain;
+    if (group.row->commanded) record.unpredicted_commands = selection.unpredicted_gain;
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
     record.unexplained_gain = rest.omnibus_gain;
     record.at_bound = at_its_bound(catalogue, selection, finding.group);

@@ -127,7 +127,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
   }
   add_biases(flights);
   if (seen.trims) add_trims(flights);
-  else if (seen.tells(Need::torque)) add_command_surprise();
+  else if (seen.tells(Need::torque)) add_command_innovation();
 }
 
 void Catalogue::add_effect(const EffectRow& row, int rotor, int flights) {
@@ -165,7 +165,7 @@ Column Catalogue::column_of(const EffectRow& row, const Number& number) const {
   column.natural = number.info.natural * scale;
   column.tolerance = number.info.tolerance * scale;
   column.estimate_tolerance = number.info.estimate_tolerance * scale;
-  // how late and how smooth rotors answer, a filter feigns
+  // how late and how smooth rotors answer, a filter looks like
   if (seen_.smoothing && row.place == Place::actuation && column.unit == "s")
     column.tolerance = std::max(column.tolerance, decisions::filter_lag_s);
   column.min = number.info.min;
@@ -194,15 +194,16 @@ void Catalogue::add_biases(int flights) {
     }
 }
 
-void Catalogue::add_command_surprise() {
-  constexpr int innovations = loop_between_of - command_surprise_of;
-  for (int p = 0; p < (seen_.slow_commands ? static_cast<int>(Surprise::RowsAtCompileTime) : innovations); ++p) {
-    Column surprise;
-    surprise.parameter = command_surprise_of + p;
-    surprise.name = fmt::format("command_surprise_{}", p);
-    surprise.max = 1e3;
-    surprise.min = -surprise.max;
-    columns_.push_back(surprise);
+void Catalogue::add_command_innovation() {
+  constexpr int innovations = loop_between_of - command_innovation_of;
+  for (int p = 0; p < (seen_.slow_commands ? static_cast<int>(CommandInnovation::RowsAtCompileTime) : innovations);
+       ++p) {
+    Column innovation;
+    innovation.parameter = command_innovation_of + p;
+    innovation.name = fmt::format("command_innovation_{}", p);
+    innovation.max = 1e3;
+    innovation.min = -innovation.max;
+    columns_.push_back(innovation);
   }
 }
 

@@ -12,15 +12,15 @@
 namespace gustlab::diagnosis {
 
 // Never a finding. Of one flight: biases, and where predictions half a second ahead are fitted trims, a clock, and how much
-// less the commands were smoothed than the motion. Elsewhere, of all flights: coefficients of what was not foretold of the
-// commands, and of what the loop did between two of them (command_surprise.hpp).
+// less the commands were smoothed than the motion. Elsewhere, of all flights: coefficients of what was not predicted of the
+// commands, and of what the loop did between two of them (command_innovation.hpp).
 enum Nuisance : int {
   rate_bias = 0,
   force_bias = 3,
   torque_trim = 6,
   command_clock = 9,
   command_smoothing = 10,
-  command_surprise_of = 11,
+  command_innovation_of = 11,
   loop_between_of = 19
 };
 
@@ -36,7 +36,9 @@ struct Column {
   double min = 0.0, max = 0.0;
   double nominal = 0.0;  // value in the vehicle file
   // coefficient of the commands' innovation
-  bool of_surprise() const { return group < 0 && parameter >= command_surprise_of && parameter < loop_between_of; }
+  bool of_command_innovation() const {
+    return group < 0 && parameter >= command_innovation_of && parameter < loop_between_of;
+  }
   // of what the loop did between two commands that were logged
   bool of_loop_between() const { return group < 0 && parameter >= loop_between_of; }
   // a little beyond a bound is noise
@@ -94,8 +96,8 @@ class Catalogue {
   const std::vector<Group>& groups() const { return groups_; }
   const std::vector<Column>& columns() const { return columns_; }
   // lags and delays up to decisions::filter_lag_s may be a filter's
-  bool filter_feigns_lags() const { return seen_.smoothing; }
-  // what the loop did between two of them is a nuisance (command_surprise.hpp)
+  bool filter_looks_like_lag() const { return seen_.smoothing; }
+  // what the loop did between two of them is a nuisance (command_innovation.hpp)
   bool commands_are_slow() const { return seen_.slow_commands && !seen_.trims && seen_.tells(Need::torque); }
   // why an effect of the registry is not among the candidates; empty when it is
   std::string why_left_out(const EffectRow& row) const;
@@ -124,7 +126,7 @@ class Catalogue {
   Column column_of(const EffectRow& row, const Number& number) const;
   void add_biases(int flights);
   void add_trims(int flights);
-  void add_command_surprise();
+  void add_command_innovation();
 
   VehicleModel vehicle_;
   Seen seen_;

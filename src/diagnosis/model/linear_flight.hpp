@@ -21,18 +21,18 @@ inline constexpr int first_force_row = 9;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 // accelerations, a column each: linear in W, angular in B
-using Push = Eigen::Matrix<double, 6, 1>;
-using Pushes = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+using SpatialAcceleration = Eigen::Matrix<double, 6, 1>;
+using SpatialAccelerations = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 // Γ: what pushes over one interval do to the error state.
-inline Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const Pushes& push, double interval_s) {
+inline Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const SpatialAccelerations& push, double interval_s) {
   Eigen::Matrix<double, 12, Eigen::Dynamic> moved(12, push.cols());
   moved << 0.5 * interval_s * interval_s * push.topRows<3>(), interval_s * push.topRows<3>(),
       0.5 * interval_s * interval_s * push.bottomRows<3>(), interval_s * push.bottomRows<3>();
   return moved;
 }
 // What an accelerometer feels of them: rows of the specific force in B.
-inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const Pushes& push, const Matrix3& R_WB) {
+inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const SpatialAccelerations& push, const Matrix3& R_WB) {
   return R_WB.transpose() * push.topRows<3>();
 }
 
@@ -46,8 +46,8 @@ struct LinearPlant {
   std::vector<Vector12> y;  // measured ⊟ h(x̄)
   std::vector<Matrix3> R_WB;
   std::vector<Eigen::Matrix<double, 3, 9>> force_rows;  // ∂ specific force / ∂ (δv, δϑ, δω)
-  // where commands and rotor speeds are both recorded, per sample: speed as commands foretell it, and how much faster it is, rad/s
-  std::vector<RotorArray> foretold, faster;
+  // where commands and rotor speeds are both recorded, per sample: speed as commands predict it, and how much faster it is, rad/s
+  std::vector<RotorArray> predicted, faster;
   Vector3 center_of_mass_B_m = Vector3::Zero();
   bool torque_known = true;
   bool forces_alone = false;  // neither a pose nor torques: see direct_forces.hpp
@@ -58,7 +58,7 @@ struct LinearFlight : LinearPlant {
   std::vector<int> columns;                                     // of the catalogue, those that can act in this flight
   std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
   std::vector<std::vector<RotorArray>>
-      foretold_by;  // per column, per sample: what it changes of `foretold`; empty: nothing
+      predicted_by;  // per column, per sample: what it changes of `predicted`; empty: nothing
 };
 
 }  // namespace gustlab::diagnosis

@@ -122,7 +122,7 @@ struct Evaluation {
 // accelerations per unit of a column, per sample: a slung load, a lower speed limit, commands that nothing predicts
 struct History {
   int column;
-  std::function<Push(std::size_t)> push;
+  std::function<SpatialAcceleration(std::size_t)> push;
 };
 
 // One flight, linearised at given values.
@@ -226,26 +226,26 @@ class Lineariser {
   static double step_of(int i) { return i / 3 % 2 == 0 ? 1e-4 : 1e-3; }
 
   void find_histories() {
-    const auto add = [&](ColumnFrom column, bool suspected, std::function<Push(std::size_t)> push) {
+    const auto add = [&](ColumnFrom column, bool suspected, std::function<SpatialAcceleration(std::size_t)> push) {
       const int g = catalogue_.find(column);
       if (!suspected || g < 0) return;
       histories_.push_back({catalogue_.groups()[static_cast<std::size_t>(g)].columns.front(), std::move(push)});
     };
     add(ColumnFrom::swing, !flight_.load_force_W_mps2.empty(), [&](std::size_t k) {
-      Push push;
+      SpatialAcceleration push;
       push << flight_.load_force_W_mps2[k] / forces_.vehicle().mass_kg, Vector3::Zero();
       return push;
     });
     add(ColumnFrom::speed_limit, !flight_.limit_change.empty(), [&](std::size_t k) { return flight_.limit_change[k]; });
-    for (int c = 0; c < catalogue_.size() && !flight_.surprise.empty(); ++c) {
+    for (int c = 0; c < catalogue_.size() && !flight_.command_innovation.empty(); ++c) {
       const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-      if (!column.of_surprise() && !column.of_loop_between()) continue;
-      const int p = column.parameter - command_surprise_of;
+      if (!column.of_command_innovation() && !column.of_loop_between()) continue;
+      const int p = column.parameter - command_innovation_of;
       histories_.push_back({c, [&, p, between = column.of_loop_between()](std::size_t k) {
-                              Push push = Push::Zero();
-                              if (between) push[3 + p % 2] = flight_.surprise[k][p];
-                              else if (p % 4 < 3) push[3 + p % 4] = flight_.surprise[k][p];
-                              else push.head<3>() = flight_.surprise[k][p] * out_.R_WB[k].col(2);
+                              SpatialAcceleration push = SpatialAcceleration::Zero();
+                              if (between) push[3 + p % 2] = flight_.command_innovation[k][p];
+                              else if (p % 4 < 3) push[3 + p % 4] = flight_.command_innovation[k][p];
+                              else push.head<3>() = flight_.command_innovation[k][p] * out_.R_WB[k].col(2);
                               return push;
                             }});
     }
@@ -255,7 +255,7 @@ class Lineariser {
   void take_histories_in() {
     for (const History& history : histories_)
       for (std::size_t k = 0; k < x_.size() && value_[history.column] != 0.0; ++k) {
-        const Push push = value_[history.column] * history.push(k);
+        const SpatialAcceleration push = value_[history.column] * history.push(k);
         if (!out_.b[k].isZero(0.0)) out_.b[k] += moved_by(push, out_.interval_s[k]);
         out_.y[k].tail<3>() -= felt(push, out_.R_WB[k]);
       }
@@ -319,7 +319,7 @@ class Lineariser {
 
   void push_column(Eigen::Index j, const Column& column, const History& history) {
     for (std::size_t k = 0; k < x_.size(); ++k) {
-      const Push push = column.natural * history.push(k);
+      const SpatialAcceleration push = column.natural * history.push(k);
       out_.B[k].col(j) = moved_by(push, out_.interval_s[k]);
       out_.D[k].col(j).tail<3>() = felt(push, out_.R_WB[k]);
     }
@@ -353,7 +353,7 @@ class Lineariser {
         evaluate(model, row.place == Place::actuation ? rotor_history(flight_, model) : rotors_, sensors);
     const double unit = column.natural / step;
     for (std::size_t k = 0; k < x_.size(); ++k) {
-      Push push;
+      SpatialAcceleration push;
       push << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
           moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2;
       out_.B[k].col(j) = moved_by(unit * push, out_.interval_s[k]);
@@ -386,17 +386,18 @@ class Lineariser {
 
 }  // namespace
 
-std::vector<std::vector<Push>> limit_changes(const FlightData& flight, int flight_index, const Catalogue& catalogue,
-                                             const Eigen::VectorXd& value, const std::vector<double>& limits_radps) {
+std::vector<std::vector<SpatialAcceleration>> limit_changes(const FlightData& flight, int flight_index,
+                                                            const Catalogue& catalogue, const Eigen::VectorXd& value,
+                                                            const std::vector<double>& limits_radps) {
   const ForceModel free = force_model(flight, catalogue, value, flight_index, -1);
   const auto before = mid_interval(flight, free, rotor_history(flight, free));
   FlightData limited = flight;
-  std::vector<std::vector<Push>> changes;
+  std::vector<std::vector<SpatialAcceleration>> changes;
   for (const double limit_radps : limits_radps) {
     limited.vehicle.max_speed_radps = limit_radps;
     const ForceModel bound = force_model(limited, catalogue, value, flight_index, -1);
     const auto after = mid_interval(limited, bound, rotor_history(limited, bound));
-    std::vector<Push>& change = changes.emplace_back(before.size());
+    std::vector<SpatialAcceleration>& change = changes.emplace_back(before.size());
     for (std::size_t k = 0; k < change.size(); ++k)
       change[k] << after[k].linear_W_mps2 - before[k].linear_W_mps2,
           after[k].angular_B_radps2 - before[k].angular_B_radps2;

@@ -16,7 +16,8 @@ void linearise(const FlightData& flight, int flight_index, const Catalogue& cata
                const std::vector<int>& wanted, LinearFlight& out);
 
 // What lower speed limits would change along a flight: of each, linear acceleration in W, angular in B, per sample.
-std::vector<std::vector<Push>> limit_changes(const FlightData& flight, int flight_index, const Catalogue& catalogue,
-                                             const Eigen::VectorXd& value, const std::vector<double>& limits_radps);
+std::vector<std::vector<SpatialAcceleration>> limit_changes(const FlightData& flight, int flight_index,
+                                                            const Catalogue& catalogue, const Eigen::VectorXd& value,
+                                                            const std::vector<double>& limits_radps);
 
 }  // namespace gustlab::diagnosis

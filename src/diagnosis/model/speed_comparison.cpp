@@ -21,17 +21,17 @@ std::vector<RotorArray> commanded(const FlightData& flight, const Catalogue& cat
 
 void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                     const Eigen::VectorXd& value, LinearFlight& out) {
-  out.foretold.clear(), out.faster.clear();
-  out.foretold_by.assign(out.columns.size(), {});
+  out.predicted.clear(), out.faster.clear();
+  out.predicted_by.assign(out.columns.size(), {});
   if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only) return;
   const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
-  out.foretold = commanded_history(flight, forces).at_sample;
+  out.predicted = commanded_history(flight, forces).at_sample;
   out.faster = measured_history(flight, forces).at_sample;
   double most = 0.0;
   for (std::size_t k = 0; k < out.faster.size(); ++k)
     for (std::size_t i = 0; i < max_rotors; ++i)
-      out.faster[k][i] -= out.foretold[k][i], most = std::max(most, std::abs(out.faster[k][i]));
-  if (most <= same_share * flight.vehicle.hover_speed_radps()) return out.foretold.clear(), out.faster.clear();
+      out.faster[k][i] -= out.predicted[k][i], most = std::max(most, std::abs(out.faster[k][i]));
+  if (most <= same_share * flight.vehicle.hover_speed_radps()) return out.predicted.clear(), out.faster.clear();
   for (std::size_t j = 0; j < out.columns.size(); ++j) {
     const int c = out.columns[j];
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
@@ -46,10 +46,10 @@ void compare_speeds(const FlightData& flight, int flight_index, const Catalogue&
     bool acts = false;
     for (std::size_t k = 0; k < by.size(); ++k)
       for (std::size_t i = 0; i < max_rotors; ++i) {
-        by[k][i] = (by[k][i] - out.foretold[k][i]) * column.natural / step;
+        by[k][i] = (by[k][i] - out.predicted[k][i]) * column.natural / step;
         acts = acts || by[k][i] != 0.0;
       }
-    if (acts) out.foretold_by[j] = std::move(by);
+    if (acts) out.predicted_by[j] = std::move(by);
   }
 }
 

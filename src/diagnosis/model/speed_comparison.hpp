@@ -1,4 +1,4 @@
-// Rotor speeds as the commands foretell them against those that were measured.
+// Rotor speeds as the commands predict them against those that were measured.
 #pragma once
 
 #include "diagnosis/model/catalogue.hpp"
@@ -7,7 +7,7 @@
 
 namespace gustlab::diagnosis {
 
-// Fills a flight's `foretold`, `faster` and `foretold_by`; nothing where only one of the two was recorded, or both are the same.
+// Fills a flight's `predicted`, `faster` and `predicted_by`; nothing where only one of the two was recorded, or both are the same.
 void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                     const Eigen::VectorXd& value, LinearFlight& out);
 

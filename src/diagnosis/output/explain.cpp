@@ -41,10 +41,12 @@ std::string why_not_told(const Session& session, const Selection& selection, con
 // late and lasting: what was taken into account
 void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis& out) {
   const FlightData& flight = session.flights().front();
-  for (const auto& [sensor, late_s] : {std::pair{"gyro", flight.late.rate_s}, {"accelerometer", flight.late.force_s}})
-    if (late_s > 0.0)
-      out.notes.push_back(fmt::format(
-          "the {} is {:.1f} ms later than the pose, as a filter makes it: taken into account", sensor, 1e3 * late_s));
+  for (const auto& [sensor, latency_s] :
+       {std::pair{"gyro", flight.late.rate_s}, {"accelerometer", flight.late.force_s}})
+    if (latency_s > 0.0)
+      out.notes.push_back(
+          fmt::format("the {} is {:.1f} ms later than the pose, as a filter makes it: taken into account", sensor,
+                      1e3 * latency_s));
   if (!noise.errors_last()) return;
   constexpr std::array<std::pair<const char*, const char*>, noise_groups> sensor = {
       {{"position", "mm"}, {"attitude", "mrad"}, {"gyro", "mrad/s"}, {"accelerometer", "mm/s²"}}};
@@ -91,8 +93,8 @@ bool fill_rivals(const Session& session, const Selection& selection, const Findi
     const std::string name = catalogue_name(group_of(session, rival.group));
     // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
     const bool equal = rival.z < equivalent_z && rival.delta_score < most_lost_to_rival * finding.gain;
-    // or no farther apart than what unforetold commands explain
-    const bool equivalent = equal || (commanded && rival.delta_score < std::min(selection.unforetold_gain,
+    // or no farther apart than what unpredicted commands explain
+    const bool equivalent = equal || (commanded && rival.delta_score < std::min(selection.unpredicted_gain,
                                                                                 most_lost_to_rival * finding.gain));
     effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
     if (equivalent) effect.classmates.push_back(name);

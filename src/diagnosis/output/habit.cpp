@@ -204,14 +204,14 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
   for (const std::string_view name : fit_quantity_names)
     if (half_a_second_ahead(with.fit, name, "after") >= half_a_second_ahead(out.fit, name, "after"))
       return;  // what the log lacks is no number
-  const double foretold = half_a_second_ahead(with.fit, "body_rate_radps", "after");
-  if (!(foretold < decisions::habit_better * held)) return;
+  const double predicted = half_a_second_ahead(with.fit, "body_rate_radps", "after");
+  if (!(predicted < decisions::habit_better * held)) return;
   out.habit = {
       {"effect", effect},
-      {"says", fmt::format("half a second ahead the recorded actuators foretell the body rate to {:.2g} rad/s, holding "
+      {"says", fmt::format("half a second ahead the recorded actuators predict the body rate to {:.2g} rad/s, holding "
                            "it to {:.2g}, and the habit of "
                            "the loop that was recorded to {:.2g}; the habit is no physics, and true of no other loop",
-                           physics, held, foretold)},
+                           physics, held, predicted)},
       {"fit", nlohmann::ordered_json::object()}};
   for (const std::string_view name : fit_quantity_names)
     out.habit["fit"][std::string(name)] = with.fit.at(std::string(name)).at("after");

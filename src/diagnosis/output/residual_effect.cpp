@@ -70,7 +70,7 @@ BasisFamily family_of(const Session& session, const Library& library) {
   family.size = static_cast<int>(library.columns.size());
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
-    std::vector<Pushes> samples(flight.samples.size());
+    std::vector<SpatialAccelerations> samples(flight.samples.size());
     for (std::size_t k = 0; k < samples.size(); ++k) {
       const Motion& m = flight.motion[k];
       const Matrix3 R = m.attitude_WB.toRotationMatrix();

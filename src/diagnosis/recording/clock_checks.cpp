@@ -127,7 +127,7 @@ ClockTrack likeliest_track(const Likelihood& of) {
       const double bend = l[at - 1] - 2.0 * l[at] + l[at + 1];
       if (bend < 0.0) lag += std::clamp(0.5 * (l[at - 1] - l[at + 1]) / bend, -0.5, 0.5);
     }
-    track.late_s[s] = lag * of.sample_s;
+    track.latency_s[s] = lag * of.sample_s;
   }
   return track;
 }
@@ -153,16 +153,16 @@ double between(const std::vector<double>& time_s, const std::vector<double>& val
 
 double ClockTrack::at(double at_s) const {
   const auto next = static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at_s) - time_s.begin());
-  if (next == 0) return late_s.front();
-  if (next == time_s.size()) return late_s.back();
-  const double before = late_s[next - 1], after = late_s[next],
+  if (next == 0) return latency_s.front();
+  if (next == time_s.size()) return latency_s.back();
+  const double before = latency_s[next - 1], after = latency_s[next],
                part = (at_s - time_s[next - 1]) / (time_s[next] - time_s[next - 1]);
   if (std::abs(after - before) > cost_of_slope * wander_sd_s) return part < 0.5 ? before : after;
   return before + part * (after - before);
 }
 
-double ClockTrack::least_s() const { return *std::min_element(late_s.begin(), late_s.end()); }
-double ClockTrack::most_s() const { return *std::max_element(late_s.begin(), late_s.end()); }
+double ClockTrack::least_s() const { return *std::min_element(latency_s.begin(), latency_s.end()); }
+double ClockTrack::most_s() const { return *std::max_element(latency_s.begin(), latency_s.end()); }
 
 std::optional<ClockTrack> gyro_track(const FlightData& pose, const std::vector<Vector3>& rate_B_radps) {
   std::vector<Pair> early, late;

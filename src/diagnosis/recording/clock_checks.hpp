@@ -11,7 +11,7 @@ namespace gustlab::diagnosis {
 
 // How much later one stream is than another along a flight: steps and slow wander, known in the middle of each stretch.
 struct ClockTrack {
-  std::vector<double> time_s, late_s;
+  std::vector<double> time_s, latency_s;
   double at(double time_s) const;
   double least_s() const, most_s() const;
 };

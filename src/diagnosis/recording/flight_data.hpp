@@ -66,12 +66,12 @@ class CommandRecord final {
 // Standard deviation of white noise on a series, from its third differences (robust): median|Δ³y| / (0.6745 √20).
 double third_difference_noise(const std::vector<double>& values);
 
-// What was not foretold of the rotors' acceleration, and its memory: each roll, pitch, yaw [rad/s²], along the body's z [m/s²]; where
+// What was not predicted of the rotors' acceleration, and its memory: each roll, pitch, yaw [rad/s²], along the body's z [m/s²]; where
 // commands are slower than the motion also roll and pitch of the body's rates [rad/s] and of the rotors' acceleration [rad/s²].
-using Surprise = Eigen::Matrix<double, 12, 1>;
+using CommandInnovation = Eigen::Matrix<double, 12, 1>;
 
-// Gyro and accelerometer behind the pose, see sensor_lateness.hpp.
-struct SensorLateness {
+// Gyro and accelerometer behind the pose, see sensor_latency.hpp.
+struct SensorLatency {
   double rate_s = 0.0, force_s = 0.0;
 };
 
@@ -93,13 +93,13 @@ struct FlightData {
   RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
   bool collective_only = false;  // torques unknown, or not to be told
   bool has_voltage = false;
-  SensorLateness late;
+  SensorLatency late;
   bool hold_known = false;                 // interpolated commands were resampled, or sent faster than the log
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
   // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected
   std::vector<Eigen::Matrix<double, 6, 1>> limit_change;
-  std::vector<Surprise> surprise;  // see command_surprise.hpp, per sample; empty: not known
-  double sample_s = 0.01;          // median interval
+  std::vector<CommandInnovation> command_innovation;  // see command_innovation.hpp, per sample; empty: not known
+  double sample_s = 0.01;                             // median interval
   int substeps = 4;                // per sample interval, on the instants at which commands were logged
   bool as_recorded = false;        // the recorded states are the motion
   bool commands_filtered = false;  // as all else, or not
@@ -119,7 +119,7 @@ struct ReadingOptions {
   // The recorded states are the motion: nothing is smoothed over more than a few samples, a recorded velocity counts.
   bool as_recorded = false;
   bool forces_only = false;  // torques are not told, and with a pose inertial data are not used
-  SensorLateness late = {};
+  SensorLatency late = {};
 };
 
 // Rows (last with a value, next with one) between which a column has none for more than 0.1 s and five of its intervals.

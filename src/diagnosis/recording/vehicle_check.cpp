@@ -25,7 +25,7 @@ struct Response {
   Vector3 norm = Vector3::Zero();  // of the part of each ω̇ that the speeds explain, rad/s²
   double explained = 0.0;          // share of the variance of roll and pitch acceleration
 
-  // correlation of what these gains (rad/s² per (Ω/Ω_h)²) foretell with what the speeds can explain at all, -1…1: rotors
+  // correlation of what these gains (rad/s² per (Ω/Ω_h)²) predict with what the speeds can explain at all, -1…1: rotors
   // that never moved apart (a mixer of six has four dimensions) count for nothing
   [[nodiscard]] double agreement(int axis, const Row& gains) const {
     return gains.dot(right.col(axis)) / (std::sqrt((gains * gram).dot(gains)) * norm[axis] + 1e-300);

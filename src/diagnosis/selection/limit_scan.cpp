@@ -37,17 +37,17 @@ LimitScan best_of(const Session& session, const std::vector<int>& columns, const
                   const std::vector<double>& limits) {
   LimitScan best;
   const auto count = static_cast<Eigen::Index>(limits.size());
-  std::vector<std::vector<Pushes>> change(session.flights().size());
+  std::vector<std::vector<SpatialAccelerations>> change(session.flights().size());
   session.for_each_flight([&](std::size_t f) {
     const FlightData& flight = session.flights()[f];
-    change[f].assign(flight.samples.size(), Pushes::Zero(6, count));
+    change[f].assign(flight.samples.size(), SpatialAccelerations::Zero(6, count));
     const auto pushes = limit_changes(flight, static_cast<int>(f), session.catalogue(), session.value(), limits);
     for (std::size_t i = 0; i < limits.size(); ++i)
       for (std::size_t k = 0; k < pushes[i].size(); ++k) change[f][k].col(static_cast<Eigen::Index>(i)) = pushes[i][k];
   });
   std::vector<double> samples(limits.size(), 0.0);
   for (const auto& flight : change)
-    for (const Pushes& push : flight)
+    for (const SpatialAccelerations& push : flight)
       for (std::size_t i = 0; i < limits.size(); ++i)
         samples[i] += push.col(static_cast<Eigen::Index>(i)).isZero(0.0) ? 0.0 : 1.0;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count + 1, count + 1);

@@ -305,9 +305,10 @@ class Selector {
     const Fit fit = solve(total, columns);
     const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
     result.loss_selected = fit.loss;
-    std::vector<int> foretold = columns;
-    std::erase_if(foretold, [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].of_surprise(); });
-    result.unforetold_gain = solve(total, foretold).loss - fit.loss;
+    std::vector<int> predicted = columns;
+    std::erase_if(predicted,
+                  [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].of_command_innovation(); });
+    result.unpredicted_gain = solve(total, predicted).loss - fit.loss;
     result.value = value_at(columns, fit);
     result.deviation = Eigen::VectorXd::Zero(catalogue_.size());
     for (std::size_t i = 0; i < columns.size(); ++i)

@@ -48,8 +48,8 @@ struct Selection {
   NoiseModel noise_nominal, noise_selected;
   double degrees_of_freedom = 0.0;
   double loss_nominal = 0.0, loss_selected = 0.0;
-  double unforetold_gain = 0.0;  // of the coefficients of unforetold commands
-  Grams grams;                   // at the end, coefficients counted from the nominal vehicle
+  double unpredicted_gain = 0.0;  // of the coefficients of unpredicted commands
+  Grams grams;                    // at the end, coefficients counted from the nominal vehicle
   std::vector<Smoothed> smoothed_nominal, smoothed_selected;
   std::vector<std::pair<int, double>> alone;  // every group: gain when it is added to the selection
   void nominal_from(const Session& session) { noise_nominal = session.noise, smoothed_nominal = session.smoothed; }

@@ -60,9 +60,9 @@ BasisFamily family(const std::string& name, const Session& session, const std::v
   for (const Term& term : terms) result.channel.push_back(term.axis + (term.kind == Term::torque_B ? 3 : 0));
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
-    std::vector<Pushes> columns(flight.samples.size());
+    std::vector<SpatialAccelerations> columns(flight.samples.size());
     for (std::size_t k = 0; k < columns.size(); ++k) {
-      Pushes& push = columns[k];
+      SpatialAccelerations& push = columns[k];
       push.setZero(6, result.size);
       const Matrix3 R = flight.motion[k].attitude_WB.toRotationMatrix();
       for (int j = 0; j < result.size; ++j) {
@@ -198,7 +198,7 @@ std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily
   for (const BasisFamily& family : families) together.size += family.size;
   for (std::size_t f = 0; f < together.columns.size(); ++f)
     for (std::size_t k = 0; k < session.flights()[f].samples.size(); ++k) {
-      Pushes pushes(6, together.size);
+      SpatialAccelerations pushes(6, together.size);
       Eigen::Index at = 0;
       for (const BasisFamily& family : families) {
         pushes.middleCols(at, family.size) = family.columns[f][k];

@@ -25,8 +25,8 @@ class FlownVolume {
 // A family of columns per flight: m pushes per sample, to be appended to the filter's own.
 struct BasisFamily {
   std::string name;
-  std::vector<std::vector<Pushes>> columns;  // [flight][sample]
-  std::vector<int> channel;                  // per column: force x y z (or along W), torque x y z
+  std::vector<std::vector<SpatialAccelerations>> columns;  // [flight][sample]
+  std::vector<int> channel;                                // per column: force x y z (or along W), torque x y z
   int size = 0;
 };
 // force of position, force and torque of body velocity, of time, and torque of past commands

@@ -14,14 +14,15 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// Pushes of each finding, as accelerations per unit of what was found; then, where pushes to the side are free, those to the side.
+// SpatialAccelerations of each finding, as accelerations per unit of what was found; then, where pushes to the side are free, those to the side.
 BasisFamily pushes_of(const Session& session, const Selection& selection, bool sideways_free) {
   const Catalogue& catalogue = session.catalogue();
   const auto tested = static_cast<Eigen::Index>(selection.findings.size());
   BasisFamily pushes;
   pushes.size = static_cast<int>(sideways_free ? 2 * tested : tested);
   for (const LinearFlight& flight : session.linear()) {
-    std::vector<Pushes>& of_flight = pushes.columns.emplace_back(flight.size(), Pushes::Zero(6, pushes.size));
+    std::vector<SpatialAccelerations>& of_flight =
+        pushes.columns.emplace_back(flight.size(), SpatialAccelerations::Zero(6, pushes.size));
     for (std::size_t k = 0; k < flight.size(); ++k)
       for (Eigen::Index i = 0; i < tested; ++i) {
         Eigen::Matrix<double, 12, 1> moved = Eigen::Matrix<double, 12, 1>::Zero();

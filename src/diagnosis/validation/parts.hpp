@@ -8,7 +8,7 @@
 
 namespace gustlab::diagnosis {
 
-// How a finding's push compares with what its turning foretells: 1 + excess of it, and the standard error; 0 where one of the two is
+// How a finding's push compares with what its turning predicts: 1 + excess of it, and the standard error; 0 where one of the two is
 // not seen.
 struct Parts {
   double excess = 0.0, deviation = 0.0;

@@ -37,7 +37,7 @@ TEST(RotorSpeedsTrials, TellALagThatTheBodyCannot) {
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "motor_lag");
   EXPECT_NEAR(value(d.effects[0], "time_constant"), 0.06, 0.002);
-  EXPECT_THAT(d.notes, Contains(HasSubstr("commands foretell the rotors' speeds")));
+  EXPECT_THAT(d.notes, Contains(HasSubstr("commands predict the rotors' speeds")));
 }
 
 TEST(RotorSpeedsTrials, TellADelay) {

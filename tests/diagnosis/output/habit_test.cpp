@@ -1,4 +1,4 @@
-// What is no physics is fitted as rollouts, offered where the recorded actuators do not foretell turning, and called a habit.
+// What is no physics is fitted as rollouts, offered where the recorded actuators do not predict turning, and called a habit.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -61,15 +61,15 @@ DiagnoseOptions flown(const TemporaryFolder& folder) {
   return test::fly_trial(folder, trial);
 }
 
-TEST(HabitTrials, IsNotOfferedWherePhysicsForetellsTurning) {
+TEST(HabitTrials, IsNotOfferedWherePhysicsPredictsTurning) {
   const TemporaryFolder folder;
   const Diagnosis d = diagnose(flown(folder));
   EXPECT_TRUE(d.habit.is_null());
   EXPECT_EQ(d.augmented_toml.find("recorded_loop"), std::string::npos);
 }
 
-// rotor speeds that wander by a few percent, each by itself, foretell no turning
-TEST(HabitTrials, IsOfferedWhereActuatorsForetellNoneAndIsCalledOne) {
+// rotor speeds that wander by a few percent, each by itself, predict no turning
+TEST(HabitTrials, IsOfferedWhereActuatorsPredictNoneAndIsCalledOne) {
   const TemporaryFolder folder;
   const DiagnoseOptions options = flown(folder);
   for (const auto* paths : {&options.fit, &options.holdout})

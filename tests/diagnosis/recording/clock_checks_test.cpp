@@ -26,7 +26,7 @@ struct Flown {
 };
 
 // A gyro that is late by some function of time; rates from the attitude have an error that lasts a tenth of a second.
-Flown fly(double frequency_Hz, const std::function<double(double)>& late_s) {
+Flown fly(double frequency_Hz, const std::function<double(double)>& latency_s) {
   const RandomStream random(3, 0, "clock_checks_test");
   Flown flown;
   flown.pose.label = "a.csv";
@@ -44,7 +44,7 @@ Flown fly(double frequency_Hz, const std::function<double(double)>& late_s) {
     Motion motion;
     motion.body_rate_B_radps = error + roll_rate_radps(t, frequency_Hz) * Vector3::UnitX();
     flown.pose.motion.push_back(motion);
-    flown.gyro.emplace_back(roll_rate_radps(t - late_s(t), frequency_Hz), 0.0, 0.0);
+    flown.gyro.emplace_back(roll_rate_radps(t - latency_s(t), frequency_Hz), 0.0, 0.0);
     flown.log.time_s.push_back(t);
     for (std::size_t c = 0; c < 4; ++c)
       flown.log.columns[c].values.push_back(c == 1 || c == 2 ? 0.0 : flown.gyro.back().x());
@@ -52,8 +52,8 @@ Flown fly(double frequency_Hz, const std::function<double(double)>& late_s) {
   return flown;
 }
 
-std::optional<ClockTrack> track(double frequency_Hz, double late_s) {
-  const Flown flown = fly(frequency_Hz, [&](double t) { return t > 0.5 * duration_s ? late_s : 0.0; });
+std::optional<ClockTrack> track(double frequency_Hz, double latency_s) {
+  const Flown flown = fly(frequency_Hz, [&](double t) { return t > 0.5 * duration_s ? latency_s : 0.0; });
   return gyro_track(flown.pose, flown.gyro);
 }
 
@@ -66,13 +66,13 @@ TEST(ClockChecks, SayNothingOfSlowTurning) { EXPECT_FALSE(track(0.25, 0.0)); }
 
 // it wanders by a few milliseconds a second, and jumps
 TEST(ClockChecks, FollowAClockAndLayTheBoardOnThePose) {
-  const auto late_s = [](double t) { return (t > 9.0 ? 0.11 : 0.02) + 0.015 * std::sin(0.5 * t); };
-  const Flown flown = fly(1.5, late_s);
+  const auto latency_s = [](double t) { return (t > 9.0 ? 0.11 : 0.02) + 0.015 * std::sin(0.5 * t); };
+  const Flown flown = fly(1.5, latency_s);
   const std::optional<ClockTrack> found = gyro_track(flown.pose, flown.gyro);
   ASSERT_TRUE(found);
   for (double t = 1.0; t < duration_s - 1.0; t += 0.25) {
     if (std::abs(t - 9.0) < 1.3) continue;  // the jump is inside a stretch
-    EXPECT_NEAR(found->at(t), late_s(t), 1.5 * step_s) << t;
+    EXPECT_NEAR(found->at(t), latency_s(t), 1.5 * step_s) << t;
   }
   const FlightLog laid = laid_on_pose_clock(flown.log, *found);
   std::vector<Vector3> gyro;

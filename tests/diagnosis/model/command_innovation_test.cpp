@@ -1,5 +1,5 @@
 // What commands tell of sensors that were not logged: nothing when they follow the log, the other sensor's noise when they do not.
-#include "diagnosis/model/command_surprise.hpp"
+#include "diagnosis/model/command_innovation.hpp"
 
 #include <gmock/gmock.h>
 
@@ -44,28 +44,28 @@ FlightData flown(bool same_gyro) {
   return flight;
 }
 
-double rms(const std::vector<Surprise>& surprise, Eigen::Index of) {
+double rms(const std::vector<CommandInnovation>& innovation, Eigen::Index of) {
   double sum = 0.0;
-  for (const Surprise& s : surprise) sum += s[of] * s[of];
-  return std::sqrt(sum / static_cast<double>(surprise.size()));
+  for (const CommandInnovation& s : innovation) sum += s[of] * s[of];
+  return std::sqrt(sum / static_cast<double>(innovation.size()));
 }
 
-TEST(CommandSurprise, IsSmallWhereCommandsFollowTheLog) {
-  const double follows = rms(command_surprise(flown(true)), 0), differs = rms(command_surprise(flown(false)), 0);
+TEST(CommandInnovationOf, IsSmallWhereCommandsFollowTheLog) {
+  const double follows = rms(command_innovation(flown(true)), 0), differs = rms(command_innovation(flown(false)), 0);
   ASSERT_GT(differs, 0.0);
   EXPECT_LT(follows, 0.1 * differs);
 }
 
-TEST(CommandSurprise, RemembersWhatItWas) {
-  const std::vector<Surprise> surprise = command_surprise(flown(false));
-  ASSERT_EQ(surprise.size(), 3000u);
-  EXPECT_EQ(surprise.front(), Surprise::Zero());
+TEST(CommandInnovationOf, RemembersWhatItWas) {
+  const std::vector<CommandInnovation> innovation = command_innovation(flown(false));
+  ASSERT_EQ(innovation.size(), 3000u);
+  EXPECT_EQ(innovation.front(), CommandInnovation::Zero());
   double together = 0.0;
-  for (std::size_t k = 1; k < surprise.size(); ++k) together += surprise[k][4] * surprise[k - 1][0];
+  for (std::size_t k = 1; k < innovation.size(); ++k) together += innovation[k][4] * innovation[k - 1][0];
   EXPECT_GT(together, 0.0);
-  EXPECT_LT(rms(surprise, 4), rms(surprise, 0));
-  // roll alone was surprising
-  EXPECT_LT(rms(surprise, 1), 0.01 * rms(surprise, 0));
+  EXPECT_LT(rms(innovation, 4), rms(innovation, 0));
+  // roll alone was not predicted
+  EXPECT_LT(rms(innovation, 1), 0.01 * rms(innovation, 0));
 }
 
 // every fifth command of the same flight was logged
@@ -80,29 +80,29 @@ FlightData with_slow_commands(FlightData flight) {
   return flight;
 }
 
-TEST(CommandSurprise, IsOneForAllSamplesOfASlowCommand) {
+TEST(CommandInnovationOf, IsOneForAllSamplesOfASlowCommand) {
   const FlightData flight = with_slow_commands(flown(false));
   ASSERT_TRUE(commands_are_slower(flight));
-  const std::vector<Surprise> surprise = command_surprise(flight);
-  for (std::size_t k = 100; k < 200; ++k) EXPECT_EQ(surprise[k][0] == surprise[k - 1][0], k % 5 != 0) << k;
+  const std::vector<CommandInnovation> innovation = command_innovation(flight);
+  for (std::size_t k = 100; k < 200; ++k) EXPECT_EQ(innovation[k][0] == innovation[k - 1][0], k % 5 != 0) << k;
 }
 
-TEST(CommandSurprise, HasRatesAndTorquesForWhatTheLoopDidBetweenSlowCommands) {
+TEST(CommandInnovationOf, HasRatesAndTorquesForWhatTheLoopDidBetweenSlowCommands) {
   const FlightData flight = with_slow_commands(flown(false));
-  const std::vector<Surprise> surprise = command_surprise(flight);
-  EXPECT_EQ(surprise[123][8], flight.samples[123].body_rate_B_radps.x());
-  EXPECT_NE(surprise[123][10], 0.0);
-  EXPECT_EQ(rms(command_surprise(flown(false)), 8), 0.0);
+  const std::vector<CommandInnovation> innovation = command_innovation(flight);
+  EXPECT_EQ(innovation[123][8], flight.samples[123].body_rate_B_radps.x());
+  EXPECT_NE(innovation[123][10], 0.0);
+  EXPECT_EQ(rms(command_innovation(flown(false)), 8), 0.0);
 }
 
-TEST(CommandSurprise, TakesALogAtItsWordThatCommandsWereHeld) {
+TEST(CommandInnovationOf, TakesALogAtItsWordThatCommandsWereHeld) {
   FlightData flight = with_slow_commands(flown(false));
   flight.hold_known = true;
   EXPECT_FALSE(commands_are_slower(flight));
 }
 
 // an attitude at every fourth sample is known in between as it was, not as none
-TEST(CommandSurprise, IsNotMadeByColumnsThatAreSlower) {
+TEST(CommandInnovationOf, IsNotMadeByColumnsThatAreSlower) {
   FlightData whole = flown(true);
   for (std::size_t k = 0; k < whole.samples.size(); ++k) {
     whole.samples[k].position_W_m.x() = 50.0;
@@ -114,14 +114,14 @@ TEST(CommandSurprise, IsNotMadeByColumnsThatAreSlower) {
       slow.samples[k].channels &= ~has_position;
       slow.samples[k].position_W_m.setZero();
     }
-  const std::vector<Surprise> a = command_surprise(whole), b = command_surprise(slow);
+  const std::vector<CommandInnovation> a = command_innovation(whole), b = command_innovation(slow);
   for (std::size_t k = 0; k < a.size(); ++k) ASSERT_NEAR(a[k][0], b[k][0], 1e-9) << k;
 }
 
-TEST(CommandSurprise, IsNotKnownWithoutTorques) {
+TEST(CommandInnovationOf, IsNotKnownWithoutTorques) {
   FlightData flight = flown(false);
   flight.collective_only = true;
-  EXPECT_THAT(command_surprise(flight), IsEmpty());
+  EXPECT_THAT(command_innovation(flight), IsEmpty());
 }
 
 }  // namespace

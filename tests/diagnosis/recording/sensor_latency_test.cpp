@@ -1,5 +1,5 @@
 // Sensors behind their filters, and poses of an estimator: how late and how lasting, and a clean flight with them stays clean.
-#include "diagnosis/recording/sensor_lateness.hpp"
+#include "diagnosis/recording/sensor_latency.hpp"
 
 #include <gmock/gmock.h>
 
@@ -16,7 +16,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double late_s = 0.003;
+constexpr double latency_s = 0.003;
 
 class Sensors : public ::testing::Test {
  protected:
@@ -41,23 +41,23 @@ class SensorsTrials : public Sensors {};
 
 TEST_F(Sensors, LateGyroIsMeasured) {
   const DiagnoseOptions trial = fly();
-  EXPECT_EQ(rate_lateness_s(flights_of(trial)), 0.0);
-  test::delay(trial, 'w', late_s);
-  EXPECT_NEAR(rate_lateness_s(flights_of(trial)), late_s, 0.0003);
+  EXPECT_EQ(rate_latency_s(flights_of(trial)), 0.0);
+  test::delay(trial, 'w', latency_s);
+  EXPECT_NEAR(rate_latency_s(flights_of(trial)), latency_s, 0.0003);
 }
 
 // a pose that is later than the gyro is the dynamics' to tell
 TEST_F(Sensors, AreNeverEarly) {
   const DiagnoseOptions trial = fly();
-  EXPECT_EQ(pose_lateness_s(flights_of(trial)), 0.0);
-  test::delay(trial, 'w', -late_s);
-  EXPECT_EQ(rate_lateness_s(flights_of(trial)), 0.0);
-  EXPECT_NEAR(pose_lateness_s(flights_of(trial)).value(), late_s, 0.0003);
+  EXPECT_EQ(pose_latency_s(flights_of(trial)), 0.0);
+  test::delay(trial, 'w', -latency_s);
+  EXPECT_EQ(rate_latency_s(flights_of(trial)), 0.0);
+  EXPECT_NEAR(pose_latency_s(flights_of(trial)).value(), latency_s, 0.0003);
 }
 
 TEST_F(SensorsTrials, LateGyroIsNoMissingPhysics) {
   const DiagnoseOptions trial = fly();
-  test::delay(trial, 'w', late_s);
+  test::delay(trial, 'w', latency_s);
   const Diagnosis d = diagnose(trial);
   EXPECT_EQ(d.verdict, Verdict::consistent) << to_json(d)["alarms"].dump();
   EXPECT_THAT(d.effects, IsEmpty());
@@ -66,16 +66,16 @@ TEST_F(SensorsTrials, LateGyroIsNoMissingPhysics) {
 
 TEST_F(Sensors, LateAccelerometerIsMeasured) {
   const DiagnoseOptions trial = fly({"pose", "gyroscope", "accelerometer"}, 0.05);
-  EXPECT_EQ(force_lateness_s(flights_of(trial), late_s), 0.0);
-  test::delay(trial, 'a', late_s);
-  EXPECT_NEAR(force_lateness_s(flights_of(trial), 0.0), late_s, 0.0006);
+  EXPECT_EQ(force_latency_s(flights_of(trial), latency_s), 0.0);
+  test::delay(trial, 'a', latency_s);
+  EXPECT_NEAR(force_latency_s(flights_of(trial), 0.0), latency_s, 0.0006);
 }
 
 // where nothing moves, nothing tells
 TEST_F(Sensors, LateAccelerometerIsGuessedFromTheGyro) {
   const DiagnoseOptions trial = test::fly_trial(
       folder_, {.fit = {"hover"}, .holdout = {"circle"}, .sensors = {"pose", "gyroscope", "accelerometer"}});
-  EXPECT_EQ(force_lateness_s(flights_of(trial), late_s), late_s);
+  EXPECT_EQ(force_latency_s(flights_of(trial), latency_s), latency_s);
 }
 
 // positions off by 4 mm for a quarter of a second, attitudes by 3 mrad, as an estimator leaves them

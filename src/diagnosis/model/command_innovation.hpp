@@ -1,8 +1,8 @@
-// What nothing in the log foretold of the commands.
+// What nothing in the log predicted of the commands.
 //
 // A controller reads sensors that were not logged: faster, or with another noise. Its command then tells of what the filter does not
 // know yet (the disturbance of this very moment), and rotors that answer it seem weaker than they are: the bias of a direct
-// identification in closed loop. Only the part that the log foretells is independent of what comes; the other part is given
+// identification in closed loop. Only the part that the log predicts is independent of what comes; the other part is given
 // coefficients of its own (Ljung, System Identification, 1999, §13.4: instruments).
 #pragma once
 
@@ -19,7 +19,7 @@ namespace gustlab::diagnosis {
 //
 // Commands that were logged at a lower rate than the motion are regressed from command to command. Between two of them the loop
 // went on and answered the motion: the mean of what it added is about a multiple of the body's rates, which has coefficients of its own.
-std::vector<Surprise> command_surprise(const FlightData& flight);
+std::vector<CommandInnovation> command_innovation(const FlightData& flight);
 
 // Whether commands drive the rotors that were logged at a lower rate than the motion, and the log does not say that they were held.
 bool commands_are_slower(const FlightData& flight);

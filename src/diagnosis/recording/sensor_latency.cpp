@@ -1,4 +1,4 @@
-#include "diagnosis/recording/sensor_lateness.hpp"
+#include "diagnosis/recording/sensor_latency.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ struct Window {
   Vector3 x = Vector3::Zero(), y = Vector3::Zero(), scaled = Vector3::Zero();
 };
 
-class Lateness {
+class Latency {
  public:
   void add(std::vector<Window> flight) {
     if (flight.size() < 2) return;
@@ -40,15 +40,15 @@ class Lateness {
       count_ += 3.0;
     }
   }
-  bool sure(double late_s) const {
-    return xx_ > 0.0 && std::abs(xy_ / xx_ - late_s) >
+  bool sure(double latency_s) const {
+    return xx_ > 0.0 && std::abs(xy_ / xx_ - latency_s) >
                             surely * std::sqrt(std::max(0.0, yy_ / xx_ - std::pow(xy_ / xx_, 2)) / count_);
   }
   // what it is when it is sure not to be `expected_s`
   double seconds(double expected_s) const {
     if (!sure(expected_s)) return expected_s;
-    const double late_s = xy_ / xx_;
-    return sure(0.0) && late_s > least_s && late_s < most_s ? late_s : 0.0;
+    const double latency_s = xy_ / xx_;
+    return sure(0.0) && latency_s > least_s && latency_s < most_s ? latency_s : 0.0;
   }
   // by how much the other one is later
   std::optional<double> earlier_s() const {
@@ -78,8 +78,8 @@ std::size_t samples_in(const FlightData& flight, double duration_s) {
 }
 
 // of the gyro behind the attitudes
-Lateness rate_lateness(const std::vector<FlightData>& flights) {
-  Lateness lateness;
+Latency rate_latency(const std::vector<FlightData>& flights) {
+  Latency latency;
   for (const FlightData& flight : flights) {
     const std::size_t length = samples_in(flight, turn_s);
     std::vector<Window> windows;
@@ -95,26 +95,26 @@ Lateness rate_lateness(const std::vector<FlightData>& flights) {
           {to.body_rate_B_radps - to.attitude_WB.conjugate() * (from.attitude_WB * from.body_rate_B_radps),
            turn_between(by_gyro, to.attitude_WB)});
     }
-    lateness.add(std::move(windows));
+    latency.add(std::move(windows));
   }
-  return lateness;
+  return latency;
 }
 
 }  // namespace
 
-SensorLateness sensor_lateness(const std::vector<FlightData>& flights) {
-  const double rate_s = rate_lateness_s(flights);
-  return {rate_s, force_lateness_s(flights, rate_s)};
+SensorLatency sensor_latency(const std::vector<FlightData>& flights) {
+  const double rate_s = rate_latency_s(flights);
+  return {rate_s, force_latency_s(flights, rate_s)};
 }
 
-double rate_lateness_s(const std::vector<FlightData>& flights) { return rate_lateness(flights).seconds(0.0); }
+double rate_latency_s(const std::vector<FlightData>& flights) { return rate_latency(flights).seconds(0.0); }
 
-std::optional<double> pose_lateness_s(const std::vector<FlightData>& flights) {
-  return rate_lateness(flights).earlier_s();
+std::optional<double> pose_latency_s(const std::vector<FlightData>& flights) {
+  return rate_latency(flights).earlier_s();
 }
 
-double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
-  Lateness lateness;
+double force_latency_s(const std::vector<FlightData>& flights, double rate_s) {
+  Latency latency;
   bool recorded = false;
   for (const FlightData& flight : flights) {
     for (const Sample& sample : flight.samples) recorded = recorded || (sample.channels & has_force);
@@ -139,9 +139,9 @@ double force_lateness_s(const std::vector<FlightData>& flights, double rate_s) {
             flight.samples[first + 2 * half].position_W_m - w.scaled;
       windows.push_back(w);
     }
-    lateness.add(std::move(windows));
+    latency.add(std::move(windows));
   }
-  return recorded ? lateness.seconds(rate_s) : 0.0;
+  return recorded ? latency.seconds(rate_s) : 0.0;
 }
 
 }  // namespace gustlab::diagnosis

@@ -10,15 +10,15 @@ namespace gustlab::diagnosis {
 
 // Of all flights alike. 0 when it is not told, and when the pose is the later one: no sensor is early, so that is a late pose,
 // which the dynamics must tell.
-SensorLateness sensor_lateness(const std::vector<FlightData>& flights);
+SensorLatency sensor_latency(const std::vector<FlightData>& flights);
 
 // Turns between attitudes a tenth of a second apart are compared with the integral of the gyro, which a delay d makes shorter by d
 // times the change of the rate.
-double rate_lateness_s(const std::vector<FlightData>& flights);
+double rate_latency_s(const std::vector<FlightData>& flights);
 // The same, where the attitudes are the later ones: by how much; 0 when they are not surely later, nothing without gyro or attitude.
-std::optional<double> pose_lateness_s(const std::vector<FlightData>& flights);
+std::optional<double> pose_latency_s(const std::vector<FlightData>& flights);
 // Second differences of positions are compared with the double integral of the accelerometer, turned into W by the attitude.
 // `rate_s`: of the gyro; the accelerometer is as late unless the positions surely tell otherwise (one chip, filtered alike).
-double force_lateness_s(const std::vector<FlightData>& flights, double rate_s);
+double force_latency_s(const std::vector<FlightData>& flights, double rate_s);
 
 }  // namespace gustlab::diagnosis

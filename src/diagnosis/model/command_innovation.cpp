@@ -1,4 +1,4 @@
-#include "diagnosis/model/command_surprise.hpp"
+#include "diagnosis/model/command_innovation.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -71,7 +71,7 @@ bool commands_are_slower(const FlightData& flight) {
   return interval_s > slower_commands * flight.sample_s;
 }
 
-std::vector<Surprise> command_surprise(const FlightData& flight) {
+std::vector<CommandInnovation> command_innovation(const FlightData& flight) {
   if (flight.collective_only || flight.samples.size() < fewest_samples) return {};
   const std::vector<Sample> known = as_known(flight);
   const std::vector<Eigen::Vector4d> each = rotor_acceleration(flight);
@@ -114,18 +114,18 @@ std::vector<Surprise> command_surprise(const FlightData& flight) {
   Eigen::MatrixXd gram = X.transpose() * X;
   gram.diagonal().array() += ridge * static_cast<double>(X.rows());
   const Eigen::MatrixXd left = Y - X * gram.ldlt().solve(X.transpose() * Y);
-  std::vector<Surprise> surprise(each.size(), Surprise::Zero());
+  std::vector<CommandInnovation> innovation(each.size(), CommandInnovation::Zero());
   for (std::size_t i = 0; i < row.size(); ++i)
     for (std::size_t k = first[row[i]]; k < first[row[i] + 1]; ++k)
-      surprise[k].head<4>() = left.row(static_cast<Eigen::Index>(i)).transpose();
+      innovation[k].head<4>() = left.row(static_cast<Eigen::Index>(i)).transpose();
   const double kept = std::exp(-flight.sample_s / memory_s);
-  for (std::size_t k = 1; k < surprise.size(); ++k)
+  for (std::size_t k = 1; k < innovation.size(); ++k)
     if (!flight.samples[k].starts_segment)
-      surprise[k].segment<4>(4) = kept * surprise[k - 1].segment<4>(4) + (1.0 - kept) * surprise[k - 1].head<4>();
+      innovation[k].segment<4>(4) = kept * innovation[k - 1].segment<4>(4) + (1.0 - kept) * innovation[k - 1].head<4>();
   if (intervals < each.size())
-    for (std::size_t k = 0; k < surprise.size(); ++k)
-      surprise[k].tail<4>() << known[k].body_rate_B_radps.head<2>(), each[k].head<2>();
-  return surprise;
+    for (std::size_t k = 0; k < innovation.size(); ++k)
+      innovation[k].tail<4>() << known[k].body_rate_B_radps.head<2>(), each[k].head<2>();
+  return innovation;
 }
 
 }  // namespace gustlab::diagnosis
