@@ -97,11 +97,10 @@ Aligned align(const Recordings& recordings) {
   out.raw_holdout = at_own_rate(out.holdout, out.vehicle, out.reading.late);
 
   // on another clock than the motion, commands tell forces alone
-  const bool fit_apart = clocks_apart(out.raw_fit, out.vehicle, findings),
-             holdout_apart = clocks_apart(out.raw_holdout, out.vehicle, findings);
-  if (fit_apart || holdout_apart) {
-    keep_total_thrust(out);
-  }
+  const std::vector<LogFinding>& of_logs = recordings.remarks.findings;
+  const bool fit_apart = clocks_apart(out.raw_fit, out.vehicle, of_logs, findings),
+             holdout_apart = clocks_apart(out.raw_holdout, out.vehicle, of_logs, findings);
+  if (fit_apart || holdout_apart) keep_total_thrust(out);
   out.offset_s = command_offsets(out.raw_fit, out.raw_holdout, out.vehicle, findings);
   out.commands_jitter = out.hold_unknown && find_jitter(out.raw_fit, findings);
   // the sum of the commands jitters less than their differences: it tells of the forces

@@ -192,12 +192,12 @@ FlightLog laid_on_pose_clock(FlightLog log, const ClockTrack& track) {
 }
 
 bool clocks_apart(const std::vector<FlightData>& flights, const VehicleModel& vehicle,
-                  std::vector<LogFinding>& findings) {
+                  const std::vector<LogFinding>& of_logs, std::vector<LogFinding>& findings) {
   bool apart = false;
   for (const FlightData& flight : flights) {
-    const auto finding = std::find_if(findings.begin(), findings.end(),
+    const auto finding = std::find_if(of_logs.begin(), of_logs.end(),
                                       [&](const LogFinding& f) { return f.kind == "delay" && f.file == flight.label; });
-    if (finding == findings.end()) continue;
+    if (finding == of_logs.end()) continue;
     const std::optional<ClockTrack> track = command_track(flight, vehicle);
     apart = apart || finding->sets_column_aside;
     if (!track) continue;

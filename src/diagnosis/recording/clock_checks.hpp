@@ -26,10 +26,10 @@ std::optional<ClockTrack> command_track(const FlightData& flight, const VehicleM
 // All that was recorded on board (gyro, accelerometer, inputs, rotor speeds, battery) as much earlier as the track says.
 FlightLog laid_on_pose_clock(FlightLog log, const ClockTrack& track);
 
-// Whether in one of the flights the commands cannot be laid beside the motion: `findings` has clocks that are apart, and the time
-// between rotors and turning changes along the flight, too (one more `delay` finding).
+// Whether in one of the flights the commands cannot be laid beside the motion: what the logs showed by themselves (`of_logs`) has clocks
+// that are apart, and the time between rotors and turning changes along the flight, too (one more `delay` among `findings`).
 bool clocks_apart(const std::vector<FlightData>& flights, const VehicleModel& vehicle,
-                  std::vector<LogFinding>& findings);
+                  const std::vector<LogFinding>& of_logs, std::vector<LogFinding>& findings);
 
 // The log with the sum of its rotors' commands as its only input (collective_thrust), N. Unchanged when it has measured
 // rotor speeds or no input of every rotor.
