@@ -43,6 +43,8 @@ std::vector<double> command_offsets(const std::vector<FlightData>& fit, const st
     if (delay[i] && *delay[i] < least) least = *delay[i], promptest = i;
   std::vector<double> offset(all.size(), 0.0);
   for (std::size_t i = 0; i < all.size(); ++i) {
+    // parts of one recording have one clock
+    if (all[i]->file == all[promptest]->file) continue;
     if (!delay[i] || *delay[i] - least <= decisions::least_offset_samples * all[i]->sample_s) continue;
     // a controller that answers sensor noise moves the correlation's peak, not the likelihood's; a lag that all flights share
     // moves both, but then the promptest flight does not refute later commands, either

@@ -90,6 +90,22 @@ TEST(Align, FindsTheFlightWhoseCommandsAreEarly) {
   EXPECT_EQ(found.offset_s[2], 0.0);
 }
 
+// its held-out part is on the same clock, whatever its commands seem to say
+TEST(Align, LooksForNoOffsetBetweenPartsOfOneRecording) {
+  const TemporaryFolder folder;
+  DiagnoseOptions trial = flown(folder);
+  trial.fit.resize(1);
+  trial.holdout.clear();
+  FlightLog log = read_flight_log(trial.fit[0]);
+  const auto shift = static_cast<std::size_t>(std::lround(later_s / (log.time_s[1] - log.time_s[0])));
+  for (LogColumn& c : log.columns)
+    if (c.name[0] == 'u')
+      for (std::size_t k = 0; k < c.values.size() * 2 / 3; ++k) c.values[k] = c.values[k + shift];
+  write_flight_log(log, trial.fit[0]);
+  const Aligned found = align(with_held_out_part(check(read_recordings(trial.fit, {}, {}, std::nullopt))));
+  for (const double offset_s : found.offset_s) EXPECT_EQ(offset_s, 0.0);
+}
+
 // under the order that the file lists, torques say nothing of when commands were sent
 TEST(Align, JudgesOffsetsInTheRotorOrderThatTheFlightsShow) {
   const TemporaryFolder folder;
