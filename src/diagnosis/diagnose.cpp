@@ -168,7 +168,7 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
   std::vector<FlightLog> proof = proof_flights(aligned);
   Challenge challenged = challenge(
       session, selection, {flights.holdout, flights.holdout_own_rate, proof},
-      [&] { return std::min(pose_latency_s(aligned.raw_fit), pose_latency_s(aligned.raw_holdout)); }, jobs);
+      [&] { return std::min(most_pose_latency_s(aligned.raw_fit), most_pose_latency_s(aligned.raw_holdout)); }, jobs);
   return {std::move(vehicle),        std::move(reference_effects), std::move(used),      std::move(flights.holdout),
           std::move(proof),          std::move(session),           std::move(selection), std::move(challenged),
           std::move(reading.remarks)};

@@ -15,13 +15,13 @@ namespace {
 
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
-                 const std::function<std::optional<double>()>& pose_latency_s, Evidence& record) {
+                 const std::function<std::optional<double>()>& most_pose_latency_s, Evidence& record) {
   const Group& group = session.catalogue().groups()[static_cast<std::size_t>(record.group)];
   if (group.row->place != Place::measurement) return;
   for (const int c : group.columns) {
     const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
     if (column.unit != "s") continue;
-    if (const std::optional<double> shown_s = pose_latency_s())
+    if (const std::optional<double> shown_s = most_pose_latency_s())
       record.sensors_share = *shown_s / (selection.value[c] - column.nominal);
   }
 }
@@ -63,7 +63,7 @@ std::vector<std::size_t> weakest(const Session& session, const Selection& select
 }  // namespace
 
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
-                    const std::function<std::optional<double>()>& pose_latency_s, int jobs) {
+                    const std::function<std::optional<double>()>& most_pose_latency_s, int jobs) {
   Challenge result;
   bool without_forces_per_flight = false;
   while (true) {
@@ -73,7 +73,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     result.records = gather_evidence(session, selection, tested, result.regimes, result.rest);
     fly_without_each(held.logs, session.vehicle(), effects_found(session.catalogue(), selection), jobs, result.records);
     for (Evidence& record : result.records) {
-      ask_sensors(session, selection, pose_latency_s, record);
+      ask_sensors(session, selection, most_pose_latency_s, record);
       judge(record);
     }
     const std::vector<std::size_t> failed =

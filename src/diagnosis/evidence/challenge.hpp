@@ -24,9 +24,9 @@ struct Challenge {
   Remainder rest;                             // what is left unexplained then
 };
 
-// `pose_latency_s`: how late gyro and attitudes by themselves say that the pose is; nothing where they are not recorded.
+// `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
 // The session must be linearised at the selection, and is so again at the end.
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
-                    const std::function<std::optional<double>()>& pose_latency_s, int jobs);
+                    const std::function<std::optional<double>()>& most_pose_latency_s, int jobs);
 
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@ namespace gustlab::diagnosis {
 namespace {
 
 constexpr double turn_s = 0.1, way_s = 0.2;        // windows of attitudes and of positions
-constexpr double surely = 5.0;                     // standard errors
+constexpr double surely = 5.0, possibly = 2.0;     // standard errors
 constexpr double least_s = 0.0005, most_s = 0.02;  // a filter's
 
 // y = d x, about each flight's means, which hold the sensor's biases, and beside a scale of the sensor, which would add `scaled` to y
@@ -41,8 +41,7 @@ class Latency {
     }
   }
   bool sure(double latency_s) const {
-    return xx_ > 0.0 && std::abs(xy_ / xx_ - latency_s) >
-                            surely * std::sqrt(std::max(0.0, yy_ / xx_ - std::pow(xy_ / xx_, 2)) / count_);
+    return xx_ > 0.0 && std::abs(xy_ / xx_ - latency_s) > surely * standard_error_s();
   }
   // what it is when it is sure not to be `expected_s`
   double seconds(double expected_s) const {
@@ -50,13 +49,14 @@ class Latency {
     const double latency_s = xy_ / xx_;
     return sure(0.0) && latency_s > least_s && latency_s < most_s ? latency_s : 0.0;
   }
-  // by how much the other one is later
-  std::optional<double> earlier_s() const {
+  // by how much the other one may be later
+  std::optional<double> earlier_at_most_s() const {
     if (xx_ == 0.0) return std::nullopt;
-    return sure(0.0) ? std::max(0.0, -xy_ / xx_) : 0.0;
+    return std::max(0.0, possibly * standard_error_s() - xy_ / xx_);
   }
 
  private:
+  double standard_error_s() const { return std::sqrt(std::max(0.0, yy_ / xx_ - std::pow(xy_ / xx_, 2)) / count_); }
   double xx_ = 0.0, xy_ = 0.0, yy_ = 0.0, count_ = 0.0;
 };
 
@@ -109,8 +109,8 @@ SensorLatency sensor_latency(const std::vector<FlightData>& flights) {
 
 double rate_latency_s(const std::vector<FlightData>& flights) { return rate_latency(flights).seconds(0.0); }
 
-std::optional<double> pose_latency_s(const std::vector<FlightData>& flights) {
-  return rate_latency(flights).earlier_s();
+std::optional<double> most_pose_latency_s(const std::vector<FlightData>& flights) {
+  return rate_latency(flights).earlier_at_most_s();
 }
 
 double force_latency_s(const std::vector<FlightData>& flights, double rate_s) {

@@ -48,7 +48,7 @@ struct Evidence {
       0.0;  // Δχ² of what the log does not hold of the commands, where only they can show the effect
   double force_excess = 0.0, force_excess_sd = 0.0;  // its force over what its moment predicts, less one
   double sensors_share =
-      1.0;  // of a late pose, the share of its delay that gyro and attitudes show by themselves; 1 where they cannot
+      1.0;  // of a late pose, the share of its delay that gyro and attitudes by themselves leave possible
   double unexplained_gain = 0.0;  // Δχ² of the generic family that still finds most
   bool at_bound = false;          // a value ran into its bound
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
