@@ -83,7 +83,10 @@ void set_key(std::string& text, std::string_view table, std::string_view key, st
   }
   std::size_t at = place->first;
   for (std::size_t i = place->first; i < place->second; ++i)
-    if (sets(lines[i], key)) at = erase_with_comments(lines, i, place->first);
+    if (sets(lines[i], key)) {
+      at = erase_with_comments(lines, i, place->first);
+      break;
+    }
   lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(at),
                {fmt::format("# {}", source), fmt::format("{} = {}", key, literal)});
   text = join(lines);
