@@ -32,19 +32,5 @@ TEST(CarryOver, TakesSharedValuesAsTheyAreAndThoseOfFlightsAtTheirMean) {
   EXPECT_GE(shared, 10);
 }
 
-TEST(CarryOver, LeavesNominalWhatTheOtherFlightsDidNotTell) {
-  const Catalogue from(test::crazyflie(), 1, {.told = Need::attitude | Need::torque}), to = catalogue(1);
-  Eigen::VectorXd value = from.nominal();
-  value.array() += 1.0;
-  const Eigen::VectorXd carried = carry_over(from, value, to);
-  int untold = 0;
-  for (const Group& group : to.groups()) {
-    const int known = from.find(group.label);
-    if (known >= 0 && !from.groups()[static_cast<std::size_t>(known)].columns.empty()) continue;
-    for (const int c : group.columns) EXPECT_EQ(carried[c], column(to, c).nominal) << group.label, ++untold;
-  }
-  EXPECT_GE(untold, 3);
-}
-
 }  // namespace
 }  // namespace gustlab::diagnosis
