@@ -48,7 +48,7 @@ class Checker {
     if (aside_) return std::move(found_);
     for (const Names& names :
          {Names{"px", "py", "pz"}, Names{"qw", "qx", "qy", "qz"}, Names{"wx", "wy", "wz"}, Names{"ax", "ay", "az"}}) {
-      for (const char* name : names) frozen(name);
+      for (const char* name : names) frozen(name, names);
       held(names);
     }
     voltage();
@@ -283,19 +283,44 @@ class Checker {
         many);
   }
 
-  // a column that never moves is no sample at all, one that stands still is none there
-  void frozen(const char* name) {
+  // whether small steps are multiples of the smallest: the sensor or the log rounded to it
+  static bool is_coarse(const std::vector<double>& values, const std::vector<std::size_t>& rows) {
+    constexpr double most_steps = 20.0, same = 0.02;
+    constexpr int fewest = 20;
+    std::vector<double> moved;
+    for (std::size_t i = 1; i < rows.size(); ++i)
+      if (values[rows[i]] != values[rows[i - 1]]) moved.push_back(std::abs(values[rows[i]] - values[rows[i - 1]]));
+    if (moved.empty()) return false;
+    const double step = *std::min_element(moved.begin(), moved.end());
+    int small = 0, multiples = 0;
+    for (const double m : moved) {
+      if (m > most_steps * step) continue;
+      ++small;
+      multiples += std::abs(m / step - std::round(m / step)) < same ? 1 : 0;
+    }
+    return small >= fewest && multiples > 0.95 * small;
+  }
+
+  // a column that never moves is no sample at all, one that stands still is none there; of coarse values only with all of its sensor
+  void frozen(const char* name, const Names& names) {
     auto* c = column(name);
     if (!c) return;
     const std::vector<std::size_t> rows = sampled_rows(*c);
     if (rows.size() <= 20) return;
+    const bool alone = !is_coarse(*c, rows);
+    const auto stand = [&](std::size_t before, std::size_t now) {
+      return std::all_of(names.begin(), names.end(), [&](const char* other) {
+        const auto* o = alone ? c : column(other);
+        return !o || (*o)[before] == (*o)[now];
+      });
+    };
     constexpr std::size_t fewest_repeats = 5;  // coarse values of a slow column repeat by chance
     std::size_t repeats = 0, run = 0;
     Stretch still;
     for (std::size_t i = 1; i < rows.size(); ++i) {
       const bool same = (*c)[rows[i]] == (*c)[rows[i - 1]];
       repeats += same ? 1 : 0;
-      run = same ? run + 1 : 0;
+      run = same && stand(rows[i - 1], rows[i]) ? run + 1 : 0;
       if (run >= fewest_repeats) still = std::max(still, between(rows[i - run], rows[i]));
     }
     if (static_cast<double>(repeats) > 0.999 * static_cast<double>(rows.size() - 1)) {
