@@ -160,8 +160,8 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
   if (session.catalogue().commands_are_slow())
     reading.remarks.notes.emplace_back(
         "the commands were logged at a lower rate than the motion: how much torque in roll and pitch the loop added "
-        "between them is "
-        "fitted beside all else, and what roll and pitch alone would show (inertia, damping) is not told");
+        "between them is fitted beside all else, and what roll and pitch alone would show (inertia, damping) is not "
+        "told");
   tell(options, "choosing effects", 0.1);
   Selection selection = select_effects(session, {});
   tell(options, "testing them on other flights", 0.5);

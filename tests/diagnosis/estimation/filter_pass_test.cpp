@@ -6,16 +6,13 @@
 #include <Eigen/Cholesky>
 
 #include "diagnosis/model/propagation.hpp"
+#include "support/linear_flights.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
 
 NoiseModel some_noise() {
-  NoiseModel noise;
-  noise.variance = {0.04, 0.09, 0.5, 0.7};
-  noise.time_s = {0.2, 0.3, 0.1, 0.05};
-  noise.white = {1e-4, 2e-4, 3e-3, 4e-3};
-  noise.measurement = {1e-6, 2e-5, 3e-4, 0.01};
+  NoiseModel noise = test::some_noise();
   noise.lasting_variance = {2e-6, 3e-5, 2e-4, 0.02};
   noise.lasting_time_s = {0.1, 0.2, 0.05, 0.15};
   return noise;
@@ -26,12 +23,7 @@ LinearFlight some_flight() {
   flight.center_of_mass_B_m = {0.02, -0.01, 0.03};
   for (int k = 0; k < 3; ++k) {
     const double dt = 0.01 + 0.002 * k;
-    Matrix12 F = Matrix12::Identity();
-    for (int i = 0; i < 3; ++i) {
-      F(i, 3 + i) = F(6 + i, 9 + i) = dt;
-      for (int j = 0; j < 3; ++j) F(3 + i, 6 + j) = dt * (1.0 + i - 2.0 * j), F(9 + i, 3 + j) = 0.3 * dt * (i + j + 1);
-    }
-    flight.F.push_back(F);
+    flight.F.push_back(test::some_transition(dt));
     flight.b.push_back(1e-3 * Vector12::LinSpaced(-1.0, 2.0));
     flight.interval_s.push_back(dt);
     flight.starts.push_back(k == 0);

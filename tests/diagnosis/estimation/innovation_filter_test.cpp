@@ -7,32 +7,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/linear_flights.hpp"
+
 namespace gustlab::diagnosis {
 namespace {
 
 constexpr std::size_t samples = 4;
 constexpr Eigen::Index states = 18 * static_cast<Eigen::Index>(samples);
 
-NoiseModel some_noise() {
-  NoiseModel noise;
-  noise.variance = {0.04, 0.09, 0.5, 0.7};
-  noise.time_s = {0.2, 0.3, 0.1, 0.05};
-  noise.white = {1e-4, 2e-4, 3e-3, 4e-3};
-  noise.measurement = {1e-6, 2e-5, 3e-4, 0.01};
-  return noise;
-}
+using test::some_noise;
 
 // some samples in which every state drives others, positions in every second one
 LinearFlight some_flight() {
   LinearFlight flight;
   for (std::size_t k = 0; k < samples; ++k) {
     const double dt = 0.01 + 0.001 * static_cast<double>(k);
-    Matrix12 F = Matrix12::Identity();
-    for (int i = 0; i < 3; ++i) {
-      F(i, 3 + i) = F(6 + i, 9 + i) = dt;
-      for (int j = 0; j < 3; ++j) F(3 + i, 6 + j) = dt * (1.0 + i - 2.0 * j), F(9 + i, 3 + j) = 0.3 * dt * (i + j + 1);
-    }
-    flight.F.push_back(F);
+    flight.F.push_back(test::some_transition(dt));
     flight.b.push_back(1e-3 * Vector12::LinSpaced(-1.0, 2.0));
     flight.interval_s.push_back(dt);
     flight.starts.push_back(k == 0);

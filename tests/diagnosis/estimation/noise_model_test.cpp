@@ -5,17 +5,15 @@
 
 #include <cmath>
 
+#include "support/linear_flights.hpp"
+
 namespace gustlab::diagnosis {
 namespace {
 
 constexpr double sample_s = 0.01;
 
 NoiseModel some_noise() {
-  NoiseModel noise;
-  noise.variance = {0.04, 0.09, 0.5, 0.7};
-  noise.time_s = {0.2, 0.3, 0.1, 0.05};
-  noise.white = {1e-4, 2e-4, 3e-3, 4e-3};
-  noise.measurement = {1e-6, 2e-5, 3e-4, 0.01};
+  NoiseModel noise = test::some_noise();
   noise.least_white = {1e-6, 1e-6, 1e-6, 1e-6};
   return noise;
 }
