@@ -115,6 +115,15 @@ def read_axes(folder, names, metric):
     return rows
 
 
+def runs_per_point(rows):
+    """how many runs stand behind a mean: "5", or "5 or 20" where they differ"""
+    cells = {}
+    for row in rows:
+        at = tuple(row[name] for name in ("experiment", "vehicle", "trajectory", "controller", *axes_of(rows)))
+        cells[at] = cells.get(at, 0) + 1
+    return " or ".join(map(str, sorted(set(cells.values()))))
+
+
 def save(figure, stem):
     """writes stem.pdf, stem.svg and stem.png without dates or versions"""
     stem = Path(stem)

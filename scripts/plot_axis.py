@@ -7,18 +7,21 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from scipy import stats
 
 import gustlab_figures as figures
 from gustlab_figures import COLORS, plt
 
 
 def interval(values):
-    """mean and its standard error over the runs, NaN where there is none"""
+    """mean over the runs and half of its 95 % interval (Student's), NaN where there is none"""
     values = np.array(values)
-    if not np.isfinite(values).any():
+    values = values[np.isfinite(values)]
+    if not len(values):
         return np.nan, np.nan
-    error = np.nanstd(values, ddof=1) / np.sqrt(len(values)) if len(values) > 1 else 0.0
-    return np.nanmean(values), error
+    if len(values) == 1:
+        return values[0], 0.0
+    return np.mean(values), stats.t.ppf(0.975, len(values) - 1) * np.std(values, ddof=1) / np.sqrt(len(values))
 
 
 def draw_panel(axis, rows, options):
@@ -29,8 +32,8 @@ def draw_panel(axis, rows, options):
             if row["controller"] == controller:
                 points.setdefault(figures.number(row[options.x]), []).append(row)
         x = sorted(points)
-        mean, error = np.array([interval([float(row[options.metric] or "nan") for row in points[at]]) for at in x]).T
-        axis.errorbar(x, mean, 1.96 * error, color=color, label=controller, capsize=1.5, linewidth=1.0)
+        mean, half = np.array([interval([float(row[options.metric] or "nan") for row in points[at]]) for at in x]).T
+        axis.errorbar(x, mean, half, color=color, label=controller, capsize=1.5, linewidth=1.0)
         whole = [all(row["outcome"] == "completed" for row in points[at]) for at in x]
         axis.scatter(x, mean, s=10, edgecolors=color, facecolors=[color if done else "white" for done in whole], zorder=3)
     axis.set_ylim(bottom=0)
@@ -51,7 +54,7 @@ def draw(options):
     for axis in axes.flat[len(panels):]:
         axis.set_visible(False)
     axes.flat[0].legend()
-    figure.supxlabel(f"{options.x}; mean and 95 % interval of the mean; hollow: not every run was completed")
+    figure.supxlabel(f"{options.x}; mean and its 95 % interval, N = {figures.runs_per_point(rows)}; hollow: not every run was completed")
     figure.supylabel(f"{options.metric} / m")
     figures.save(figure, Path(options.out) / f"{options.metric}_over_{options.x}")
 

@@ -57,7 +57,7 @@ def draw_panel(axis, rows, column, down="controller", across="trajectory", most=
     return image
 
 
-NOTE = ("mean ± sample standard deviation of N runs; completed/N where some were not, whose errors count up to their end;"
+NOTE = ("mean ± sample standard deviation of N{} runs; completed/N where some were not, whose errors count up to their end;"
         " –: over before the settling was")
 
 
@@ -76,7 +76,7 @@ def draw_axes(options, column, name):
         axis.set_title(f"{controller}, {trajectory}")
         axis.set(xlabel=options.x, ylabel=options.y)
     figure.colorbar(image, ax=axes[0].tolist(), label=f"mean {name.upper()} XY / m")
-    figure.supxlabel(NOTE, fontsize=6)
+    figure.supxlabel(NOTE.format(f" = {figures.runs_per_point(rows)}"), fontsize=6)
     figures.save(figure, Path(options.out) / f"heatmap_{name}")
 
 
@@ -86,7 +86,7 @@ def draw_sweeps(options, column, name):
     figure, axes = plt.subplots(1, len(sweeps), figsize=(3.4 * len(sweeps), height), squeeze=False)
     for axis, rows in zip(axes[0], sweeps):
         figure.colorbar(draw_panel(axis, rows, column), ax=axis, label=f"mean {name.upper()} XY / m")
-    figure.supxlabel(NOTE, fontsize=6)
+    figure.supxlabel(NOTE.format(""), fontsize=6)
     figures.save(figure, Path(options.out) / f"heatmap_{name}")
 
 

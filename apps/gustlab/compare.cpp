@@ -13,6 +13,7 @@ void add_compare(CLI::App& app) {
   struct Options {
     ExperimentOptions experiment;
     std::string folder, format = "md";
+    std::vector<std::string> variants;
     double limit_m = 0.5;
   };
   const auto options = std::make_shared<Options>();
@@ -24,10 +25,12 @@ void add_compare(CLI::App& app) {
       ->add_option("--limit", options->limit_m, "planar RMSE in m up to which a run that was completed counts as held")
       ->check(positive())
       ->capture_default_str();
+  command->add_option("--variant", options->variants, "of these only, as they were flown by `gustlab sweep --variant`")
+      ->allow_extra_args(false);
   command->add_option("--format", options->format)->check(CLI::IsMember({"md", "json"}))->capture_default_str();
   command->callback([options] {
     std::vector<NamedResults> results;
-    for (const Experiment& variant : options->experiment.read_variants())
+    for (const Experiment& variant : options->experiment.read_variants(options->variants))
       results.push_back({variant.variant.empty() ? variant.name : variant.variant,
                          read_results(variant_folder(options->folder, variant)), variant.alone});
     const std::vector<ComparedVariant> compared = compare(results, options->limit_m);

@@ -1,11 +1,14 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "commands.hpp"
+#include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/flight_log.hpp"
 #include "report/sweep_page.hpp"
@@ -71,6 +74,19 @@ SweepFigures paths_in(const std::filesystem::path& folder, const std::vector<Res
   return figures;
 }
 
+// one list of names may serve many tables, so a name that this one does not have is no error
+void warn_of_unused(const std::map<std::string, std::string>& names, const std::vector<ResultRow>& rows) {
+  std::set<std::string> here;
+  for (const ResultRow& row : rows) {
+    here.insert({row.vehicle, row.trajectory, row.controller});
+    for (const NamedValue& axis : row.axes) here.insert(axis.name);
+  }
+  const std::vector<std::string> known(here.begin(), here.end());
+  for (const auto& [ours, theirs] : names)
+    if (here.count(ours) == 0)
+      spdlog::warn("--names {}={}: this table has no {} {}", ours, theirs, ours, config::suggest(ours, known));
+}
+
 void table_command(TableArguments options) {
   if (options.format == "html") {
     const Results results = read_results(options.folder);
@@ -95,7 +111,9 @@ void table_command(TableArguments options) {
           "--names {}: not a name (ours=theirs) for example --names daiml=ADAIML,lemniscate=infinity", name));
     options.table.names[name.substr(0, equals)] = name.substr(equals + 1);
   }
-  const std::string text = to_table(read_results(options.folder), options.table);
+  const Results results = read_results(options.folder);
+  warn_of_unused(options.table.names, results.rows);
+  const std::string text = to_table(results, options.table);
   std::fwrite(text.data(), 1, text.size(), stdout);
 }
 

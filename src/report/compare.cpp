@@ -97,8 +97,9 @@ ComparedVariant compare_one(const std::string& name, const Errors& errors, doubl
     controller.behind =
         paired_bootstrap(by_gust(errors.rmse_m[c], errors.gusts), by_gust(errors.rmse_m[variant.best], errors.gusts),
                          RandomStream(1, 0, "compare"));
-    controller.as_good_as_best = c == variant.best || (holds(controller) == holds(variant.controllers[variant.best]) &&
-                                                       controller.behind.low <= 0.0);
+    controller.as_good_as_best =
+        controller.held > 0 && (c == variant.best || (holds(controller) == holds(variant.controllers[variant.best]) &&
+                                                      controller.behind.low <= 0.0));
   }
   return variant;
 }
@@ -109,6 +110,25 @@ std::string cell(const ComparedController& controller, bool best) {
   if (controller.held < controller.total) text += fmt::format(" ({}/{})", controller.held, controller.total);
   if (controller.broken) text += " †";
   return text;
+}
+
+// nobody is best where nobody held a run
+std::string variant_row(const ComparedVariant& variant) {
+  const bool any = variant.controllers[variant.best].held > 0;
+  std::vector<std::string> good{any ? variant.controllers[variant.best].name : "–"};
+  std::string text = fmt::format("\n| {} |", variant.name);
+  const ComparedController* next = nullptr;
+  for (std::size_t c = 0; c < variant.controllers.size(); ++c) {
+    const ComparedController& controller = variant.controllers[c];
+    text += fmt::format(" {} |", cell(controller, any && c == variant.best));
+    if (c == variant.best) continue;
+    if (controller.as_good_as_best) good.push_back(controller.name);
+    else if (holds(controller) && (next == nullptr || controller.behind_m < next->behind_m)) next = &controller;
+  }
+  text += fmt::format(" {} |", fmt::join(good, ", "));
+  return text + (next == nullptr ? " – |"
+                                 : fmt::format(" {}: {:.4f} [{:.4f}, {:.4f}] |", next->name, next->behind_m,
+                                               next->behind.low, next->behind.high));
 }
 
 }  // namespace
@@ -149,22 +169,7 @@ std::string to_markdown(std::span<const ComparedVariant> variants, double limit_
   text += " best, or not told from it | ahead of the next by |\n|---|";
   for (std::size_t i = 0; i < columns.size(); ++i) text += "--:|";
   text += "---|--:|";
-  for (const ComparedVariant& variant : variants) {
-    text += fmt::format("\n| {} |", variant.name);
-    std::vector<std::string> good{variant.controllers[variant.best].name};
-    const ComparedController* next = nullptr;
-    for (std::size_t c = 0; c < variant.controllers.size(); ++c) {
-      const ComparedController& controller = variant.controllers[c];
-      text += fmt::format(" {} |", cell(controller, c == variant.best));
-      if (c == variant.best) continue;
-      if (controller.as_good_as_best) good.push_back(controller.name);
-      else if (holds(controller) && (next == nullptr || controller.behind_m < next->behind_m)) next = &controller;
-    }
-    text += fmt::format(" {} |", fmt::join(good, ", "));
-    text += next == nullptr ? " – |"
-                            : fmt::format(" {}: {:.4f} [{:.4f}, {:.4f}] |", next->name, next->behind_m,
-                                          next->behind.low, next->behind.high);
-  }
+  for (const ComparedVariant& variant : variants) text += variant_row(variant);
   text += fmt::format(
       "\n\nMean planar RMSE in m over the runs that were completed, of {} in each cell, the same gusts for all; "
       "held/all where a run "
@@ -210,7 +215,8 @@ std::string to_json(std::span<const ComparedVariant> variants, double limit_m) {
     return std::isnan(value) ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
   };
   for (const ComparedVariant& variant : variants) {
-    nlohmann::ordered_json entry{{"variant", variant.name}, {"best", variant.controllers[variant.best].name}};
+    nlohmann::ordered_json entry{{"variant", variant.name}, {"best", nullptr}};
+    if (const ComparedController& best = variant.controllers[variant.best]; best.held > 0) entry["best"] = best.name;
     for (const ComparedController& c : variant.controllers)
       entry["controllers"].push_back({{"controller", c.name},
                                       {"completed", c.completed},

@@ -18,10 +18,11 @@ struct ComparedController {
   Interval held_share{};                                 // 95 %, Wilson
   double rmse_m = 0.0;                                   // NaN when no run was completed
   double rotor_sd_radps = 0.0, rotor_rate_radps2 = 0.0;  // mean effort over the same runs
-  double behind_m = 0.0;         // mean of its error less the best one's, in the runs that both completed
-  Interval behind{};             // 95 %, paired bootstrap over these runs
-  bool broken = false;           // fewer than 95 % held
-  bool as_good_as_best = false;  // the best itself, or not told from it: the interval holds zero
+  double behind_m = 0.0;  // mean of its error less the best one's, in the runs that both completed
+  Interval behind{};      // 95 %, paired bootstrap over these runs
+  bool broken = false;    // fewer than 95 % held
+  // the best itself, or not told from it: the interval holds zero; never without a run held
+  bool as_good_as_best = false;
 };
 struct ComparedVariant {
   std::string name;

@@ -29,10 +29,17 @@ RowsById by_identity(const std::vector<ResultRow>& rows) {
   return known;
 }
 
+// without the variants, which may be many
 std::string experiments_of(const std::vector<ResultRow>& rows) {
   std::set<std::string> names;
-  for (const ResultRow& row : rows) names.insert(row.experiment);
+  for (const ResultRow& row : rows) names.insert(row.experiment.substr(0, row.experiment.find('.')));
   return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// a cell as the summary calls it: its variant first, where there are any
+std::string title_of(const GateCell& cell) {
+  const std::size_t dot = cell.experiment.find('.');
+  return dot == std::string::npos ? cell.cell : fmt::format("{}: {}", cell.experiment.substr(dot + 1), cell.cell);
 }
 
 void check_same_experiment(const RowsById& now_rows, const std::vector<ResultRow>& now,
@@ -43,7 +50,8 @@ void check_same_experiment(const RowsById& now_rows, const std::vector<ResultRow
   });
   if (!known)
     throw DataError(
-        fmt::format("wrong baseline: it is of {}, the sweep of {} (they have no cell in common) give the baseline of "
+        fmt::format("wrong baseline: it is of {}, the sweep of {} (they have no variant, trajectory and controller in "
+                    "common) give the baseline of "
                     "this experiment, "
                     "or make one with --update",
                     experiments_of(baseline), experiments_of(now)));
@@ -141,7 +149,7 @@ std::string xml_text(std::string_view plain) {
 
 std::string change_row(const GateCell& cell) {
   const GateChange& rmse = cell.changes[0];
-  const std::string name = fmt::format("| {} | {} |", cell.cell, cell.pairs);
+  const std::string name = fmt::format("| {} | {} |", title_of(cell), cell.pairs);
   if (cell.pairs == 0) return fmt::format("{} – | – | – | – | {} | – |\n", name, cell.verdict);
   const auto percent = [&](double value_m) { return 100.0 * value_m / rmse.before_m; };
   const std::string interval =
@@ -221,7 +229,8 @@ std::string to_markdown(const GateReport& report) {
   text += rule_text(report.rule) + "\n\n";
   std::vector<std::string> failures;
   for (const GateCell& cell : report.cells)
-    for (const std::string& failure : cell.failures) failures.push_back(fmt::format("- {}: {}\n", cell.cell, failure));
+    for (const std::string& failure : cell.failures)
+      failures.push_back(fmt::format("- {}: {}\n", title_of(cell), failure));
   for (std::size_t i = 0; i < std::min(failures.size(), most_listed); ++i) text += failures[i];
   if (failures.size() > most_listed)
     text += fmt::format("- and {} more (--junit has all)\n", failures.size() - most_listed);

@@ -31,7 +31,10 @@ class Page {
   bool is_best(const TableCell& cell, std::size_t metric) const {
     if (!options_.bold_best) return false;
     return std::none_of(cells.begin(), cells.end(), [&](const TableCell& other) {
-      return together(other, cell) && other.errors[metric].mean < cell.errors[metric].mean;
+      if (!together(other, cell)) return false;
+      // errors up to a crash are no better than those of a whole flight
+      const std::size_t theirs = other.completed * cell.total, ours = cell.completed * other.total;
+      return theirs != ours ? theirs > ours : other.errors[metric].mean < cell.errors[metric].mean;
     });
   }
 
@@ -51,7 +54,8 @@ class Page {
       flown += fmt::format("{}{} {}", flown.empty() ? "" : "; ", name(arc.name), arc.value);
     if (!flown.empty()) text += fmt::format(" Flown: {}.", flown);
     if (std::any_of(cells.begin(), cells.end(), [](const TableCell& cell) { return cell.completed < cell.total; }))
-      text += " A run that was not completed keeps its errors up to its end.";
+      text +=
+          " Completed: flown to the end, however large the error. A run that was not keeps its errors up to its end.";
     return text;
   }
 

@@ -46,7 +46,8 @@ std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows);
 struct TableOptions {
   TableFormat format = TableFormat::md;
   std::vector<std::size_t> columns{0, 1, 2, 3, 4};  // of tracking_metrics
-  bool bold_best = false;                           // the least mean of each trajectory (and point of the axes)
+  // the least mean of each trajectory (and point of the axes), of those that completed the largest share of their runs
+  bool bold_best = false;
   std::map<std::string, std::string> names{};  // what a vehicle, trajectory, controller or axis is called in the table
   std::string label{};                         // LaTeX's; empty: the experiment's name
 };

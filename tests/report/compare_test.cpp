@@ -105,6 +105,16 @@ TEST(Compare, MarginIsTheLastValueBeforeTheFirstThatBreaks) {
   EXPECT_THAT(text, testing::HasSubstr("| gain | – | ≥ 2 | ≥ 2 | 2 |"));
 }
 
+// GIVEN a variant in which no controller holds a run WHEN it is compared THEN none is called best, and bold
+TEST(Compare, NobodyIsBestWhereNobodyHeld) {
+  const auto compared = compare(std::vector{variant("far", 0.9, 0.8, 0.7)}, 0.5);
+  for (const ComparedController& controller : compared[0].controllers) EXPECT_FALSE(controller.as_good_as_best);
+  const std::string text = to_markdown(compared, 0.5);
+  EXPECT_THAT(text, testing::HasSubstr("(0/40) † | – | – |"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("**")));
+  EXPECT_THAT(to_json(compared, 0.5), testing::HasSubstr("\"best\": null"));
+}
+
 TEST(Compare, NeedsTheSameRuns) {
   std::vector<NamedResults> variants{variant("nominal", 0.2, 0.1, 0.3), variant("less", 0.2, 0.1, 0.3)};
   variants[1].results.rows.erase(variants[1].results.rows.begin() + 117, variants[1].results.rows.end());

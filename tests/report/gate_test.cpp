@@ -75,6 +75,25 @@ TEST(Gate, SmallErrorsMayNotGrowEither) {
   EXPECT_EQ(gate(rows, before, {}).failures(), 0u);
 }
 
+// GIVEN a sweep with variants WHEN a cell of one of them is worse THEN the summary says of which
+TEST(Gate, CellsOfVariantsAreToldApart) {
+  auto before = baseline(), rows = changed(1.05);
+  for (auto* all : {&before, &rows})
+    for (ResultRow& row : *all) row.experiment = "grid.strength_0.5_mass_-0.2";
+  for (ResultRow row : baseline()) {
+    row.experiment = "grid.strength_2_mass_0";
+    before.push_back(row);
+    rows.push_back(row);
+  }
+  EXPECT_THAT(to_markdown(gate(rows, before, {})),
+              AllOf(HasSubstr("- strength_0.5_mass_-0.2: crazyflie circle pid: RMSE "),
+                    HasSubstr("| strength_0.5_mass_-0.2: crazyflie circle pid | 8 |"),
+                    HasSubstr("| strength_2_mass_0: crazyflie circle pid | 8 |")));
+  // a wrong baseline is called by its experiment, however many variants that has
+  EXPECT_THAT([&] { gate(rows, baseline(), {}); },
+              ThrowsMessage<DataError>(HasSubstr("it is of ci, the sweep of grid (they have no")));
+}
+
 TEST(Gate, BetterNeverFailsAndIsSaid) {
   const GateReport report = gate(changed(0.9, 1e-4), baseline(), {});
   EXPECT_EQ(report.failures(), 0u);

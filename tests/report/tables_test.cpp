@@ -73,6 +73,16 @@ TEST(Tables, LatexHasTheLayoutOfThePaper) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
+// GIVEN a controller that crashed before its error could grow WHEN the best is bold THEN it is one that flew to the end
+TEST(Tables, BestIsNobodyWhoCrashedMoreOften) {
+  Results two{{row("circle", 1, 0.01), row("circle", 1, 0.3)}, 2.5, {}};
+  two.rows[0].outcome = Outcome::crashed;
+  two.rows[1].controller = "slow";
+  const std::string text = to_table(two, {.columns = {0}, .bold_best = true});
+  EXPECT_NE(text.find("| pid | 0/1 | 0.010 ± – (0.010) |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| slow | 1/1 | **0.300 ± –** (0.300) |"), std::string::npos) << text;
+}
+
 TEST(Tables, AxesAreTheirFirstColumns) {
   Results swept = results;
   for (ResultRow& row : swept.rows) row.axes = {{"strength", row.trajectory == "circle" ? "1" : "2"}};

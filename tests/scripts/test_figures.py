@@ -12,6 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import gustlab_figures
+import plot_axis
 import plot_heatmap
 
 RUNS = "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,key"
@@ -112,6 +113,7 @@ class Figures(unittest.TestCase):
         folder = self.axes_sweep("sweep")
         svg = self.check_figure([("", "heatmap_rmse"), ("", "heatmap_p95")], "plot_heatmap", folder, "--x", "strength", "--y", "mass")[1].decode()
         self.assertIn("pid, circle -->", svg)
+        self.assertIn("of N = 2 runs", svg)
         code, text = self.run_script("plot_heatmap", folder, "--x", "strength", "--y", "masses", "--out", self.root / "out")
         self.assertEqual(code, 3)
         self.assertIn("no axis masses (it has strength, mass)", text)
@@ -121,6 +123,14 @@ class Figures(unittest.TestCase):
         svg = self.check_figure([("", "rmse_xy_m_over_strength")], "plot_axis", folder, "--x", "strength")[1].decode()
         self.assertIn("circle, mass -0.2 -->", svg)
         self.assertIn("pid -->", svg)
+        self.assertIn("its 95 % interval, N = 2;", svg)
+
+    def test_interval_of_few_runs_is_student_s(self):
+        # two runs, 0.2 apart: t(0.975, 1) = 12.706, standard error 0.1; a run without a figure does not count
+        mean, half = plot_axis.interval([1.0, 1.2, math.nan])
+        self.assertAlmostEqual(mean, 1.1)
+        self.assertAlmostEqual(half, 1.2706, places=4)
+        self.assertTrue(all(map(math.isnan, plot_axis.interval([math.nan]))))
 
     def test_what_cannot_be_drawn_is_refused_and_nothing_is_written(self):
         empty = self.root / "empty"

@@ -259,6 +259,8 @@ class Axes(Commands):
         table = self.call("table", "a", "--columns", "rmse,p95")[0]
         self.assertIn("| strength | period | vehicle | trajectory | controller | completed | RMSE | P95 |", table)
         self.assertEqual(table.count("| crazyflie | circle | pid | 3/3 |"), 4)
+        self.assertEqual(self.call("table", "a", "--names", "pid=PID,strength=gust")[1], "")
+        self.assertIn('this table has no pdi did you mean "pid"?', self.call("table", "a", "--names", "pdi=PID")[1])
         self.call("gate", "a", "--baseline", "base.csv", "--update")
         self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv")[0])
 
@@ -289,6 +291,14 @@ class Axes(Commands):
         self.assertIn("| 2 | 10 |", self.call("table", "a")[0])
         _, err = self.sweep("a", "--variant", "strength_3", code=2)
         self.assertIn("there is no variant", err)
+
+    def test_points_that_were_flown_alone_are_compared_alone(self):
+        few = ["--variant", "strength_2_period_10", "--variant", "strength_2_period_5"]
+        self.sweep("a", *few)
+        text = self.call("compare", self.experiment, "a", *few)[0]
+        self.assertIn("\n| strength_2_period_10 |", text)
+        self.assertNotIn("strength_0.5", text)
+        self.assertIn("no results here", self.call("compare", self.experiment, "a", code=3)[1])
 
     def test_what_an_axis_sets_cannot_be_overridden(self):
         _, err = self.sweep("a", "--set", "effect.gust.strength=1", code=2)
