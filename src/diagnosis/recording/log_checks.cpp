@@ -283,14 +283,14 @@ class Checker {
         many);
   }
 
-  // whether small steps are multiples of the smallest: the sensor or the log rounded to it
-  static bool is_coarse(const std::vector<double>& values, const std::vector<std::size_t>& rows) {
+  // the step to which the sensor or the log rounded its values: small changes are multiples of the smallest; otherwise 0
+  static double coarse_step(const std::vector<double>& values, const std::vector<std::size_t>& rows) {
     constexpr double most_steps = 20.0, same = 0.02;
     constexpr int fewest = 20;
     std::vector<double> moved;
     for (std::size_t i = 1; i < rows.size(); ++i)
       if (values[rows[i]] != values[rows[i - 1]]) moved.push_back(std::abs(values[rows[i]] - values[rows[i - 1]]));
-    if (moved.empty()) return false;
+    if (moved.empty()) return 0.0;
     const double step = *std::min_element(moved.begin(), moved.end());
     int small = 0, multiples = 0;
     for (const double m : moved) {
@@ -298,7 +298,7 @@ class Checker {
       ++small;
       multiples += std::abs(m / step - std::round(m / step)) < same ? 1 : 0;
     }
-    return small >= fewest && multiples > 0.95 * small;
+    return small >= fewest && multiples > 0.95 * small ? step : 0.0;
   }
 
   // a column that never moves is no sample at all, one that stands still is none there; of coarse values only with all of its sensor
@@ -307,7 +307,7 @@ class Checker {
     if (!c) return;
     const std::vector<std::size_t> rows = sampled_rows(*c);
     if (rows.size() <= 20) return;
-    const bool alone = !is_coarse(*c, rows);
+    const bool alone = coarse_step(*c, rows) == 0.0;
     const auto stand = [&](std::size_t before, std::size_t now) {
       return std::all_of(names.begin(), names.end(), [&](const char* other) {
         const auto* o = alone ? c : column(other);
@@ -338,22 +338,36 @@ class Checker {
     }
   }
 
+  // whether coarse columns of a sensor, in the median, change by one step at a time: then a slow motion repeats its values
+  static bool moves_by_single_steps(const std::vector<std::vector<double>*>& columns,
+                                    const std::vector<std::size_t>& rows) {
+    std::vector<double> usual_steps;
+    for (const auto* c : columns) {
+      const double step = coarse_step(*c, rows);
+      std::vector<double> steps;
+      for (std::size_t i = 1; step > 0.0 && i < rows.size(); ++i)
+        if (const double moved = std::abs((*c)[rows[i]] - (*c)[rows[i - 1]]); moved > 0.0)
+          steps.push_back(moved / step);
+      if (!steps.empty()) usual_steps.push_back(median(std::move(steps)));
+    }
+    return !usual_steps.empty() && median(std::move(usual_steps)) < 1.5;
+  }
+
   // forward-filled samples are no samples: all columns of a sensor repeat at once, while coarse values repeat one by one
   void held(const Names& names) {
     std::vector<std::vector<double>*> columns;
     for (const char* name : names)
       if (auto* c = column(name); c && !sampled_rows(*c).empty()) columns.push_back(c);
     if (columns.empty()) return;
-    std::vector<std::size_t> repeated;
-    std::size_t count = 0, last = 0;
+    const auto all = [&](const auto& holds) { return std::all_of(columns.begin(), columns.end(), holds); };
+    std::vector<std::size_t> rows, repeated;
     for (std::size_t k = 0; k < log_.rows(); ++k) {
-      const auto all = [&](const auto& holds) { return std::all_of(columns.begin(), columns.end(), holds); };
       if (!all([&](const auto* c) { return std::isfinite((*c)[k]); })) continue;
-      if (count++ > 0 && all([&](const auto* c) { return (*c)[k] == (*c)[last]; })) repeated.push_back(k);
-      last = k;
+      if (!rows.empty() && all([&](const auto* c) { return (*c)[k] == (*c)[rows.back()]; })) repeated.push_back(k);
+      rows.push_back(k);
     }
-    const double share = static_cast<double>(repeated.size()) / static_cast<double>(count);
-    if (count <= 20 || share <= 0.25) return;
+    const double share = static_cast<double>(repeated.size()) / static_cast<double>(rows.size());
+    if (rows.size() <= 20 || share <= 0.25 || moves_by_single_steps(columns, rows)) return;
     for (const char* name : names)
       if (column(name))
         add(name, "held", 0, log_.rows(),

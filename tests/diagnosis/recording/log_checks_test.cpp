@@ -120,6 +120,19 @@ TEST(LogChecksOfSlowColumns, FindForwardFilledSensorsButNotCoarseOnes) {
   EXPECT_THAT(says(log), IsEmpty());
 }
 
+// an attitude of ten bits changes by one step at a time, and repeats in all of its columns while it turns slowly
+TEST(LogChecksOfSlowColumns, KeepACoarseAttitudeThatMovesByOneStep) {
+  FlightLog log = at_own_rates(test::hover);
+  for (const char* name : {"qx", "qy", "qz"})
+    change(log, name, [](double, double, int i) { return 0.002 * ((i / 3) % 2) - 0.002; });
+  change(log, "qw",
+         [](double, double, int i) { return std::sqrt(1.0 - 3.0 * std::pow(0.002 * ((i / 3) % 2) - 0.002, 2)); });
+  std::vector<std::string> held;
+  for (const std::string& text : says(log))
+    if (text.find("forward-filled") != std::string::npos) held.push_back(text);
+  EXPECT_THAT(held, IsEmpty());
+}
+
 TEST(LogChecksOfSlowColumns, CompareAGyroWithAttitudesOfOtherRows) {
   const FlightLog right = at_own_rates(test::loop);
   for (const auto& [by, words] : {std::pair(57.2958, "is in degrees per second"), std::pair(-1.0, "opposite sign")}) {
