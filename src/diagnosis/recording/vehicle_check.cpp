@@ -113,12 +113,12 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
   };
   const std::string file = vehicle.source_path.substr(vehicle.source_path.find_last_of('/') + 1);
   const double stated = level(place);
-  if (stated < 1.0) {
+  if (stated < 1.5) {
     std::vector<int> best = place, trial = place;
     do {
       if (whole(trial) > whole(best)) best = trial;
     } while (std::next_permutation(trial.begin(), trial.end()));
-    if (level(best) > 1.6 && level(best) > stated + 0.8) {
+    if (level(best) > 1.7 && level(best) > stated + 0.4) {
       LogFinding finding;
       finding.file = file;
       finding.column = "rotor";

@@ -53,8 +53,9 @@ TEST(CheckRotors, SaysNothingOfAFileThatIsRight) {
 }
 
 TEST(CheckRotors, FindsTheOrderThatTurnsTheVehicleAsItTurned) {
-  // what u1 to u4 drive by the file: two across exchanged, or front and back
-  for (const std::array<std::size_t, 4>& place : {std::array<std::size_t, 4>{1, 0, 2, 3}, {0, 1, 3, 2}, {3, 2, 1, 0}}) {
+  // what u1 to u4 drive by the file: two across exchanged, front and back, the two in front, the two on one side
+  for (const std::array<std::size_t, 4>& place :
+       {std::array<std::size_t, 4>{1, 0, 2, 3}, {0, 1, 3, 2}, {3, 2, 1, 0}, {2, 1, 0, 3}, {3, 1, 2, 0}}) {
     VehicleModel vehicle = truth();
     vehicle.source_path = "somewhere/iris.toml";
     for (std::size_t i = 0; i < 4; ++i) vehicle.rotors[i] = truth().rotors[place[i]];
