@@ -43,6 +43,7 @@ class Selector {
 
     std::vector<int> chosen;
     std::map<std::vector<int>, Eigen::VectorXd> visited;
+    std::optional<WithoutWind> without_wind;
     constexpr int rounds = 6;
     int latency = -1;  // what the first round settled on
     for (int round = 0; round < rounds; ++round) {
@@ -63,7 +64,9 @@ class Selector {
       const bool settled = round > 0 && next == chosen;
       chosen = next;
       if (round == 0) value = likelier_latency(chosen, value), latency = latency_of(chosen);
+      const WithoutWind still{chosen, value, s_.noise};
       value = likelier_wind(grams, chosen, value);
+      if (chosen != still.chosen) without_wind = still;
       visited[chosen] = value;
       if (settled) break;
       if (round == 0) s_.forget_transitions();
@@ -71,8 +74,15 @@ class Selector {
     }
     // linearised about the one the other seemed likelier
     if (latency >= 0 && latency_of(chosen) != latency) value = likelier_latency(chosen, value);
-    finish(result, chosen, value);
-    return result;
+    Selection finished = result;
+    finish(finished, chosen, value);
+    // a wind that does not stand has taken the place of a drag that may
+    if (without_wind && finished.find(catalogue_.find(Airflow::wind)) == nullptr) {
+      s_.noise = without_wind->noise;
+      finish(result, without_wind->chosen, without_wind->value);
+      return result;
+    }
+    return finished;
   }
 
   // fewer groups, fitted anew
@@ -96,6 +106,13 @@ class Selector {
   }
 
  private:
+  // the set that winds took the place of, and the noise beside it
+  struct WithoutWind {
+    std::vector<int> chosen;
+    Eigen::VectorXd value;
+    NoiseModel noise;
+  };
+
   // Grams whose coefficients count from the nominal vehicle, in natural units
   Grams absolute(const Eigen::VectorXd& value) {
     Grams grams = s_.grams();
