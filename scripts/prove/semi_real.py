@@ -500,6 +500,11 @@ def judge(case, found, base=None, before=None):
     right = lambda effect: case.truth is not None and means(effect, case.truth, case.rotor)
     hits = [effect for effect in found["effects"] if right(effect)]
     new = beyond([effect for effect in found["effects"] if not right(effect)], known)
+    if base and case.asked == "file":
+        # suspected on the untouched flights, named on these: the same finding on the other side of the threshold
+        sure = beyond(new, base.get("suspected", []))
+        row["crossed"] = [label(effect) for effect in beyond(new, sure)]
+        new = sure
     row["wrong"] = [label(effect) for effect in new]
     if base and case.asked == "file":
         row["lost"] = [label(old) for old in beyond([e for e in known if not right(e)], found["effects"])]

@@ -174,6 +174,14 @@ def test_a_new_name_alone_is_exact_and_any_other_new_name_is_wrong():
     assert outcome(diagnosis(finding("quadratic_drag", ["rotor_drag"], area_xy=0.01), found), base=[DRAG]) == "exact"
 
 
+def test_what_the_untouched_flights_suspect_is_no_new_name():
+    case = Case("c", "s", "input", "file", "thrust_scale", {"delta": 0.04}, None, 2.0)
+    row = judge(case, diagnosis(DRAG, finding("thrust_scale", delta=0.041)), diagnosis(suspected=[DRAG]))
+    assert row["outcome"] == "exact" and row["crossed"] == ["rotor_drag"] and row["wrong"] == []
+    row = judge(case, diagnosis(finding("mass", delta=0.04)), diagnosis(suspected=[DRAG]))
+    assert row["outcome"] == "wrong" and row["crossed"] == []
+
+
 def test_what_logs_do_not_tell_is_counted_apart():
     says_so = {**diagnosis(), "not_identifiable": [{"effect": "thrust_scale", "why": "no torque"}]}
     assert outcome(says_so) == "not_told" and outcome({**says_so, "not_identifiable": [{"effect": "mass", "why": ""}]}) == "nothing"
