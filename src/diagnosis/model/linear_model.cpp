@@ -65,18 +65,27 @@ Vector12 innovation(const Sample& sample, const Measured& m) {
 }
 
 // The body's angular acceleration at every sample: slowly as the smoothed rates say it, quickly as the model says it, whose own
-// slow part is taken out with the weights that a local slope of the rates has.
+// slow part is taken out with the weights that a local slope of the rates has: of slope Σ w i y_i / Σ w i², where y sums up the
+// accelerations, that of the jth is the sum of w i from j on.
 std::vector<Vector3> angular_acceleration(const FlightData& flight, const std::vector<Vector3>& modelled) {
-  const auto half = static_cast<std::ptrdiff_t>(std::floor(rate_half_window_s(flight) / flight.sample_s));
+  const double half_s = rate_half_window_s(flight);
+  const auto half = static_cast<std::ptrdiff_t>(std::floor(half_s / flight.sample_s));
   const auto size = static_cast<std::ptrdiff_t>(modelled.size());
+  std::vector<double> weight(static_cast<std::size_t>(half) + 1, 0.0);
+  double beyond = 0.0;
+  for (std::size_t i = weight.size(); i-- > 0;) {
+    const double own = tricube(static_cast<double>(i) * flight.sample_s / half_s) * static_cast<double>(i);
+    weight[i] = beyond + 0.5 * own;
+    beyond += own;
+  }
   std::vector<Vector3> result(modelled.size());
   for (std::ptrdiff_t k = 0; k < size; ++k) {
     Vector3 sum = Vector3::Zero();
     double weights = 0.0;
     for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, k - half); j <= std::min(size - 1, k + half); ++j) {
-      const double weight = 1.0 - static_cast<double>((j - k) * (j - k)) / static_cast<double>(half * (half + 1));
-      sum += weight * modelled[static_cast<std::size_t>(j)];
-      weights += weight;
+      const double w = weight[static_cast<std::size_t>(std::abs(j - k))];
+      sum += w * modelled[static_cast<std::size_t>(j)];
+      weights += w;
     }
     const auto at = static_cast<std::size_t>(k);
     result[at] = flight.motion[at].angular_acceleration_B_radps2 + modelled[at] - sum / weights;
@@ -180,8 +189,8 @@ class Lineariser {
     for (std::size_t k = 0; k < n; ++k) {
       Vector3 modelled = turning_[k] = flight_.motion[k].angular_acceleration_B_radps2;
       if (quick_turning || with_force_)
-        force_[k] = evaluate.specific_force(x_[k], time_s(k), flight_.samples[k].voltage_V, rotors_.at_sample[k],
-                                            *rise(k), modelled);
+        force_[k] =
+            evaluate.specific_force(x_[k], time_s(k), flight_.samples[k].voltage_V, rotors_.at_sample[k], modelled);
       if (quick_turning) turning_[k] = modelled;
     }
     if (quick_turning) turning_ = angular_acceleration(flight_, turning_);
@@ -216,7 +225,7 @@ class Lineariser {
     Vector3 modelled;
     for (int i = 0; with_force_ && need_F_ && i < 9; ++i)
       out_.force_rows[k].col(i) = (evaluate.specific_force(x_[k].plus(i + 3, step_of(i + 3)), time_s(k),
-                                                           sample.voltage_V, rotors_.at_sample[k], *rise(k), modelled) -
+                                                           sample.voltage_V, rotors_.at_sample[k], modelled) -
                                    force_[k]) /
                                   step_of(i + 3);
     out_.y[k] = innovation(sample, predict_sensors(forces_, flight_, k, x_[k], shown_[k], turning_[k]));
@@ -281,8 +290,7 @@ class Lineariser {
                                   mean_of(&history.acceleration[k * count_], history.substeps));
       Vector3 modelled;
       if (with_force_)
-        felt_now[k] = at.specific_force(x_[k], time_s(k), sample.voltage_V, history.at_sample[k],
-                                        history.acceleration[k * count_], modelled);
+        felt_now[k] = at.specific_force(x_[k], time_s(k), sample.voltage_V, history.at_sample[k], modelled);
     }
     if (!sensors) return result;
     felt_now = shown_late(flight_, felt_now);

@@ -61,9 +61,11 @@ struct Evaluator {
     a.angular_B_radps2 += trim_B_radps2;
     return a;
   }
+  // What an accelerometer at the origin feels. The rotors' own acceleration is left out: a difference of recorded speeds is noise, for
+  // the most part, and would be most of a column that depends on how the body turns.
   Vector3 specific_force(const Point& x, double time_s, double voltage_V, const RotorArray& speed,
-                         const RotorArray& acceleration, Vector3& angular_acceleration) {
-    prepare(x, time_s, voltage_V, speed, acceleration);
+                         Vector3& angular_acceleration) {
+    prepare(x, time_s, voltage_V, speed, {});
     const Wrench wrench = forces.wrench(flow, rotors, {});
     angular_acceleration = forces.acceleration(flow, wrench).angular_B_radps2;
     return forces.specific_force_at_origin(flow, wrench, angular_acceleration);

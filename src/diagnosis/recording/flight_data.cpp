@@ -34,7 +34,7 @@ class Columns {
   std::vector<const std::vector<double>*> columns_;
 };
 
-// local polynomial of given degree through (t − t0, value) of a window, least squares; returns its coefficients
+// local polynomial of given degree through (t − t0, value) of a window, weighted least squares; returns its coefficients
 template <int Degree, class Value>
 std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> local_polynomial(const std::vector<double>& time_s,
                                                                      const Value& value, std::size_t first,
@@ -44,10 +44,10 @@ std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> local_polynomial(const std::
   for (std::size_t k = first; k < last; ++k) {
     Eigen::Matrix<double, Degree + 1, 1> powers;
     powers[0] = 1.0;
-    const double s = (time_s[k] - at_s) / scale_s;
+    const double s = (time_s[k] - at_s) / scale_s, weight = tricube(s);
     for (int d = 1; d <= Degree; ++d) powers[d] = powers[d - 1] * s;
-    gram += powers * powers.transpose();
-    right += powers * value(k).transpose();
+    gram += weight * powers * powers.transpose();
+    right += weight * powers * value(k).transpose();
   }
   gram.diagonal().array() += 1e-12 * static_cast<double>(last - first);
   const Eigen::Matrix<double, Degree + 1, 4> solution = gram.ldlt().solve(right);
@@ -62,23 +62,28 @@ std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> local_polynomial(const std::
 struct Stream {
   std::vector<double> time_s;
   std::vector<Eigen::Vector4d> value;
+  double step_s = 0.0;  // between samples, median
 
-  // [first, last) of the samples within half a window of a time, at least `least`
-  std::pair<std::size_t, std::size_t> window(double at_s, double half_s, std::size_t least) const {
-    auto first =
-        static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s - half_s) - time_s.begin());
-    auto last =
-        static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), at_s + half_s) - time_s.begin());
-    while (last - first < least && (first > 0 || last < time_s.size())) {
-      const bool left = first > 0 && (last == time_s.size() || at_s - time_s[first - 1] < time_s[last] - at_s);
-      left ? --first : ++last;
-    }
-    return {first, last};
+  void settle() {
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < time_s.size(); ++k) steps.push_back(time_s[k] - time_s[k - 1]);
+    step_s = median(std::move(steps));
   }
 
+  // Of a polynomial whose window is half_s to either side, or wider where that holds too few samples. A sample's weight fades
+  // towards the ends: one that enters or leaves moves nothing.
   template <int Degree>
   std::array<Eigen::Vector4d, Degree + 1> fit(double at_s, double half_s) const {
-    const auto [first, last] = window(at_s, half_s, Degree + 2);
+    constexpr auto least = static_cast<std::size_t>(Degree + 2);
+    half_s = std::max(half_s, (0.5 * Degree + 2.1) * step_s);
+    const auto bound = [&](double t) {
+      return static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), t) - time_s.begin());
+    };
+    auto first = bound(at_s - half_s), last = bound(at_s + half_s);
+    while (last - first < least && (first > 0 || last < time_s.size())) {
+      const bool left = first > 0 && (last == time_s.size() || at_s - time_s[first - 1] < time_s[last] - at_s);
+      half_s = 1.2 * std::abs(at_s - time_s[left ? --first : last++]);
+    }
     return local_polynomial<Degree>(
         time_s, [this](std::size_t k) -> const Eigen::Vector4d& { return value[k]; }, first, last, at_s, half_s);
   }
@@ -136,6 +141,42 @@ std::vector<double> fastest_steps(const FlightLog& log) {
     if (steps.size() > fastest.size()) fastest = std::move(steps);
   }
   return fastest;
+}
+
+// Rows that are read: of every sensor at most so many samples a second, and each of a slower one's.
+std::vector<std::size_t> rows_read(const FlightLog& log, double max_rate_hz) {
+  struct Sensor {
+    std::vector<const std::vector<double>*> columns;
+    double least_s = 0.0,
+           last_s = -std::numeric_limits<double>::infinity();  // between samples; the last one that is read
+    bool has(std::size_t row) const {
+      return std::any_of(columns.begin(), columns.end(),
+                         [row](const auto* c) { return c && std::isfinite((*c)[row]); });
+    }
+  };
+  std::array<Sensor, 2> sensors{Sensor{{log.find("px"), log.find("vx"), log.find("qw")}},
+                                Sensor{{log.find("wx"), log.find("ax")}}};
+  for (Sensor& sensor : sensors) {
+    std::vector<double> steps;
+    double last_s = nan;
+    for (std::size_t k = 0; k < log.rows(); ++k) {
+      if (!sensor.has(k)) continue;
+      if (std::isfinite(last_s)) steps.push_back(log.time_s[k] - last_s);
+      last_s = log.time_s[k];
+    }
+    const double step_s = interval_s(steps);
+    const long stride = step_s > 0.0 ? std::lround(1.0 / (step_s * max_rate_hz)) : 1;
+    if (stride > 1) sensor.least_s = (static_cast<double>(stride) - 0.5) * step_s;
+  }
+  std::vector<std::size_t> rows;
+  for (std::size_t k = 0; k < log.rows(); ++k) {
+    const auto due = [&](const Sensor& s) { return s.has(k) && log.time_s[k] - s.last_s >= s.least_s; };
+    if (std::none_of(sensors.begin(), sensors.end(), due)) continue;
+    for (Sensor& sensor : sensors)
+      if (sensor.has(k)) sensor.last_s = log.time_s[k];
+    rows.push_back(k);
+  }
+  return rows;
 }
 
 // body rate of a quaternion and its derivative: ω = 2 vec(q⁻¹ q̇)
@@ -274,7 +315,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   const auto* voltage = log.find("vbat");
   flight.has_voltage = voltage != nullptr;
 
-  // faster logs are read more slowly: every so many samples, but not by much, since what the vehicle did between two samples has
+  // faster logs are read more slowly: every so many samples of each sensor, but not by much, since what the vehicle did between two samples has
   // already changed its commands, and would bias what answers to them. Of the fastest, means over 8 ms take vibration out (over
   // longer ones they would blur what the vehicle did)
   const bool grouped = options.common_filter_s == 0.0 && log_step_s <= 0.0016 && log_step_s * options.max_rate_hz < 0.7;
@@ -283,9 +324,13 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   // an odd number of rows, so that the middle of a group is a row and substeps begin where commands change
   if (grouped && stride % 2 == 0) ++stride;
   const std::size_t group = grouped ? stride : 1;
+  std::vector<std::size_t> firsts;
+  if (grouped)
+    for (std::size_t first = 0; first + group <= rows; first += stride) firsts.push_back(first);
+  else firsts = rows_read(log, options.max_rate_hz);
   Quaternion previous = Quaternion::Identity();
   double last_voltage = vehicle.nominal_voltage_V;
-  for (std::size_t first = 0; first + group <= rows; first += stride) {
+  for (const std::size_t first : firsts) {
     Sample sample;
     Eigen::Vector4d attitude = Eigen::Vector4d::Zero();
     sample.channels = has_position | has_velocity | has_attitude | has_rate | has_force;
@@ -350,14 +395,14 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
 }
 
 double rate_half_window_s(const FlightData& flight) {
-  return std::max(flight.as_recorded ? 0.0 : 0.045, 2.1 * flight.sample_s);
+  return std::max(flight.as_recorded ? 0.0 : 0.063, 3.1 * flight.sample_s);
 }
 
 void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
   const auto& samples = flight.samples;
   flight.motion.assign(samples.size(), Motion{});
-  const double pose_half_s = std::max(flight.as_recorded ? 0.0 : 0.095, 2.6 * flight.sample_s),
-               rate_half_s = rate_half_window_s(flight), acceleration_half_s = std::max(0.105, 3.1 * flight.sample_s);
+  const double pose_half_s = flight.as_recorded ? 0.0 : 0.095, rate_half_s = rate_half_window_s(flight),
+               acceleration_half_s = std::max(0.147, 4.3 * flight.sample_s);
 
   for (std::size_t begin = 0; begin < samples.size();) {
     std::size_t end = begin + 1;
@@ -385,6 +430,7 @@ void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
         attitude.value.push_back(q.coeffs());
       }
     }
+    for (Stream* stream : {&position, &velocity, &attitude, &rate}) stream->settle();
     for (std::size_t k = begin; k < end; ++k) {
       Motion& motion = flight.motion[k];
       const double t = samples[k].time_s;

@@ -2,6 +2,7 @@
 // smoothed trajectory to linearise about.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -135,6 +136,11 @@ struct SensorCorrection {
   double rate_scale = 0.0;
 };
 void smooth_motion(FlightData& flight, const SensorCorrection& correction);
+// Weight of a sample in a local fit, by its distance in half windows (Cleveland, J. Am. Stat. Assoc. 74, 1979).
+inline double tricube(double distance) {
+  const double a = std::abs(distance);
+  return a < 1.0 ? std::pow(1.0 - a * a * a, 3) : 0.0;
+}
 // Half the window over which body rates are smoothed, s.
 double rate_half_window_s(const FlightData& flight);
 

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "diagnosis/recording/recorded_motion.hpp"
+#include "gustlab/random.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
@@ -131,6 +133,53 @@ TEST(FlightData, SharedRowsStay) {
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t k = 1; k < log.rows(); k += 2) log.columns[i].values[k] = log.columns[i].values[k - 1];
   EXPECT_EQ(with_shared_rows(log).rows(), log.rows());
+}
+
+// at rest: noisy positions at 100 Hz in rows of their own, gyro and commands at 500 Hz
+FlightLog slow_noisy_positions() {
+  FlightLog log;
+  log.path = "somewhere/rest.csv";
+  log.meta.hold = Hold::zoh;
+  for (const char* name : {"px", "py", "pz", "wx", "wy", "wz", "u1", "u2", "u3", "u4"})
+    log.columns.push_back({name, {}});
+  const RandomStream random(1, 0, "position_noise");
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::uint64_t k = 0; k < 4000; ++k) {
+    const bool position = k % 5 == 3;
+    for (int own = 0; own < (position ? 2 : 1); ++own) {
+      log.time_s.push_back(0.002 * static_cast<double>(k) + 0.0007 * own);
+      const auto noise = random.normal4(k);
+      for (std::size_t c = 0; c < 3; ++c) log.columns[c].values.push_back(own == 1 ? 5e-4 * noise[c] : nan);
+      for (std::size_t c = 3; c < 6; ++c) log.columns[c].values.push_back(own == 1 ? nan : 0.0);
+      for (std::size_t c = 6; c < 10; ++c) log.columns[c].values.push_back(own == 1 ? nan : 1000.0);
+    }
+  }
+  return log;
+}
+
+// GIVEN a fast sensor and a slow one with rows of its own WHEN read at half of the fast one's rate THEN every sample of the slow one is there
+TEST(FlightData, ASlowSensorIsReadWhole) {
+  const FlightData flight = prepare_flight(slow_noisy_positions(), read_vehicle("crazyflie", ""), {});
+  const auto with = [&](unsigned channel) {
+    return std::count_if(flight.samples.begin(), flight.samples.end(),
+                         [channel](const Sample& s) { return (s.channels & channel) != 0; });
+  };
+  EXPECT_EQ(with(has_position), 800);
+  EXPECT_NEAR(static_cast<double>(with(has_rate)), 2000.0, 2.0);
+}
+
+// GIVEN noisy positions between the rows of a fast gyro WHEN smoothed THEN the velocity moves by little from row to row: what moves
+// quickly would be most of a column once it is whitened, and make what depends on velocity seem smaller than it is
+TEST(FlightData, NoiseOfASlowPositionIsSmooth) {
+  const FlightData flight = prepare_flight(slow_noisy_positions(), read_vehicle("crazyflie", ""), {});
+  double change = 0.0, square = 0.0;
+  for (std::size_t k = 100; k + 100 < flight.motion.size(); ++k) {
+    const double interval_s = flight.samples[k].time_s - flight.samples[k - 1].time_s;
+    change += (flight.motion[k].velocity_W_mps - flight.motion[k - 1].velocity_W_mps).squaredNorm() / interval_s;
+    square += flight.motion[k].velocity_W_mps.squaredNorm();
+  }
+  // of noise below some 8 Hz, over the mean interval
+  EXPECT_LT(change / square, std::pow(2.0 * std::numbers::pi * 8.0, 2) * 0.0034);
 }
 
 }  // namespace
