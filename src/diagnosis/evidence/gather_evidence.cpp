@@ -183,6 +183,11 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
     record.unexplained_gain = rest.omnibus_gain;
     record.at_bound = at_its_bound(catalogue, selection, finding.group);
+    record.alike =
+        static_cast<int>(std::count_if(selection.findings.begin(), selection.findings.end(), [&](const Finding& other) {
+          return other.group != finding.group && !other.calibration &&
+                 catalogue.groups()[static_cast<std::size_t>(other.group)].row == group.row;
+        }));
   });
   return records;
 }

@@ -23,7 +23,12 @@ namespace {
 std::string catalogue_name(const Group& group) { return std::string(group.row->name); }
 
 // why a group can hardly be told from these flights; empty when it can
-std::string why_not_told(const Session& session, const Selection& selection, const Group& group) {
+std::string why_not_told(const Session& session, const Selection& selection, int g) {
+  const Group& group = session.catalogue().groups()[static_cast<std::size_t>(g)];
+  if (session.catalogue().filter_looks_like_lag() && group.row->place == Place::actuation &&
+      group.row->latency != Latency::none && !selection.find(g))
+    return fmt::format("up to {:.0f} ms beyond the vehicle file's it looks like the filter that these logs passed",
+                       1e3 * filter_lag_s);
   // the strength that five standard deviations would need, against a typical one
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   double best = 1e300;
@@ -189,11 +194,12 @@ void list_not_identifiable(const Session& session, const Selection& selection, D
     if (const std::string why = catalogue.why_left_out(row); row.diagnosable && !why.empty())
       out.not_identifiable.push_back({std::string(row.name), why});
   std::string last;
-  for (const Group& group : catalogue.groups()) {
+  for (int g = 0; g < std::ssize(catalogue.groups()); ++g) {
+    const Group& group = catalogue.groups()[static_cast<std::size_t>(g)];
     if (!group.candidate || group.row->name == last) continue;
     last = group.row->name;
     if (!catalogue.why_left_out(*group.row).empty()) continue;
-    const std::string why = why_not_told(session, selection, group);
+    const std::string why = why_not_told(session, selection, g);
     if (!why.empty()) out.not_identifiable.push_back({last, why});
   }
 }
