@@ -126,18 +126,26 @@ FlightLog filtered_alike(FlightLog log, double sd_s) {
   return log;
 }
 
+// intervals between the rows for which `has` holds
+template <class Has>
+std::vector<double> steps_between(const std::vector<double>& time_s, const Has& has) {
+  std::vector<double> steps;
+  double last_s = nan;
+  for (std::size_t k = 0; k < time_s.size(); ++k) {
+    if (!has(k)) continue;
+    if (std::isfinite(last_s)) steps.push_back(time_s[k] - last_s);
+    last_s = time_s[k];
+  }
+  return steps;
+}
+
 // intervals of the fastest sensor: where columns have rates and rows of their own, rows are closer than any of them
 std::vector<double> fastest_steps(const FlightLog& log) {
   std::vector<double> fastest;
   for (const char* name : {"px", "vx", "qw", "wx", "ax"}) {
     const auto* column = log.find(name);
-    std::vector<double> steps;
-    double last_s = nan;
-    for (std::size_t k = 0; column && k < log.rows(); ++k) {
-      if (!std::isfinite((*column)[k])) continue;
-      if (std::isfinite(last_s)) steps.push_back(log.time_s[k] - last_s);
-      last_s = log.time_s[k];
-    }
+    if (!column) continue;
+    std::vector<double> steps = steps_between(log.time_s, [&](std::size_t k) { return std::isfinite((*column)[k]); });
     if (steps.size() > fastest.size()) fastest = std::move(steps);
   }
   return fastest;
@@ -147,8 +155,8 @@ std::vector<double> fastest_steps(const FlightLog& log) {
 std::vector<std::size_t> rows_read(const FlightLog& log, double max_rate_hz) {
   struct Sensor {
     std::vector<const std::vector<double>*> columns;
-    double least_s = 0.0,
-           last_s = -std::numeric_limits<double>::infinity();  // between samples; the last one that is read
+    double least_s = 0.0;                                      // between samples that are read
+    double last_s = -std::numeric_limits<double>::infinity();  // the last of them
     bool has(std::size_t row) const {
       return std::any_of(columns.begin(), columns.end(),
                          [row](const auto* c) { return c && std::isfinite((*c)[row]); });
@@ -157,14 +165,7 @@ std::vector<std::size_t> rows_read(const FlightLog& log, double max_rate_hz) {
   std::array<Sensor, 2> sensors{Sensor{{log.find("px"), log.find("vx"), log.find("qw")}},
                                 Sensor{{log.find("wx"), log.find("ax")}}};
   for (Sensor& sensor : sensors) {
-    std::vector<double> steps;
-    double last_s = nan;
-    for (std::size_t k = 0; k < log.rows(); ++k) {
-      if (!sensor.has(k)) continue;
-      if (std::isfinite(last_s)) steps.push_back(log.time_s[k] - last_s);
-      last_s = log.time_s[k];
-    }
-    const double step_s = interval_s(steps);
+    const double step_s = interval_s(steps_between(log.time_s, [&sensor](std::size_t row) { return sensor.has(row); }));
     const long stride = step_s > 0.0 ? std::lround(1.0 / (step_s * max_rate_hz)) : 1;
     if (stride > 1) sensor.least_s = (static_cast<double>(stride) - 0.5) * step_s;
   }
