@@ -17,6 +17,15 @@ struct Reference {
   std::vector<std::pair<std::string, int>> column;
   Eigen::MatrixXd information;
   Eigen::VectorXd estimate;
+  // Of numbers that every flight has for itself (a wind, a constant force), where these flights have them: root mean square over the
+  // flights, SI.
+  std::vector<std::pair<std::pair<std::string, int>, double>> of_each_flight;
+  double of_each(const std::string& label, int parameter) const {
+    const std::pair name{label, parameter};
+    for (const auto& [known, size] : of_each_flight)
+      if (known == name) return size;
+    return 0.0;
+  }
 };
 
 // Of Gram matrices, counted from the nominal vehicle: the shared columns that these flights hold, all that is free of one flight

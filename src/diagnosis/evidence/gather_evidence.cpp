@@ -135,6 +135,19 @@ SurrogateTest moved_signatures(const Session& session, const Selection& selectio
   return surrogate_test(series, first, last, coefficient + shift);
 }
 
+// coefficients of each finding's own columns
+std::vector<Eigen::VectorXd> found(const Catalogue& catalogue, const Selection& selection) {
+  std::vector<Eigen::VectorXd> weights;
+  for (const Finding& finding : selection.findings) {
+    Eigen::VectorXd& of = weights.emplace_back(Eigen::VectorXd::Zero(catalogue.size() + 1));
+    for (const int c : own_columns(catalogue, selection.groups(), finding.group)) {
+      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      of[c] = (selection.value[c] - column.nominal) / column.natural;
+    }
+  }
+  return weights;
+}
+
 bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
   const auto& columns = catalogue.groups()[static_cast<std::size_t>(group)].columns;
   return std::any_of(columns.begin(), columns.end(), [&](int c) {
@@ -146,12 +159,25 @@ bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int gr
 
 }  // namespace
 
+std::vector<double> undone_shares(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects) {
+  std::vector<double> shares;
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(gram.cols());
+  for (const Eigen::VectorXd& effect : effects) all += effect;
+  for (const Eigen::VectorXd& effect : effects) {
+    const Eigen::VectorXd seen = gram * effect;
+    shares.push_back(std::max(0.0, -seen.dot(all - effect) / std::max(1e-12, seen.dot(effect))));
+  }
+  return shares;
+}
+
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
                                       const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest) {
   const Catalogue& catalogue = session.catalogue();
   const Eigen::MatrixXd total = selection.grams.total();
   const std::vector<int> cluster = clusters_of(session, selection.grams);
   const std::vector<Parts> both = parts(session, selection);
+  const std::vector<double> taken_back =
+      undone_shares(project_out(total, session.biases()), found(catalogue, selection));
   std::vector<Evidence> records(selection.findings.size());
   parallel_for(std::ssize(records), session.jobs(), [&](std::int64_t at) {
     const auto i = static_cast<std::size_t>(at);
@@ -183,6 +209,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
     record.unexplained_gain = rest.omnibus_gain;
     record.at_bound = at_its_bound(catalogue, selection, finding.group);
+    record.undone = taken_back[i];
     record.alike =
         static_cast<int>(std::count_if(selection.findings.begin(), selection.findings.end(), [&](const Finding& other) {
           return other.group != finding.group && !other.calibration &&

@@ -10,6 +10,10 @@
 
 namespace gustlab::diagnosis {
 
+// Of what each effect does to the predictions, the share that all others together take back: 0 where they add to it or have nothing in
+// common, 1 where they undo it. `gram`: of the columns; one vector of coefficients an effect.
+std::vector<double> undone_shares(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects);
+
 // Of every finding of a selection, the session linearised there; rollouts are not flown yet.
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
                                       const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest);

@@ -69,6 +69,10 @@ inline constexpr double scatter_margin = 1.2;
 // Statistic: change over what the reference flights have. From: rotor drag of one Crazyflie between its flights, 9 to 13 % (imrc, bare). Costs: smaller
 // changes of such a number.
 inline constexpr double same_again_share = 0.1;
+// Against reference flights that have a force or a wind of their own each, one of that kind is none up to so many of their sizes (rms).
+// Statistic: value over the rms of the reference flights. From: three standard deviations; a Crazyflie whose flights each show a constant
+// force of 3 to 5 % of its weight (nanodrone). Costs: a wind that is less than that many times what the reference flights had.
+inline constexpr double same_again_scatter = 3.0;
 // A lag or delay below so many samples is a convention of the log, where it does not say how commands are held.
 // Statistic: delay in samples. From: a mean over an interval, stamped at its end, reads 0.62 samples late (measured). Costs: delays of part of a sample.
 inline constexpr double unknown_hold_samples = 0.7;

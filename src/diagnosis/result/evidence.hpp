@@ -51,7 +51,9 @@ struct Evidence {
       1.0;  // of a late pose, the share of its delay that gyro and attitudes by themselves leave possible
   double unexplained_gain = 0.0;  // Δχ² of the generic family that still finds most
   bool at_bound = false;          // a value ran into its bound
-  int alike = 0;                  // other findings of the same effect, of another rotor
+  // share of what it does to the predictions that the other findings take back; 0 where they add to it
+  double undone = 0.0;
+  int alike = 0;  // other findings of the same effect, of another rotor
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
   // over its standard error; per horizon, the better of (position, velocity) and (attitude, body rate)
   std::vector<double> horizon_s, recovered, recovered_z;

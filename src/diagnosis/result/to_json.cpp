@@ -77,6 +77,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"unexplained_delta_chi2", number(e.unexplained_gain)},
                         {"sensors_share", number(e.sensors_share)},
                         {"at_bound", e.at_bound},
+                        {"undone_share", number(e.undone)},
                         {"alike", e.alike},
                         {"horizon_s", e.horizon_s},
                         {"recovered", e.recovered},

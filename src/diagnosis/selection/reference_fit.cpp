@@ -1,10 +1,33 @@
 #include "diagnosis/selection/reference_fit.hpp"
 
+#include <cmath>
+#include <map>
+
 #include "config/toml.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/select_effects.hpp"
 
 namespace gustlab::diagnosis {
+
+namespace {
+
+void keep_sizes_of_each_flight(const Catalogue& catalogue, const Selection& selection, Reference& known) {
+  for (const Finding& finding : selection.findings) {
+    const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
+    std::map<int, std::vector<double>> values;
+    for (const int c : group.columns) {
+      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      if (column.flight >= 0) values[column.parameter].push_back(selection.value[c]);
+    }
+    for (const auto& [parameter, sizes] : values) {
+      double squares = 0.0;
+      for (const double size : sizes) squares += size * size / static_cast<double>(sizes.size());
+      known.of_each_flight.push_back({{group.label, parameter}, std::sqrt(squares)});
+    }
+  }
+}
+
+}  // namespace
 
 ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::vector<FlightData>& own_rate,
                            const VehicleModel& vehicle, int jobs) {
@@ -38,6 +61,7 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
   about.linearise(about.catalogue().nominal(), about.all_columns());
   about.take_weights(session);
   fit.known = reference_of(about.catalogue(), about.grams(), about.biases());
+  keep_sizes_of_each_flight(catalogue, selection, fit.known);
   return fit;
 }
 

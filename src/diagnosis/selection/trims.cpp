@@ -12,7 +12,8 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
   const auto& flights = session.flights();
   const bool told = std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.hold_known; });
   double largest = 0.0;
-  for (const int c : session.catalogue().groups()[static_cast<std::size_t>(group)].columns) {
+  const Group& of = session.catalogue().groups()[static_cast<std::size_t>(group)];
+  for (const int c : of.columns) {
     const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
     double tolerance = column.tolerance;
     // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
@@ -20,7 +21,9 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
       tolerance = std::max(tolerance, decisions::unknown_hold_samples * session.logged_sample_s());
     if (session.noise.errors_last()) tolerance = std::max(tolerance, column.estimate_tolerance);
     // the same vehicle in another flight has not quite the same numbers
-    if (session.reference()) tolerance = std::max(tolerance, decisions::same_again_share * std::abs(column.nominal));
+    if (session.reference())
+      tolerance = std::max({tolerance, decisions::same_again_share * std::abs(column.nominal),
+                            decisions::same_again_scatter * session.reference()->of_each(of.label, column.parameter)});
     if (tolerance == 0.0) return std::numeric_limits<double>::infinity();
     largest = std::max(largest, std::abs(value[c] - column.nominal) / tolerance);
   }

@@ -55,7 +55,8 @@ TEST(Judge, NothingThatSpeaksAgainstRaisesTheProbability) {
       [](Evidence& e) { e.force_excess = 0.9, e.force_excess_sd = 0.1; },
       [](Evidence& e) { e.sensors_share = 0.0; },
       [](Evidence& e) { e.at_bound = true; },
-      [](Evidence& e) { e.alike = 1; }};
+      [](Evidence& e) { e.alike = 1; },
+      [](Evidence& e) { e.undone = 0.8; }};
   for (std::size_t i = 0; i < worse.size(); ++i) {
     Evidence e = strong();
     worse[i](e);

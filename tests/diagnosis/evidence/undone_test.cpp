@@ -1,0 +1,35 @@
+// The share of what an effect does that the others take back, on rows that are written out.
+#include <gtest/gtest.h>
+
+#include "diagnosis/evidence/gather_evidence.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+// predictions of two effects over three rows, and of two that nearly undo each other
+TEST(UndoneShares, AreOfThePredictionsAndNotOfTheCoefficients) {
+  Eigen::Matrix3d rows;
+  rows << 1.0, -1.0, 0.0,  //
+      2.0, -2.0, 0.0,      //
+      0.0, 1.0, 3.0;
+  const Eigen::MatrixXd gram = rows.transpose() * rows;
+  const Eigen::Vector3d first(1.0, 0.0, 0.0), second(0.0, 0.9, 0.0), third(0.0, 0.0, 1.0);
+  const auto direct = [&](const Eigen::Vector3d& effect, const Eigen::Vector3d& others) {
+    return -(rows * effect).dot(rows * others) / (rows * effect).squaredNorm();
+  };
+  const std::vector<double> shares = undone_shares(gram, {first, second, third});
+  ASSERT_EQ(shares.size(), 3u);
+  EXPECT_NEAR(shares[0], direct(first, second + third), 1e-12);
+  EXPECT_NEAR(shares[0], 0.9, 1e-12);
+  EXPECT_NEAR(shares[1], direct(second, first + third), 1e-12);
+  EXPECT_EQ(shares[2], 0.0);  // its partner adds to it
+}
+
+TEST(UndoneShares, AnEffectAloneIsNotUndone) {
+  const Eigen::Matrix2d gram{{4.0, 1.0}, {1.0, 9.0}};
+  EXPECT_EQ(undone_shares(gram, {Eigen::Vector2d(0.3, 0.0)}), std::vector<double>{0.0});
+  EXPECT_EQ(undone_shares(gram, {Eigen::Vector2d(0.3, 0.0), Eigen::Vector2d::Zero()}), (std::vector<double>{0.0, 0.0}));
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
