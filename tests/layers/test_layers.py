@@ -38,6 +38,8 @@ WRAPPED = {
     "mujoco/": ("src/plant/",),
     "sqlite3.h": ("src/sweep/",),
     "tinyxml2.h": ("src/plant/",),
+    "ceres/": ("src/diagnosis/",),
+    "nlopt.hpp": ("src/sweep/", "src/calibration/"),
     "CLI/": ("apps/",),
     "tbb/": ("src/util/",),
     "oneapi/": ("src/util/",),

@@ -1,5 +1,9 @@
 #include "diagnosis/output/habit.hpp"
 
+#include <ceres/evaluation_callback.h>
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/sized_cost_function.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,7 +11,7 @@
 #include <cmath>
 
 #include "config/toml.hpp"
-#include "diagnosis/estimation/levenberg_marquardt.hpp"
+#include "diagnosis/estimation/least_squares.hpp"
 #include "diagnosis/output/explain.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/rollout/replay.hpp"
@@ -22,7 +26,6 @@ constexpr double ahead_s = 0.5, between_starts_s = 0.41;
 constexpr int checks = 5;  // body rates along a window that are compared
 constexpr double slowest_sample_s = 0.05;
 constexpr int terms = 8, unknowns = 3 * terms;
-constexpr Marquardt marquardt{.damping = 1e-2, .harder = 5.0, .settled = 1e-4, .most_steps = 8, .most_attempts = 6};
 constexpr double usual_size = 1.0 / 3.0;  // an error this share of what holding leaves counts in full
 
 struct Window {
@@ -85,99 +88,109 @@ Eigen::Matrix<double, 3 * checks, 1> missed(const Window& window, const Habit& h
   return result;
 }
 
-using Vector = Eigen::Matrix<double, unknowns, 1>;
-using Normal = Eigen::Matrix<double, unknowns, unknowns>;
-using Equations = NormalEquations<Normal, Vector>;
+using Missed = Eigen::Matrix<double, 3 * checks, 1>;
+using Slopes = Eigen::Matrix<double, 3 * checks, unknowns, Eigen::RowMajor>;
 
-// Least squares over whole rollouts; large errors count less: cost √(1 + r²) of each body rate, in every flight's own unit.
-class HabitProblem {
+// A window and what is missed there with the habit that was asked for last, in the flight's own unit.
+struct Rollout {
+  Window window;
+  double unit_radps = 1.0;
+  Missed missed = Missed::Zero();
+  Slopes slopes = Slopes::Zero();
+};
+
+// Rollouts of all flights, flown anew on several cores before the solver reads them.
+class Rollouts final : public ceres::EvaluationCallback {
  public:
-  HabitProblem(const std::vector<FlightData>& flights, int jobs) : jobs_(jobs) {
+  // `habit`: what the solver moves.
+  Rollouts(const std::vector<FlightData>& flights, const Habit& habit, int jobs) : habit_(habit), jobs_(jobs) {
     Terms squares = Terms::Constant(1e-12);
     double count = 0.0;
     for (const FlightData& flight : flights) {
-      windows_.push_back(windows_of(flight));
+      const std::vector<Window> windows = windows_of(flight);
       double sum = 1e-12;
-      for (const Window& w : windows_.back()) {
+      for (const Window& w : windows) {
         const Motion &from = flight.motion[w.first], &to = flight.motion[w.check.back()];
         sum += (to.body_rate_B_radps - from.body_rate_B_radps).squaredNorm();
         squares +=
             terms_of(from.attitude_WB.toRotationMatrix(), from.velocity_W_mps, from.body_rate_B_radps).cwiseAbs2();
       }
       // what holding leaves of it
-      const double size = static_cast<double>(std::max<std::size_t>(1, windows_.back().size()));
-      unit_.push_back(usual_size * std::sqrt(sum / size));
-      count += static_cast<double>(windows_.back().size());
+      const double size = static_cast<double>(std::max<std::size_t>(1, windows.size()));
+      for (const Window& w : windows)
+        rollouts_.push_back({.window = w, .unit_radps = usual_size * std::sqrt(sum / size)});
+      count += static_cast<double>(windows.size());
     }
     scale_ = (squares / std::max(1.0, count)).cwiseSqrt();
   }
 
-  double cost(const Vector& x) const {
-    double cost = 0.0;
-    for (const Sums& s : sums(x, false)) cost += s.cost;
-    return cost;
-  }
-  Equations linearise(const Vector& x) const {
-    Equations all{Normal::Zero(), Vector::Zero()};
-    for (const Sums& s : sums(x, true)) all.normal += s.equations.normal, all.right += s.equations.right;
-    return all;
+  const std::vector<Rollout>& rollouts() const { return rollouts_; }
+
+  void PrepareForEvaluation(bool with_slopes, bool moved) override {
+    if (!moved && !with_slopes) return;
+    const std::int64_t parts = (std::ssize(rollouts_) + per_part - 1) / per_part;
+    parallel_for(parts, jobs_, [&](std::int64_t part) {
+      const auto end = std::min(rollouts_.size(), static_cast<std::size_t>((part + 1) * per_part));
+      for (auto i = static_cast<std::size_t>(part * per_part); i < end; ++i) fly(rollouts_[i], with_slopes);
+    });
   }
 
  private:
-  struct Sums {
-    Equations equations{Normal::Zero(), Vector::Zero()};
-    double cost = 0.0;
-  };
-  using Slopes = Eigen::Matrix<double, 3 * checks, unknowns>;
+  static constexpr std::int64_t per_part = 32;
 
-  // of every flight
-  std::vector<Sums> sums(const Vector& x, bool with_slopes) const {
-    const Habit habit = Eigen::Map<const Habit>(x.data());
-    std::vector<Sums> of_flight(windows_.size());
-    parallel_for(std::ssize(windows_), jobs_, [&](std::int64_t f) {
-      const auto flight = static_cast<std::size_t>(f);
-      for (const Window& window : windows_[flight]) add(window, habit, unit_[flight], with_slopes, of_flight[flight]);
-    });
-    return of_flight;
-  }
-
-  void add(const Window& window, const Habit& habit, double unit, bool with_slopes, Sums& s) const {
-    const auto here = missed(window, habit);
-    Slopes J;
+  void fly(Rollout& r, bool with_slopes) const {
+    r.missed = missed(r.window, habit_) / r.unit_radps;
     for (int j = 0; with_slopes && j < unknowns; ++j) {
-      Habit moved = habit;
+      Habit moved = habit_;
       const double delta = 1e-4 / scale_[j % terms];
       moved(j % terms, j / terms) += delta;
-      J.col(j) = (missed(window, moved) - here) / delta;
-    }
-    for (int i = 0; i < checks; ++i) {
-      const double size = here.segment<3>(3 * i).norm() / unit, weight = 1.0 / std::sqrt(1.0 + size * size);
-      s.cost += std::sqrt(1.0 + size * size) - 1.0;
-      if (!with_slopes) continue;
-      const double w = weight / (unit * unit);
-      s.equations.normal += w * J.middleRows<3>(3 * i).transpose() * J.middleRows<3>(3 * i);
-      s.equations.right -= w * J.middleRows<3>(3 * i).transpose() * here.segment<3>(3 * i);
+      r.slopes.col(j) = (missed(r.window, moved) / r.unit_radps - r.missed) / delta;
     }
   }
 
+  const Habit& habit_;
   int jobs_;
-  std::vector<std::vector<Window>> windows_;
-  std::vector<double> unit_;
+  std::vector<Rollout> rollouts_;
   Terms scale_;  // typical sizes of the terms
+};
+
+// One check of a rollout that was flown: body rates, over the unit.
+class Check final : public ceres::SizedCostFunction<3, unknowns> {
+ public:
+  Check(const Rollout& rollout, int check) : rollout_(rollout), row_(3 * check) {}
+
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    Eigen::Map<Vector3> missed(residuals);
+    missed = rollout_.missed.segment<3>(row_);
+    if (!missed.allFinite()) return false;
+    if (!jacobians || !jacobians[0]) return true;
+    Eigen::Map<Eigen::Matrix<double, 3, unknowns, Eigen::RowMajor>> slopes(jacobians[0]);
+    slopes = rollout_.slopes.middleRows<3>(row_);
+    return slopes.allFinite();
+  }
+
+ private:
+  const Rollout& rollout_;
+  int row_;
 };
 
 }  // namespace
 
+// Least squares over whole rollouts; large errors count less: cost √(1 + r²) of each body rate, in every flight's own unit.
 Habit fit_habit(const std::vector<FlightData>& flights, int jobs) {
-  const HabitProblem problem(flights, jobs);
   Habit habit = Habit::Zero();
   for (int axis = 0; axis < 3; ++axis) habit(axis, axis) = -5.0;
-  Vector x = Eigen::Map<const Vector>(habit.data());
-  Equations last;
-  minimise(
-      x, problem.cost(x), marquardt, [&](const Vector& at) { return problem.linearise(at); },
-      [&](const Vector& at) { return problem.cost(at); }, last);
-  return Eigen::Map<const Habit>(x.data());
+  Rollouts flown(flights, habit, jobs);
+  ceres::SoftLOneLoss loss(1.0);
+  ceres::Problem::Options shared;
+  shared.evaluation_callback = &flown;
+  shared.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(shared);
+  for (const Rollout& rollout : flown.rollouts())
+    for (int i = 0; i < checks; ++i) problem.AddResidualBlock(new Check(rollout, i), &loss, habit.data());
+  ceres::Solver::Summary summary;
+  ceres::Solve(few_unknowns({.damping = 1e-2, .settled = 1e-4, .most_steps = 16}), &problem, &summary);
+  return habit;
 }
 
 void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, int jobs, Diagnosis& out) {

@@ -1,9 +1,14 @@
 #include "diagnosis/selection/swing_fit.hpp"
 
+#include <ceres/cost_function.h>
+#include <ceres/crs_matrix.h>
+#include <ceres/problem.h>
+
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/estimation/levenberg_marquardt.hpp"
+#include "diagnosis/estimation/least_squares.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -11,7 +16,6 @@ namespace {
 
 constexpr double bin_s = 0.1, longest_step_s = 0.012;
 constexpr int shared = 4, own = 6;  // log length, log damping, log mass, drag | cable, rate, trim
-constexpr Marquardt marquardt{.damping = 1e-3, .harder = 10.0, .settled = 1e-5, .most_steps = 25, .most_attempts = 8};
 constexpr double correlated =
     2.0;  // standard errors of means that depend on their neighbours, over those of independent ones
 
@@ -47,111 +51,90 @@ Eigen::VectorXd left_over(const FlightData& flight, const Smoothed& smoothed, do
   return left;
 }
 
-// The same on the first part of the flights, as least squares in what all swings share (when the load is free) and in every flight's own.
-class SwingProblem {
+// The same on the first part of one flight: residuals in what all swings share and in what is the flight's own.
+class FlownSwing final : public ceres::CostFunction {
  public:
-  SwingProblem(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed,
-               double vehicle_mass_kg, const SwingingLoad& load, bool load_free, double part)
-      : flights_(flights),
-        smoothed_(smoothed),
-        vehicle_mass_kg_(vehicle_mass_kg),
-        load_(pack(load)),
-        first_(load_free ? shared : 0),
-        part_(part) {}
-
-  using Equations = NormalEquations<Eigen::MatrixXd, Eigen::VectorXd>;
-
-  Eigen::VectorXd packed(const std::vector<SwingStart>& starts) const {
-    Eigen::VectorXd x(first_ + own * std::ssize(starts));
-    x.head(first_) = load_.head(first_);
-    for (std::size_t f = 0; f < starts.size(); ++f) x.segment<own>(place(f)) = pack(starts[f]);
-    return x;
-  }
-  Shared load(const Eigen::VectorXd& x) const {
-    Shared p = load_;
-    p.head(first_) = x.head(first_);
-    return p;
-  }
-  Own start(const Eigen::VectorXd& x, std::size_t f) const { return x.segment<own>(place(f)); }
-
-  double squares(const Eigen::VectorXd& x) const {
-    double sum = 0.0;
-    for (std::size_t f = 0; f < flights_.size(); ++f) sum += flown(f, load(x), start(x, f)).squaredNorm();
-    return sum;
+  FlownSwing(const FlightData& flight, const Smoothed& smoothed, double vehicle_mass_kg, double part)
+      : flight_(flight), smoothed_(smoothed), vehicle_mass_kg_(vehicle_mass_kg), samples_(samples_of(flight, part)) {
+    *mutable_parameter_block_sizes() = {shared, own};
+    set_num_residuals(static_cast<int>(2 * (samples_ / bin_of(flight))));
   }
 
-  Equations linearise(const Eigen::VectorXd& x) {
-    Equations all{Eigen::MatrixXd::Zero(x.size(), x.size()), Eigen::VectorXd::Zero(x.size())};
-    rows_ = 0.0;
-    for (std::size_t f = 0; f < flights_.size(); ++f) {
-      const Shared at = load(x);
-      const Own at_own = start(x, f);
-      const std::vector<Vector3> force = force_of(f, at, at_own);
-      const Eigen::VectorXd here = left_of(f, at, at_own, force);
-      Eigen::MatrixXd J(here.size(), first_ + own);
-      for (Eigen::Index j = 0; j < first_ + own; ++j) {
+  // `jacobians`: forward differences, row-major. False where a residual is not finite.
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const Shared at = Eigen::Map<const Shared>(parameters[0]);
+    const Own at_own = Eigen::Map<const Own>(parameters[1]);
+    const std::vector<Vector3> force = force_of(at, at_own);
+    const Eigen::VectorXd here = left_of(at, at_own, force);
+    Eigen::Map<Eigen::VectorXd>(residuals, here.size()) = here;
+    if (!here.allFinite()) return false;
+    if (!jacobians) return true;
+    for (int block = 0; block < 2; ++block) {
+      if (!jacobians[block]) continue;
+      const Eigen::Index columns = block == 0 ? shared : own, linear_from = block == 0 ? 2 : 4;  // mass, drag; trim
+      Eigen::Map<RowMajor> J(jacobians[block], here.size(), columns);
+      for (Eigen::Index j = 0; j < columns; ++j) {
         Shared p = at;
         Own o = at_own;
-        const double delta = 1e-5;
-        (j < first_ ? p[j] : o[j - first_]) += delta;
-        const bool swings_alike = j < first_ ? j >= 2 : j >= first_ + 4;  // mass, drag; trim
-        J.col(j) = (here - (swings_alike ? left_of(f, p, o, force) : flown(f, p, o))) / delta;
+        (block == 0 ? p[j] : o[j]) += delta;
+        J.col(j) = (left_of(p, o, j >= linear_from ? force : force_of(p, o)) - here) / delta;
       }
-      const Eigen::MatrixXd H = J.transpose() * J;
-      const Eigen::VectorXd b = J.transpose() * here;
-      all.normal.topLeftCorner(first_, first_) += H.topLeftCorner(first_, first_);
-      all.normal.block(0, place(f), first_, own) = H.topRightCorner(first_, own);
-      all.normal.block(place(f), 0, own, first_) = H.bottomLeftCorner(own, first_);
-      all.normal.block(place(f), place(f), own, own) = H.bottomRightCorner(own, own);
-      all.right.head(first_) += b.head(first_);
-      all.right.segment(place(f), own) = b.tail(own);
-      rows_ += static_cast<double>(here.size());
+      if (!J.allFinite()) return false;
     }
-    return all;
+    return true;
   }
-  double rows() const { return rows_; }
 
  private:
-  Eigen::Index place(std::size_t f) const { return first_ + own * static_cast<Eigen::Index>(f); }
-  std::vector<Vector3> force_of(std::size_t f, const Shared& p, const Own& o) const {
-    return swinging_force(*flights_[f], unpack(p).swing, unpack(o), samples_of(*flights_[f], part_));
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  static constexpr double delta = 1e-5;
+
+  std::vector<Vector3> force_of(const Shared& p, const Own& o) const {
+    return swinging_force(flight_, unpack(p).swing, unpack(o), samples_);
   }
-  Eigen::VectorXd left_of(std::size_t f, const Shared& p, const Own& o, const std::vector<Vector3>& force) const {
-    return left_over(*flights_[f], *smoothed_[f], vehicle_mass_kg_, unpack(p), unpack(o), force);
-  }
-  Eigen::VectorXd flown(std::size_t f, const Shared& p, const Own& o) const {
-    return left_of(f, p, o, force_of(f, p, o));
+  Eigen::VectorXd left_of(const Shared& p, const Own& o, const std::vector<Vector3>& force) const {
+    return left_over(flight_, smoothed_, vehicle_mass_kg_, unpack(p), unpack(o), force);
   }
 
-  const std::vector<const FlightData*>& flights_;
-  const std::vector<const Smoothed*>& smoothed_;
+  const FlightData& flight_;
+  const Smoothed& smoothed_;
   const double vehicle_mass_kg_;
-  const Shared load_;
-  const Eigen::Index first_;
-  const double part_;
-  double rows_ = 0.0;  // residuals
+  const std::size_t samples_;
 };
+
+// of the first unknown, the logarithm of the length, where the residuals are independent and of one variance
+double log_length_deviation(ceres::Problem& problem, double squares) {
+  ceres::CRSMatrix sparse;
+  problem.Evaluate({}, nullptr, nullptr, nullptr, &sparse);
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
+  for (int row = 0; row < sparse.num_rows; ++row)
+    for (int i = sparse.rows[static_cast<std::size_t>(row)]; i < sparse.rows[static_cast<std::size_t>(row) + 1]; ++i)
+      J(row, sparse.cols[static_cast<std::size_t>(i)]) = sparse.values[static_cast<std::size_t>(i)];
+  const Eigen::VectorXd column = (J.transpose() * J).ldlt().solve(Eigen::VectorXd::Unit(J.cols(), 0));
+  return std::sqrt(std::max(0.0, column[0]) * squares / std::max(1.0, static_cast<double>(J.rows() - J.cols())));
+}
 
 double fit_part(const std::vector<const FlightData*>& flights, const std::vector<const Smoothed*>& smoothed,
                 double vehicle_mass_kg, SwingingLoad& load, std::vector<SwingStart>& starts, bool load_free,
                 double part) {
-  SwingProblem problem(flights, smoothed, vehicle_mass_kg, load, load_free, part);
-  Eigen::VectorXd x = problem.packed(starts);
-  double best = problem.squares(x);
-  if (!std::isfinite(best)) return best;
-  SwingProblem::Equations last;
-  best = minimise(
-      x, best, marquardt, [&](const auto& at) { return problem.linearise(at); },
-      [&](const auto& at) { return problem.squares(at); }, last);
-  load = unpack(problem.load(x));
-  if (load_free) {
-    const Eigen::VectorXd column = last.normal.ldlt().solve(Eigen::VectorXd::Unit(x.size(), 0));
-    load.swing.length_deviation_m =
-        correlated * load.swing.length_m *
-        std::sqrt(std::max(0.0, column[0]) * best / std::max(1.0, problem.rows() - static_cast<double>(x.size())));
-  }
-  for (std::size_t f = 0; f < starts.size(); ++f) starts[f] = unpack(problem.start(x, f));
-  return best;
+  Shared alike = pack(load);
+  std::vector<Own> apart;
+  for (const SwingStart& start : starts) apart.push_back(pack(start));
+  ceres::Problem problem;
+  problem.AddParameterBlock(alike.data(), shared);
+  if (!load_free) problem.SetParameterBlockConstant(alike.data());
+  for (std::size_t f = 0; f < flights.size(); ++f)
+    problem.AddResidualBlock(new FlownSwing(*flights[f], *smoothed[f], vehicle_mass_kg, part), nullptr, alike.data(),
+                             apart[f].data());
+  double half = 0.0;
+  if (!problem.Evaluate({}, &half, nullptr, nullptr, nullptr)) return std::numeric_limits<double>::infinity();
+  ceres::Solver::Summary summary;
+  ceres::Solve(few_unknowns({.damping = 1e-3, .settled = 1e-5, .most_steps = 50}), &problem, &summary);
+  const double squares = 2.0 * summary.final_cost;
+  load = unpack(alike);
+  if (load_free)
+    load.swing.length_deviation_m = correlated * load.swing.length_m * log_length_deviation(problem, squares);
+  for (std::size_t f = 0; f < starts.size(); ++f) starts[f] = unpack(apart[f]);
+  return squares;
 }
 
 }  // namespace
