@@ -74,8 +74,10 @@ Whitened whiten_speeds(const FlightData& data, const LinearFlight& flight, const
     const Eigen::MatrixXd X = out.rows(rows, Eigen::all);
     Eigen::Matrix3d gram = M.transpose() * M;
     gram.diagonal().array() += 1e-12 * gram.trace() + 1e-300;
-    out.rows(rows, Eigen::all) = X - M * gram.ldlt().solve(M.transpose() * X);
-    out.minus_two_log_likelihood += out.rows(rows, own).squaredNorm();
+    const Eigen::MatrixXd left = X - M * gram.ldlt().solve(M.transpose() * X);
+    out.rows(rows, Eigen::all) = left;
+    // not of out.rows(rows, own): Eigen 3.4 sums such a view of a row-major matrix wrongly
+    out.minus_two_log_likelihood += left.col(own).squaredNorm();
   }
   return out;
 }
