@@ -1,0 +1,35 @@
+// Quoting for TOML is undone by the TOML reader; text of others cannot command a terminal.
+#include "config/text.hpp"
+
+#include <gtest/gtest.h>
+
+#include "config/toml.hpp"
+
+namespace gustlab::config {
+namespace {
+
+TEST(Text, WhatIsQuotedIsReadBackByteForByte) {
+  std::string every;
+  for (char c = 1; c < 127; ++c) every += c;
+  for (const std::string& text :
+       {std::string(), std::string("plain"), std::string("a\"b\\c\n\td"), every + "\x7f", std::string("Größe µ")}) {
+    Table table = Table::parse("key = " + config::quoted(text), "test.toml");
+    EXPECT_EQ(table.text("key"), text);
+  }
+}
+
+TEST(Text, ControlCharactersAreShownAndNotObeyed) {
+  EXPECT_EQ(printable("red \x1b[31m"), "red \\x1b[31m");
+  EXPECT_EQ(printable("bell\a rub\x7fout"), "bell\\x07 rub\\x7fout");
+  // U+009B, the eight-bit control sequence introducer, as UTF-8
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "31m"),
+            "\\x9b31m");
+  EXPECT_EQ(printable("two\nlines, µ and Ω"), "two\nlines, µ and Ω");
+  EXPECT_EQ(printable("cut short \xc2"), "cut short \xc2");
+}
+
+TEST(Text, LowerTouchesOnlyAsciiLetters) { EXPECT_EQ(lower("AbZ-9 Ω[`{@"), "abz-9 Ω[`{@"); }
+
+}  // namespace
+}  // namespace gustlab::config
