@@ -261,14 +261,16 @@ class Selector {
     return best_visited({{chosen, value}, {other, start}}, chosen);
   }
 
-  // Linearised in still air a wind is a force of every flight: where one was chosen beside a drag, winds are fitted in its place.
+  // Linearised in still air a wind is a force of every flight: where one was chosen, winds and a drag are fitted in its place. One flight
+  // alone tells them apart only where the drag was chosen as well.
   Eigen::VectorXd likelier_wind(const Grams& grams, std::vector<int>& chosen, const Eigen::VectorXd& value) {
     const int force = force_like_wind(catalogue_), linear_drag = catalogue_.find(Airflow::drag);
     const auto is_drag = [&](int g) {
       return catalogue_.groups()[static_cast<std::size_t>(g)].row->air == Airflow::drag;
     };
     if (linear_drag < 0 || std::find(chosen.begin(), chosen.end(), force) == chosen.end() ||
-        std::none_of(chosen.begin(), chosen.end(), is_drag) || !winds_tried_.insert(chosen).second)
+        (s_.flights().size() < 2 && std::none_of(chosen.begin(), chosen.end(), is_drag)) ||
+        !winds_tried_.insert(chosen).second)
       return value;
     std::vector<int> linear = chosen;
     std::erase_if(linear, is_drag);
