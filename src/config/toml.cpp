@@ -176,7 +176,8 @@ void merge(toml::table& into, toml::table&& from, const std::string& path) {
         merge(*entry, std::move(*item.as_table()), path);
       }
     } else {
-      value.visit([&into, &key](auto&& node) { into.insert_or_assign(key, std::move(node)); });
+      // named once more: clang 14 lets no lambda take part of a structured binding
+      value.visit([&into, &name = key](auto&& node) { into.insert_or_assign(name, std::move(node)); });
     }
   }
 }

@@ -1,7 +1,6 @@
-"""`gustlab diagnose --batch`: one line a set, a table of the fleet, and a batch that was killed goes on."""
+"""`gustlab diagnose --batch`: one line a set, a table of the fleet."""
 
 import os
-import random
 import shutil
 import subprocess
 import tempfile
@@ -9,8 +8,6 @@ import unittest
 from pathlib import Path
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
-# moments at which a batch is killed; the target `kills` takes 20
-KILLS = int(os.environ.get("GUSTLAB_KILLS", "2"))
 
 TRIALS = """
 format = "gustlab-trials/1"
@@ -85,22 +82,6 @@ class Batch(unittest.TestCase):
         self.batch()
         changed = {path.parent.name for path in (self.folder / "out").rglob("*.json") if path.stat().st_mtime_ns != times[path]}
         self.assertEqual(changed, {"second"})
-
-    def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(self):
-        self.batch("whole")
-        moments = random.Random(7)
-        for _ in range(KILLS):
-            shutil.rmtree(self.folder / "killed", ignore_errors=True)
-            process = subprocess.Popen([PROGRAM, "diagnose", "--batch", "sets.toml", "--out", "killed"], cwd=self.folder,
-                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            try:
-                process.wait(timeout=moments.uniform(0.0, 2.0))
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-            self.batch("killed")
-            whole = self.files("whole")
-            self.assertEqual({name: self.files("killed")[name] for name in whole}, whole)
 
     def test_mistakes(self):
         for text, says in ((SETS.replace('"second"', '"first"'), '"first" is no name of a folder of its own'),

@@ -1,10 +1,9 @@
-"""The commands run, sweep, merge, table, metrics and gate from outside: exit codes, streams, kill and resume."""
+"""The commands run, sweep, merge, table, metrics and gate from outside: exit codes, streams, interrupt and resume."""
 
 import contextlib
 import csv
 import json
 import os
-import random
 import shutil
 import signal
 import sqlite3
@@ -15,8 +14,6 @@ import unittest
 from pathlib import Path
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
-# moments at which a sweep is killed; the target `kills` takes 20
-KILLS = int(os.environ.get("GUSTLAB_KILLS", "3"))
 
 EXPERIMENT = """
 format = "gustlab-experiment/1"
@@ -82,43 +79,6 @@ class Sweeps(Commands):
             self.sweep(f"part{part}", "--shard", f"{part}/3")
         self.call("merge", "part3", "part1", "part2", "--out", "whole")
         self.assertEqual(self.runs("one"), self.runs("whole"))
-
-    def test_killed_at_any_moment_it_resumes_to_the_same_bytes(self):
-        big = ["--set", "replicates=60", "--set", "duration_s=10.0", "--jobs", "2"]
-        self.sweep("whole", *big)
-        moments = random.Random(20)
-        for _ in range(KILLS):
-            out = self.folder / "killed"
-            shutil.rmtree(out, ignore_errors=True)
-            process = self.start("sweep", self.experiment, "--out", out, *big)
-            try:
-                process.communicate(timeout=moments.uniform(0.0, 1.2))
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.communicate()
-            # whatever was committed stays: the store opens, and the rest is flown
-            done = self.count(out / "runs.sqlite")
-            self.sweep("killed", *big, "--resume")
-            self.assertGreaterEqual(self.count(out / "runs.sqlite"), done)
-            self.assertEqual(self.runs("killed"), self.runs("whole"))
-
-    def test_a_merge_that_is_killed_can_be_made_again(self):
-        for part in (1, 2):
-            self.sweep(f"part{part}", "--shard", f"{part}/2", "--set", "replicates=400", "--set", "duration_s=0.1")
-        self.call("merge", "part1", "part2", "--out", "whole")
-        moments = random.Random(4)
-        for _ in range(KILLS):
-            shutil.rmtree(self.folder / "killed", ignore_errors=True)
-            process = self.start("merge", "part1", "part2", "--out", "killed")
-            try:
-                process.communicate(timeout=moments.uniform(0.0, 0.1))
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.communicate()
-            # where there is a store, it is whole
-            if not (self.folder / "killed" / "runs.sqlite").exists():
-                self.call("merge", "part1", "part2", "--out", "killed")
-            self.assertEqual(self.runs("killed"), self.runs("whole"))
 
     def count(self, path):
         if not path.exists():
