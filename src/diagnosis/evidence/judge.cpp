@@ -45,7 +45,7 @@ struct Feature {
 // * "single": two rotors across that lacked 40 % each, beside a mass of -30 %, stood for a moment of the racer that the catalogue does
 //   not hold (NeuroBEM, a vehicle file that is 10 % too heavy). Two rotors at once are rarer than such a moment.
 // * "undone": a tilt of all rotors by 10 degrees and a turned attitude, or a mass and a lost rotor with a centre of mass, that took each
-//   other back (NeuroBEM). Of 40 right names that were looked at (semi-real cases, foreign trials) none was taken back by more than 0.46.
+//   other back (NeuroBEM). Of some forty right names that were looked at (semi-real cases, foreign trials) none was taken back by more than 0.46.
 // A fit of all weights on 271 records of trials and semi-real cases named fewer true ones (28 of 62, families left out) than these (50).
 constexpr double intercept = -41.1;
 constexpr Feature features[] = {
