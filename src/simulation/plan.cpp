@@ -1,11 +1,11 @@
 // The runs of an experiment, and what each is known by.
+#include "simulation/plan.hpp"
+
 #include <fmt/format.h>
 
-#include "config/hash.hpp"
 #include "config/toml.hpp"
 #include "gustlab/controller.hpp"
 #include "gustlab/trajectory.hpp"
-#include "simulation/experiment.hpp"
 #include "simulation/make_effects.hpp"
 
 namespace gustlab {
@@ -57,26 +57,36 @@ std::string shared_text(const Experiment& experiment) {
 
 std::string to_hex(const std::array<std::uint64_t, 2>& key) { return fmt::format("{:016x}{:016x}", key[0], key[1]); }
 
-std::vector<RunSpec> plan(const Experiment& experiment) {
-  const std::string shared = shared_text(experiment);
-  std::vector<std::string> trajectories, controllers;
-  for (const Choice& choice : experiment.trajectories)
-    trajectories.push_back("[trajectory]\n" + describe_trajectory(choice));
+Plan::Plan(const Experiment& experiment)
+    : controllers_(experiment.controllers.size()),
+      replicates_(static_cast<std::size_t>(experiment.replicates)),
+      first_replicate_(experiment.first_replicate) {
+  const Hash shared = Hash().add(shared_text(experiment));
+  std::vector<std::string> controllers;
   for (const Choice& choice : experiment.controllers)
     controllers.push_back("[controller]\n" + describe_controller(choice));
+  for (const Choice& choice : experiment.trajectories) {
+    const Hash trajectory = Hash(shared).add("[trajectory]\n" + describe_trajectory(choice));
+    for (const std::string& controller : controllers) cells_.push_back(Hash(trajectory).add(controller));
+  }
+}
 
-  std::vector<RunSpec> runs;
+RunSpec Plan::operator[](std::size_t index) const {
+  const std::size_t cell = index / replicates_;
   RunSpec spec;
-  for (spec.trajectory = 0; spec.trajectory < trajectories.size(); ++spec.trajectory)
-    for (spec.controller = 0; spec.controller < controllers.size(); ++spec.controller) {
-      const Hash cell = Hash().add(shared).add(trajectories[spec.trajectory]).add(controllers[spec.controller]);
-      for (std::int64_t k = 0; k < experiment.replicates; ++k) {
-        spec.replicate = static_cast<std::uint32_t>(experiment.first_replicate + k);
-        spec.key = Hash(cell).add(fmt::format("replicate = {}\n", spec.replicate)).words();
-        runs.push_back(spec);
-        ++spec.index;
-      }
-    }
+  spec.index = index;
+  spec.trajectory = cell / controllers_;
+  spec.controller = cell % controllers_;
+  spec.replicate = static_cast<std::uint32_t>(first_replicate_ + static_cast<std::int64_t>(index % replicates_));
+  spec.key = Hash(cells_[cell]).add(fmt::format("replicate = {}\n", spec.replicate)).words();
+  return spec;
+}
+
+std::vector<RunSpec> plan(const Experiment& experiment) {
+  const Plan all(experiment);
+  std::vector<RunSpec> runs;
+  runs.reserve(all.size());
+  for (std::size_t index = 0; index < all.size(); ++index) runs.push_back(all[index]);
   return runs;
 }
 

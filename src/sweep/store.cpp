@@ -88,7 +88,10 @@ std::vector<std::string> differences(const Provenance& a, const Provenance& b) {
 
 RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(path, mode) {
   if (mode != Database::Mode::read)
-    database_.run("PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;");
+    // a cache of 256 kB: the memory of a sweep does not grow with its flights (docs/PERFORMANCE.md)
+    database_.run(
+        "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA cache_size = "
+        "-256;");
   Statement tables = database_.prepare(
       "SELECT count(*), total(name IN ('provenance', 'plan', 'flown')) FROM sqlite_master "
       "WHERE type = 'table'");
@@ -111,17 +114,19 @@ void RunStore::write_provenance(const Provenance& provenance) {
   provenance_ = provenance;
 }
 
-void RunStore::begin(const Provenance& provenance, const Experiment& experiment, const std::vector<RunSpec>& plan) {
+void RunStore::begin(const Provenance& provenance, const Experiment& experiment, const Plan& plan) {
   database_.run("BEGIN");
   database_.run(schema);
   Statement insert = database_.prepare("INSERT INTO plan VALUES (?, ?, ?, ?, ?)");
-  for (const RunSpec& spec : plan)
-    insert.bind(0, static_cast<std::int64_t>(spec.index))
+  for (std::size_t run = 0; run < plan.size(); ++run) {
+    const RunSpec spec = plan[run];
+    insert.bind(0, static_cast<std::int64_t>(run))
         .bind(1, experiment.trajectories[spec.trajectory].name)
         .bind(2, experiment.controllers[spec.controller].name)
         .bind(3, std::int64_t{spec.replicate})
         .bind(4, to_hex(spec.key))
         .step();
+  }
   write_provenance(provenance);
   database_.run("COMMIT");
 }

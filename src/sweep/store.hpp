@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "simulation/plan.hpp"
 #include "sweep/results.hpp"
 #include "sweep/sqlite.hpp"
 
@@ -35,7 +36,7 @@ class RunStore {
 
   // Empty for a store that was just made.
   const Provenance& provenance() const { return provenance_; }
-  void begin(const Provenance& provenance, const Experiment& experiment, const std::vector<RunSpec>& plan);
+  void begin(const Provenance& provenance, const Experiment& experiment, const Plan& plan);
 
   // Of every planned run, whether it is done.
   std::vector<bool> done();

@@ -212,7 +212,7 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   make_folder(options.out);
 
   SweepReport report;
-  std::vector<RunSpec> runs = plan(experiment);
+  const Plan runs(experiment);
   const Provenance here = provenance_of(experiment, options.shard);
   const auto check = [&](const RunStore& there) {
     if (!there.provenance().empty()) check_same_sweep(path, there.provenance(), here);
@@ -232,27 +232,28 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   if (store.provenance().empty()) store.begin(here, experiment, runs);
   else report.redone_because = start_over_if_different(store, here);
 
-  const std::size_t planned = runs.size();
-  std::erase_if(runs, [&](const RunSpec& spec) { return !options.shard.has(spec.index); });
-  report.planned = runs.size();
   const std::vector<bool> done = store.done();
-  if (done.size() != planned)
+  if (done.size() != runs.size())
     throw DataError(fmt::format("{}: {} runs are planned here, {} there (the store was changed by another program)",
-                                path, done.size(), planned));
-  std::erase_if(runs, [&done](const RunSpec& spec) { return done[spec.index]; });
-  report.done = report.planned - runs.size();
+                                path, runs.size(), done.size()));
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    if (!options.shard.has(run)) continue;
+    ++report.planned;
+    report.done += done[run] ? 1 : 0;
+  }
   progress(report.done, report.planned);
   std::mutex one_at_a_time;
   const auto fly = [&](std::int64_t i) {
-    if (stop) return;
-    const RunSpec& spec = runs[static_cast<std::size_t>(i)];
+    const std::size_t number = options.shard.part - 1 + static_cast<std::size_t>(i) * options.shard.parts;
+    if (stop || done[number]) return;
+    const RunSpec spec = runs[number];
     const RunRecord record = options.logs ? run_with_log(experiment, spec, options.out) : run(experiment, spec);
     const std::lock_guard lock(one_at_a_time);
     store.add(record);
     progress(++report.done, report.planned);
   };
   try {
-    parallel_for(static_cast<std::int64_t>(runs.size()), options.jobs, fly);
+    parallel_for(static_cast<std::int64_t>(report.planned), options.jobs, fly);
   } catch (const Interrupted&) {
     // the report says how far it came
   }

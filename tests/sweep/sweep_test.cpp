@@ -173,7 +173,7 @@ TEST_F(Sweep, RunsOfAnotherProgramAreFlownAgain) {
   std::filesystem::create_directory(folder_.path() / "old");
   {
     RunStore store(folder_.file("old/runs.sqlite"), Database::Mode::create);
-    store.begin(older, experiment_, plan(experiment_));
+    store.begin(older, experiment_, Plan(experiment_));
     RunRecord wrong;
     wrong.spec = plan(experiment_).front();
     store.add(wrong);

@@ -80,6 +80,18 @@ class Sweeps(Commands):
         self.call("merge", "part3", "part1", "part2", "--out", "whole")
         self.assertEqual(self.runs("one"), self.runs("whole"))
 
+    def test_memory_does_not_grow_with_the_number_of_flights(self):
+        def peak_kB(flights):
+            command = [PROGRAM, "sweep", self.experiment, "--out", f"n{flights}", "--jobs", "1", "--set", "duration_s=0.02",
+                       "--set", f"replicates={flights // 2}"]
+            process = subprocess.Popen(command, cwd=self.folder, stderr=subprocess.DEVNULL)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            self.assertEqual(process.returncode, 0)
+            return usage.ru_maxrss
+
+        self.assertLess(peak_kB(20000), 1.05 * peak_kB(1000))
+
     def count(self, path):
         if not path.exists():
             return 0
