@@ -89,9 +89,9 @@ std::vector<std::string> differences(const Provenance& a, const Provenance& b) {
 RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(path, mode) {
   if (mode != Database::Mode::read)
     // a cache of 256 kB: the memory of a sweep does not grow with its flights (docs/PERFORMANCE.md)
-    database_.run(
-        "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA cache_size = "
-        "-256;");
+    for (const char* setting :
+         {"locking_mode = EXCLUSIVE", "journal_mode = WAL", "synchronous = NORMAL", "cache_size = -256"})
+      database_.run(fmt::format("PRAGMA {}", setting));
   Statement tables = database_.prepare(
       "SELECT count(*), total(name IN ('provenance', 'plan', 'flown')) FROM sqlite_master "
       "WHERE type = 'table'");

@@ -19,6 +19,7 @@ namespace gustlab {
 struct Shard {
   std::size_t part = 1, parts = 1;
   bool has(std::size_t index) const { return index % parts == part - 1; }
+  std::size_t index_of(std::size_t i) const { return part - 1 + i * parts; }  // its i-th run in the plan
 };
 
 // What a store says about itself, by name.

@@ -236,15 +236,12 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   if (done.size() != runs.size())
     throw DataError(fmt::format("{}: {} runs are planned here, {} there (the store was changed by another program)",
                                 path, runs.size(), done.size()));
-  for (std::size_t run = 0; run < runs.size(); ++run) {
-    if (!options.shard.has(run)) continue;
-    ++report.planned;
+  for (std::size_t run = options.shard.index_of(0); run < runs.size(); run = options.shard.index_of(++report.planned))
     report.done += done[run] ? 1 : 0;
-  }
   progress(report.done, report.planned);
   std::mutex one_at_a_time;
   const auto fly = [&](std::int64_t i) {
-    const std::size_t number = options.shard.part - 1 + static_cast<std::size_t>(i) * options.shard.parts;
+    const std::size_t number = options.shard.index_of(static_cast<std::size_t>(i));
     if (stop || done[number]) return;
     const RunSpec spec = runs[number];
     const RunRecord record = options.logs ? run_with_log(experiment, spec, options.out) : run(experiment, spec);

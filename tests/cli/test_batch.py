@@ -7,44 +7,22 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from concealed_trials import FIRST_SET, SECOND_SET, trials_toml
+
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 
-TRIALS = """
-format = "gustlab-trials/1"
-name = "t"
-vehicle = "crazyflie"
-controllers = ["pid"]
-trajectories = ["circle"]
-fit = ["circle", "circle"]
-holdout = ["circle"]
-seed = 1
-duration_s = 4.0
-[[trial]]
-name = "one"
-[[trial]]
-name = "two"
-"""
-
-SETS = """format = "gustlab-sets/1"
-[[set]]
-name = "first"
-fit = ["trials/one/fit_1.csv", "trials/one/fit_2.csv"]
-holdout = ["trials/one/holdout_1.csv"]
-[[set]]
+SETS = FIRST_SET + """[[set]]
 name = "broken"
 fit = ["trials/broken.csv"]
 vehicle = "crazyflie"
-[[set]]
-name = "second"
-fit = ["trials/two/fit_1.csv", "trials/two/fit_2.csv"]
-"""
+""" + SECOND_SET
 
 
 class Batch(unittest.TestCase):
     def setUp(self):
         self.folder = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
         self.addCleanup(shutil.rmtree, self.folder)
-        (self.folder / "t.toml").write_text(TRIALS)
+        (self.folder / "t.toml").write_text(trials_toml("one", "two"))
         (self.folder / "sets.toml").write_text(SETS)
         self.call("conceal", "t.toml", "--out", "trials", "--answers", "answers.jsonl")
         (self.folder / "trials" / "broken.csv").write_text("time_s,px\n0,0\n")

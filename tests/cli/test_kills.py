@@ -13,6 +13,8 @@ import time
 import unittest
 from pathlib import Path
 
+from concealed_trials import FIRST_SET, SECOND_SET, trials_toml
+
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 # kills of each command that meet it at work; the target `kills` takes more. GUSTLAB_KILLS_SEED: other moments
 KILLS = int(os.environ.get("GUSTLAB_KILLS", "3"))
@@ -47,32 +49,6 @@ targets = [{trajectories = ["circle"], controllers = ["pid"], metrics = ["rmse_x
 parameters = [{key = "effect.gust.sigma_xy", min = 0.015, start = 0.025, max = 0.05, log = true, unit = "N"}]
 """
 
-TRIALS = """
-format = "gustlab-trials/1"
-name = "t"
-vehicle = "crazyflie"
-controllers = ["pid"]
-trajectories = ["circle"]
-fit = ["circle", "circle"]
-holdout = ["circle"]
-seed = 1
-duration_s = 2.0
-[[trial]]
-name = "one"
-[[trial]]
-name = "two"
-"""
-
-SETS = """format = "gustlab-sets/1"
-[[set]]
-name = "first"
-fit = ["trials/one/fit_1.csv", "trials/one/fit_2.csv"]
-holdout = ["trials/one/holdout_1.csv"]
-[[set]]
-name = "second"
-fit = ["trials/two/fit_1.csv", "trials/two/fit_2.csv"]
-"""
-
 
 class Kills(unittest.TestCase):
     def setUp(self):
@@ -80,8 +56,8 @@ class Kills(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
         (self.folder / "e.toml").write_text(EXPERIMENT)
         (self.folder / "e.calibration.toml").write_text(CALIBRATION)
-        (self.folder / "t.toml").write_text(TRIALS)
-        (self.folder / "sets.toml").write_text(SETS)
+        (self.folder / "t.toml").write_text(trials_toml("one", "two", duration_s=2.0))
+        (self.folder / "sets.toml").write_text(FIRST_SET + SECOND_SET)
         self.moments = random.Random(f"{SEED} {self.id()}")
 
     def call(self, *arguments):
@@ -111,9 +87,10 @@ class Kills(unittest.TestCase):
         self.assertIn(code, [-signal.SIGKILL] if sign == signal.SIGKILL else [130, -signal.SIGTERM], error)
         return sign
 
-    def killed(self, kills, whole, again, check):
+    def killed(self, kills, whole, again, check, finish=None):
         """Kills `again` until so many kills met it at work, up to five times before it may end, and compares its bytes
-        with those of `whole`. check(): what must hold after each kill. Arguments end with the folder"""
+        with those of `whole`. check(): what must hold after each kill; finish(): carries it to the end, by default `again`
+        itself. Arguments end with the folder"""
         within_s = self.call(*whole)
         wanted, met, ends = self.files(whole[-1]), [], 0
         while len(met) < kills:
@@ -126,15 +103,12 @@ class Kills(unittest.TestCase):
                 check(wanted)
                 if len(met) == kills:
                     break
-            self.finish(again)
+            (finish or self.call)(*again)
             ends += 1
             self.same(again[-1], wanted)
         hard = met.count(signal.SIGKILL)
         print(f"{whole[0]}: {len(met)} kills ({hard} SIGKILL, {len(met) - hard} SIGTERM), "
               f"{ends} times carried to the end with the same bytes", file=sys.stderr)
-
-    def finish(self, again):
-        self.call(*again)
 
     def same(self, out, wanted):
         found = self.files(out)
@@ -161,15 +135,14 @@ class Kills(unittest.TestCase):
                 self.assertLessEqual(before, after)
             before = after
 
-        def whole_again(again):
+        def whole_again(*again):
             nonlocal before
             self.call(*again)
             self.assertLessEqual(before, self.flown("killed"))
             before = set()
 
-        self.finish = whole_again
         self.killed(4 * KILLS, ("sweep", "e.toml", "--jobs", "2", "--out", "whole"),
-                    ("sweep", "e.toml", "--jobs", "2", "--resume", "--out", "killed"), keeps)
+                    ("sweep", "e.toml", "--jobs", "2", "--resume", "--out", "killed"), keeps, whole_again)
 
     def test_killed_merge_can_be_made_again(self):
         for part in ("1", "2"):
@@ -182,13 +155,12 @@ class Kills(unittest.TestCase):
                 self.assertEqual(self.flown("killed"), self.flown("whole"))
                 shutil.rmtree(self.folder / "killed")
 
-        def parts_again(again):
+        def parts_again(*again):
             shutil.rmtree(self.folder / "killed", ignore_errors=True)
             self.call(*again)
 
-        self.finish = parts_again
         arguments = ("merge", "part1", "part2", "--out")
-        self.killed(4 * KILLS, (*arguments, "whole"), (*arguments, "killed"), whole_or_nothing)
+        self.killed(4 * KILLS, (*arguments, "whole"), (*arguments, "killed"), whole_or_nothing, parts_again)
 
     def no_half_file(self, wanted):
         for name, content in self.files("killed").items():

@@ -10,6 +10,8 @@ import time
 import unittest
 from pathlib import Path
 
+from concealed_trials import trials_toml
+
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 
 EXPERIMENT = """
@@ -19,20 +21,6 @@ vehicle = "crazyflie"
 trajectories = ["hover"]
 controllers = ["pid"]
 duration_s = 1.0
-"""
-
-TRIALS = """
-format = "gustlab-trials/1"
-name = "t"
-vehicle = "crazyflie"
-controllers = ["pid"]
-trajectories = ["circle"]
-fit = ["circle", "circle"]
-holdout = ["circle"]
-seed = 1
-duration_s = 4.0
-[[trial]]
-name = "nothing"
 """
 
 TRAINING = """
@@ -57,7 +45,7 @@ class Commands(unittest.TestCase):
         cls.shared = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
         cls.addClassCleanup(shutil.rmtree, cls.shared)
         (cls.shared / "e.toml").write_text(EXPERIMENT)
-        (cls.shared / "t.toml").write_text(TRIALS)
+        (cls.shared / "t.toml").write_text(trials_toml("nothing"))
         (cls.shared / "train.toml").write_text(TRAINING)
         for command in (["sweep", "e.toml", "--out", "swept"], ["run", "e.toml", "--trajectory", "hover", "--controller", "pid", "--out", "flown"],
                         ["gate", "swept", "--baseline", "base.csv", "--update"],

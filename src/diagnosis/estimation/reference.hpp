@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,13 +20,7 @@ struct Reference {
   Eigen::VectorXd estimate;
   // Of numbers that every flight has for itself (a wind, a constant force), where these flights have them: root mean square over the
   // flights, SI.
-  std::vector<std::pair<std::pair<std::string, int>, double>> of_each_flight;
-  double of_each(const std::string& label, int parameter) const {
-    const std::pair name{label, parameter};
-    for (const auto& [known, size] : of_each_flight)
-      if (known == name) return size;
-    return 0.0;
-  }
+  std::map<std::pair<std::string, int>, double> of_each_flight;
 };
 
 // Of Gram matrices, counted from the nominal vehicle: the shared columns that these flights hold, all that is free of one flight

@@ -30,6 +30,16 @@ std::vector<int> clusters_of(const Session& session, const Grams& grams) {
   return cluster;
 }
 
+// Of all columns and z: the coefficients of a finding's own columns, zero elsewhere.
+Eigen::VectorXd own_weights(const Catalogue& catalogue, const Selection& selection, const Finding& finding) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(catalogue.size() + 1);
+  for (const int c : own_columns(catalogue, selection.groups(), finding.group)) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    weights[c] = (selection.value[c] - column.nominal) / column.natural;
+  }
+  return weights;
+}
+
 // weights of all columns and z: the finding's pattern less what the others can imitate, and what the whole fit leaves
 struct Weights {
   Eigen::VectorXd pattern, left;
@@ -40,16 +50,13 @@ Weights weights_of(const Session& session, const Selection& selection, const Eig
   const Catalogue& catalogue = session.catalogue();
   std::vector<int> groups = selection.groups();
   std::erase(groups, finding.group);
-  const std::vector<int> known = session.with_biases(groups),
-                         own = own_columns(catalogue, selection.groups(), finding.group);
+  const std::vector<int> known = session.with_biases(groups);
   const Eigen::Index size = total.cols();
-  Weights w{Eigen::VectorXd::Zero(size), Eigen::VectorXd::Zero(size)};
+  Weights w{own_weights(catalogue, selection, finding), Eigen::VectorXd::Zero(size)};
   w.left[size - 1] = 1.0;
   for (int c = 0; c < catalogue.size(); ++c) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    const double coefficient = (selection.value[c] - column.nominal) / column.natural;
-    w.left[c] = -coefficient;
-    if (std::find(own.begin(), own.end(), c) != own.end()) w.pattern[c] = coefficient;
+    w.left[c] = -(selection.value[c] - column.nominal) / column.natural;
   }
   Eigen::MatrixXd target = total;
   target.col(size - 1) = total * w.pattern;
@@ -135,19 +142,6 @@ SurrogateTest moved_signatures(const Session& session, const Selection& selectio
   return surrogate_test(series, first, last, coefficient + shift);
 }
 
-// coefficients of each finding's own columns
-std::vector<Eigen::VectorXd> found(const Catalogue& catalogue, const Selection& selection) {
-  std::vector<Eigen::VectorXd> weights;
-  for (const Finding& finding : selection.findings) {
-    Eigen::VectorXd& of = weights.emplace_back(Eigen::VectorXd::Zero(catalogue.size() + 1));
-    for (const int c : own_columns(catalogue, selection.groups(), finding.group)) {
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-      of[c] = (selection.value[c] - column.nominal) / column.natural;
-    }
-  }
-  return weights;
-}
-
 bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
   const auto& columns = catalogue.groups()[static_cast<std::size_t>(group)].columns;
   return std::any_of(columns.begin(), columns.end(), [&](int c) {
@@ -176,8 +170,9 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
   const Eigen::MatrixXd total = selection.grams.total();
   const std::vector<int> cluster = clusters_of(session, selection.grams);
   const std::vector<Parts> both = parts(session, selection);
-  const std::vector<double> taken_back =
-      undone_shares(project_out(total, session.biases()), found(catalogue, selection));
+  std::vector<Eigen::VectorXd> found;
+  for (const Finding& finding : selection.findings) found.push_back(own_weights(catalogue, selection, finding));
+  const std::vector<double> taken_back = undone_shares(project_out(total, session.biases()), found);
   std::vector<Evidence> records(selection.findings.size());
   parallel_for(std::ssize(records), session.jobs(), [&](std::int64_t at) {
     const auto i = static_cast<std::size_t>(at);

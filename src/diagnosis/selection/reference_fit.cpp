@@ -11,20 +11,18 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-void keep_sizes_of_each_flight(const Catalogue& catalogue, const Selection& selection, Reference& known) {
+// Root mean squares over the flights of what each has for itself, by group and parameter.
+std::map<std::pair<std::string, int>, double> sizes_of_each_flight(const Catalogue& catalogue,
+                                                                   const Selection& selection, std::size_t flights) {
+  std::map<std::pair<std::string, int>, double> sizes;
   for (const Finding& finding : selection.findings) {
     const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
-    std::map<int, std::vector<double>> values;
-    for (const int c : group.columns) {
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-      if (column.flight >= 0) values[column.parameter].push_back(selection.value[c]);
-    }
-    for (const auto& [parameter, sizes] : values) {
-      double squares = 0.0;
-      for (const double size : sizes) squares += size * size / static_cast<double>(sizes.size());
-      known.of_each_flight.push_back({{group.label, parameter}, std::sqrt(squares)});
-    }
+    for (const int c : group.columns)
+      if (const Column& column = catalogue.columns()[static_cast<std::size_t>(c)]; column.flight >= 0)
+        sizes[{group.label, column.parameter}] += std::pow(selection.value[c], 2) / static_cast<double>(flights);
   }
+  for (auto& [name, size] : sizes) size = std::sqrt(size);
+  return sizes;
 }
 
 }  // namespace
@@ -61,7 +59,7 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
   about.linearise(about.catalogue().nominal(), about.all_columns());
   about.take_weights(session);
   fit.known = reference_of(about.catalogue(), about.grams(), about.biases());
-  keep_sizes_of_each_flight(catalogue, selection, fit.known);
+  fit.known.of_each_flight = sizes_of_each_flight(catalogue, selection, flights.size());
   return fit;
 }
 

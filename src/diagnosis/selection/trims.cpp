@@ -21,9 +21,12 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
       tolerance = std::max(tolerance, decisions::unknown_hold_samples * session.logged_sample_s());
     if (session.noise.errors_last()) tolerance = std::max(tolerance, column.estimate_tolerance);
     // the same vehicle in another flight has not quite the same numbers
-    if (session.reference())
-      tolerance = std::max({tolerance, decisions::same_again_share * std::abs(column.nominal),
-                            decisions::same_again_scatter * session.reference()->of_each(of.label, column.parameter)});
+    if (session.reference()) {
+      tolerance = std::max(tolerance, decisions::same_again_share * std::abs(column.nominal));
+      const auto& known = session.reference()->of_each_flight;
+      if (const auto own = known.find({of.label, column.parameter}); own != known.end())
+        tolerance = std::max(tolerance, decisions::same_again_scatter * own->second);
+    }
     if (tolerance == 0.0) return std::numeric_limits<double>::infinity();
     largest = std::max(largest, std::abs(value[c] - column.nominal) / tolerance);
   }

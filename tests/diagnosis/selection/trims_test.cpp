@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "diagnosis/selection/wind_start.hpp"
 #include "support/flight_data.hpp"
 #include "support/vehicles.hpp"
 
@@ -70,12 +72,13 @@ TEST_F(Trims, WithoutAToleranceNothingIsATrim) {
 }
 
 TEST_F(Trims, BesideFlightsThatHaveForcesOfTheirOwnAForceMustBeLarger) {
-  const int group = session_.catalogue().find("constant_force");
+  const int group = force_like_wind(session_.catalogue());
+  const std::string label = session_.catalogue().groups()[static_cast<std::size_t>(group)].label;
   Eigen::VectorXd value = nominal();
   value[columns_of(group).front()] = 0.06;
   EXPECT_TRUE(std::isinf(size_in_tolerances(session_, value, group)));
   Reference reference;
-  for (const int parameter : {0, 1, 2}) reference.of_each_flight.push_back({{"constant_force", parameter}, 0.02});
+  for (const int parameter : {0, 1, 2}) reference.of_each_flight[{label, parameter}] = 0.02;
   session_.compare_with(reference);
   EXPECT_NEAR(size_in_tolerances(session_, value, group), 1.0, 1e-12);
   value[columns_of(group).front()] = 0.12;
