@@ -13,6 +13,7 @@ BROWN_OUT_s = 0.1       # one low reading is an error or a hard pull, however ma
 BROWN_OUT_V = 4.3       # of a supply of 5 V: processors and sensors are specified down to here
 RUNNING_SHARE = 0.4     # of the median command of the running motors: below it, over a second, the vehicle does not fly
 LONGEST_DIVE_s = 4.0    # with idle motors
+CLEAR_m = 0.1           # above where it stood: below that the ground may carry a part of the weight
 NEEDED = ("position", "specific_force", "body_rate")
 
 
@@ -30,7 +31,9 @@ def split(recording: Recording) -> tuple:
         inside = [both for part in flying if (both := common(span, part))]
         refused += [(*part, "armed, on the ground" if recording.armed else "on the ground") for part in without(span, inside)]
         for part in inside:
-            kept, why = cut(recording, part)
+            lifted = off_the_ground(recording, part)
+            refused += [(*piece, f"on the ground: the height is within {CLEAR_m:g} m of where it stood") for piece in without(part, lifted)]
+            kept, why = cut(recording, lifted[0]) if lifted else ([], [])
             refused += why
             flights += kept
     for span in [span for span in flights if span[1] - span[0] < SHORTEST_s]:
@@ -71,6 +74,27 @@ def running(recording: Recording) -> list:
         # a dive with the motors idle is flight
         out[-1:] = [(out[-1][0], part[1])] if part[0] - out[-1][1] < LONGEST_DIVE_s else [out[-1], part]
     return out
+
+
+def off_the_ground(recording: Recording, part: tuple) -> list:
+    """[part] from where the vehicle has left the height at which it stood until it is back at the one where it comes to stand.
+
+    Landing detectors let go when the throttle rises and find the ground late. A log that begins or ends in the air has no such height.
+    """
+    position = recording.streams.get("position")
+    time_s, height = _axis(position) if position is not None else ([], [])
+    if len(time_s) < 2 or part[1] - part[0] < SHORTEST_s:
+        return [part]
+    before, after = np.searchsorted(time_s, part[0]) - 1, np.searchsorted(time_s, part[1], "right")
+    times, inside = np.concatenate([part[:1], time_s[before + 1:after], part[1:]]), height[before + 1:after]
+    begins, ends = part
+    if before >= 0:
+        away = np.flatnonzero(np.abs(inside - height[before]) > CLEAR_m)
+        begins = float(times[away[0] + (away[0] > 0)]) if len(away) else ends
+    if after < len(time_s):
+        away = np.flatnonzero(np.abs(inside - height[after]) > CLEAR_m)
+        ends = float(times[away[-1] + 1 + (away[-1] == len(inside) - 1)]) if len(away) else begins
+    return [(begins, ends)] if ends > begins else []
 
 
 def cut(recording: Recording, span: tuple) -> tuple:

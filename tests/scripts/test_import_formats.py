@@ -221,7 +221,8 @@ class DataFlash(FormatCase):
             put("ATT", us, round(100 * 5.0 * np.sin(2 * t)), 100, 9000)
             for core in (0, 1):
                 put("IMU", us, core, np.radians(10.0 * np.cos(2 * t)), 0.0, 0.0, 0.1 * core, 0.0, -9.81)
-                put("XKF1", us, core, np.cos(t), 0.0, -0.1 * np.cos(t), np.sin(t) + core, 0.0, -2.0 - 0.1 * np.sin(t))
+                put("XKF1", us, core, np.cos(t), 0.0, -0.1 * np.cos(t), np.sin(t) + core, 0.0,
+                    -2.0 - 0.1 * np.sin(t) if 3.0 <= t <= 17.0 else -1.0)
             put("XKF4", us, 0, 1)
             for output in range(4) if speeds_every and k % speeds_every == 0 else ():
                 # one speed controller answers after the other

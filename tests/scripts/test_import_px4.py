@@ -170,6 +170,18 @@ class PX4(ImportCase):
         _, entry, _ = self.take(log)
         self.assertEqual(entry["flights"][0]["rates_hz"]["vbat"], 5)
 
+    def test_what_the_landing_detector_takes_for_flight_on_the_ground_is_cut(self):
+        truth = synthetic()
+        t, height = truth["time_s"], truth["p"][:, 2]
+        height[(t < 5.05) | (t > 14.95)] = 0.06
+        _, log, _ = self.take(px4_flight(truth))
+        self.assertEqual([(f["from_s"], f["to_s"]) for f in log["flights"]], [(5.1, 14.9)])
+        why = [(part["from_s"], part["to_s"]) for part in log["refused"] if part["why"].startswith("on the ground")]
+        self.assertEqual(why, [(3.0, 5.1), (14.9, 17.0)])
+        height[:] = 0.06
+        code, log, _ = self.take(px4_flight(truth))
+        self.assertEqual((code, log["flights"]), (3, []))
+
     def test_a_gap_cuts_a_flight(self):
         log = px4_flight(synthetic(30.0), armed=(1.0, 29.0), flying=(2.0, 28.0))
         log.data = [d for d in log.data if not 13_000_000 < d[0] < 15_000_000]

@@ -102,6 +102,7 @@ def px4_flight(flight: dict, mav_type: int = 2, armed=(2.0, 18.0), flying=(3.0, 
                                            "float[3] accelerometer_m_s2": frd(flight["a"])[fast]})
     log.topic("vehicle_attitude", t[pose], {"float[4] q": turned[pose]})
     p, v = ned(flight["p"])[slow], ned(flight["v"])[slow]
+    p[(t[slow] < flying[0]) | (t[slow] > flying[1]), 2] = 0.0   # it stands there
     counted = np.zeros(len(p)) if reset_s is None else (t[slow] >= reset_s).astype(float)
     log.topic("vehicle_local_position", t[slow], {"uint8_t z_reset_counter": counted, "float delta_z": 0.7 * counted, **{f"float {name}": p[:, k] for k, name in enumerate("xyz")},
                                                   **{f"float v{name}": v[:, k] for k, name in enumerate("xyz")}})
