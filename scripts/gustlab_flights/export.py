@@ -1,7 +1,9 @@
 """gustlab export: a flight log as Parquet, as MCAP, or as one CSV per topic with PX4's names and frames."""
 
-import argparse
+from argparse import Namespace
 from pathlib import Path
+
+from gustlab_import.command_line import Options
 
 from .flight_file import FlightFile
 from .problems import USAGE, Refusal
@@ -10,8 +12,8 @@ from .write import replace_file
 KINDS = ("parquet", "mcap", "csv")
 
 
-def arguments(argv: list) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="gustlab export", description="writes a flight log for other programs: Parquet, MCAP "
+def arguments(argv: list) -> Namespace:
+    parser = Options(prog="gustlab export", description="writes a flight log for other programs: Parquet, MCAP "
                                      "(Foxglove, PlotJuggler), or one CSV per topic with the names, units and frames of PX4's ulog2csv",
                                      epilog="exit codes: 0 written, 2 usage, 3 the log cannot be used, 4 a file cannot be read or written")
     parser.add_argument("flight", type=Path, metavar="FLIGHT", help="a flight log NAME.csv[.gz], or the --out of `gustlab run`")

@@ -1,9 +1,10 @@
 """gustlab render: a flight as a film."""
 
-import argparse
+from argparse import Namespace
 from pathlib import Path
 
 import numpy as np
+from gustlab_import.command_line import Options
 from gustlab_import.progress import Progress
 
 from . import scene as scenes
@@ -14,8 +15,8 @@ from .write import replace_file
 ENDINGS = (".mp4", ".gif")
 
 
-def arguments(argv: list) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="gustlab render", description="draws a flight as a film: the vehicle, its path (blue) and "
+def arguments(argv: list) -> Namespace:
+    parser = Options(prog="gustlab render", description="draws a flight as a film: the vehicle, its path (blue) and "
                                      "reference (grey), the gust (orange; as long as five vehicles where it pushes with the weight) "
                                      "and the rotors' thrust (green)", epilog="needs no display. exit codes: 0 written, 2 usage, 3 "
                                      "the log cannot be drawn, 4 a file cannot be read or written")
@@ -53,7 +54,7 @@ def _size(text: str) -> tuple:
     return width, height
 
 
-def picture_times(time_s: np.ndarray, options: argparse.Namespace) -> np.ndarray:
+def picture_times(time_s: np.ndarray, options: Namespace) -> np.ndarray:
     first = time_s[0] if options.from_s is None else max(time_s[0], options.from_s)
     last = time_s[-1] if options.to_s is None else min(time_s[-1], options.to_s)
     step = options.speed / options.fps
@@ -101,7 +102,7 @@ def caption(shown: scenes.Motion, k: int) -> list:
 class Pictures:
     """The pictures of a flight, one after the other."""
 
-    def __init__(self, flight: FlightFile, options: argparse.Namespace):
+    def __init__(self, flight: FlightFile, options: Namespace):
         scenes.use_software()
         self.scene = scenes.Scene(scenes.vehicle_file(flight, options.vehicle), scenes.floor_of(flight), options.size)
         times = picture_times(flight.time_s, options)
@@ -148,7 +149,7 @@ def _font(size_px: int):
     return _fonts[size_px]
 
 
-def write_mp4(pictures: Pictures, path: Path, options: argparse.Namespace, progress: Progress) -> None:
+def write_mp4(pictures: Pictures, path: Path, options: Namespace, progress: Progress) -> None:
     import imageio_ffmpeg
     film = imageio_ffmpeg.write_frames(str(path), options.size, fps=options.fps, codec="libx264", pix_fmt_out="yuv420p", macro_block_size=2,
                                        output_params=["-crf", "21", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1"],
@@ -160,7 +161,7 @@ def write_mp4(pictures: Pictures, path: Path, options: argparse.Namespace, progr
     film.close()
 
 
-def write_gif(pictures: Pictures, path: Path, options: argparse.Namespace, progress: Progress) -> None:
+def write_gif(pictures: Pictures, path: Path, options: Namespace, progress: Progress) -> None:
     from PIL import Image
     frames = []
     for k in range(len(pictures)):

@@ -1,10 +1,11 @@
 """gustlab view: a flight in MuJoCo's own viewer."""
 
-import argparse
 import time
+from argparse import Namespace
 from pathlib import Path
 
 import numpy as np
+from gustlab_import.command_line import Options
 
 from . import scene as scenes
 from .flight_file import FlightFile
@@ -13,8 +14,8 @@ from .problems import IO, Refusal
 RATE_HZ = 60.0
 
 
-def arguments(argv: list) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="gustlab view", description="plays a flight in MuJoCo's viewer, again and again: path blue, "
+def arguments(argv: list) -> Namespace:
+    parser = Options(prog="gustlab view", description="plays a flight in MuJoCo's viewer, again and again: path blue, "
                                      "reference grey, gust orange, rotors' thrust green; space stops it",
                                      epilog="needs a display; without one, `gustlab render` writes a film. exit codes: 0 the window was "
                                      "closed, 2 usage, 3 the log cannot be drawn, 4 no display or a file that cannot be read")

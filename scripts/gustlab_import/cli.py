@@ -1,11 +1,12 @@
 """gustlab import: turns logs into flight logs, and says what is in them and what is wrong with them."""
 
-import argparse
 import json
 import sys
+from argparse import Namespace
 from pathlib import Path
 
 from .column_map import load_map
+from .command_line import Options
 from .from_recording import import_recording
 from .from_table import import_table
 from .kinds import kind_of, reader_of
@@ -19,8 +20,8 @@ FORMATS = ("PX4 ULog, ArduPilot DataFlash, MAVLink tlog, ROS 1 and 2 bag (.bag, 
            "uSD, CSV, Parquet")
 
 
-def arguments(argv: list) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="gustlab import", description="turns flight computers' logs into flight logs, or says "
+def arguments(argv: list) -> Namespace:
+    parser = Options(prog="gustlab import", description="turns flight computers' logs into flight logs, or says "
                                      "what is in them", epilog="exit codes: 0 there is a flight, 2 usage, vehicle or map, 3 no "
                                      "flight (with the reason), 4 a file cannot be read or written")
     parser.add_argument("inputs", nargs="+", type=Path, metavar="LOG", help=FORMATS)

@@ -13,6 +13,9 @@ ENDINGS = {".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash", ".tlog": "t
 
 
 def kind_of(path: Path) -> str:
+    if path.is_dir():
+        inside = sorted(p.name for p in path.iterdir() if p.suffix.lower() in ENDINGS)
+        raise ImportFailure(f"{path}: a folder" + (f"; give the log in it: {path / inside[0]}" if inside else " without a log"), USAGE)
     head = first_bytes(path, 64)
     for magic, kind in MAGIC:
         if head.startswith(magic):
@@ -43,6 +46,6 @@ def reader_of(kind: str, path: Path):
         return read_usd_by_names
     if kind in ("csv", "parquet"):
         built_in = ", ".join(sorted(p.stem for p in MAPS.glob("*.toml")))
-        raise ImportFailure(f"{path.name}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in})", USAGE)
+        raise ImportFailure(f"{path.name}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in}); `gustlab defaults column-map` prints one to begin with", USAGE)
     from .read_ros import read_ros
     return read_ros

@@ -11,6 +11,7 @@ from .limits import can_tell, rate
 from .streams import QUANTITIES
 
 FORMAT = "gustlab-import/1"
+SELDOM_Hz = 4.0
 MARK = {"note": "note   ", "warning": "WARNING", "error": "ERROR  "}
 
 
@@ -87,7 +88,7 @@ def _lines(one: Outcome, topics: bool) -> list:
         lines.append(f"  flight {name}: {span}, {len(flight.time_s)} rows")
         lines += [f"    {quantity}: {hz:g} Hz ({_sources(flight).get(quantity, '')})"
                   for quantity, hz in rates(flight).items() if hz]
-        lines.append("    noise (third differences): " + _noise_text(noise(flight)))
+        lines.append("    noise (third differences, SI units): " + _noise_text(noise(flight)))
         lines.append("    enough to judge: " + ("; ".join(can_tell(flight)) or "nothing"))
     lines += [f"  refused: {a:.2f} to {b:.2f} s: {why}" for a, b, why in one.refused]
     for name, finding in one.all_findings():
@@ -99,8 +100,15 @@ def _lines(one: Outcome, topics: bool) -> list:
         together.setdefault(limit["why"] + (f"; {limit['setting']}" if "setting" in limit else ""), []).append(limit["effect"])
     lines += [f"  cannot tell {', '.join(effects)}: {why}" for why, effects in together.items()]
     if one.topics and (topics or not one.flights):
-        lines.append("  holds: " + ", ".join(f"{name} {hz:.0f} Hz" for name, count, hz in one.topics if count > 1))
+        lines.append("  holds: " + _topics_text(one.topics))
     return lines
+
+
+def _topics_text(topics: list) -> str:
+    """The fastest first; what comes more seldom than a diagnosis could use is counted only."""
+    fast = [f"{name} {hz:.0f} Hz" for name, _, hz in sorted(topics, key=lambda topic: -topic[2]) if hz >= SELDOM_Hz]
+    seldom = len(topics) - len(fast)
+    return ", ".join(fast + ([f"{seldom} more below {SELDOM_Hz:g} Hz"] if seldom else []))
 
 
 def _noise_text(values: dict) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from . import airframes, frames
 from .motors import ardupilot_range, ardupilot_share, pulse_share, put_speeds
 from .problems import Finding, ImportFailure
-from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, spans, stream
+from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, rate_of, spans, stream
 from .tables import read_bytes
 
 STANDARD_GRAVITY = 9.80665
@@ -100,8 +100,7 @@ class _Messages:
                          if np.isfinite(t)), default=min(times))
         self.out = Recording(name, hashlib.sha256(data).hexdigest(), kind, end_s=max(times) - self.zero, settings=settings)
         for label, many in sorted(messages.items(), key=lambda item: str(item[0])):
-            at = np.unique([t for t, _ in many if np.isfinite(t)])
-            self.out.topics.append((str(label), len(many), float(1.0 / np.median(np.diff(at))) if len(at) > 2 else 0.0))
+            self.out.topics.append((str(label), len(many), rate_of(np.array([t for t, _ in many if np.isfinite(t)]))))
 
     def get(self, label, *names: str):
         """(time_s (n,), values (n, len(names))) of a message type, or None."""
@@ -259,7 +258,7 @@ def read_tlog(path: Path) -> Recording:
             log = mavutil.mavlink_connection(str(path))
             messages = _collect(log, lambda m: (m.get_type(), m.get_srcSystem(), m.get_srcComponent()), _boot_time)
     except Exception as error:  # pymavlink raises whatever a damaged byte leads to
-        raise ImportFailure(f"{path.name}: the tlog cannot be read ({type(error).__name__}: {error}); fetch it again") from error
+        raise ImportFailure(f"{path.name}: the tlog cannot be read (cut off within its first message, or damaged); fetch it again") from error
     beats = [key for key, many in messages.items() if key[0] == "HEARTBEAT" and many[0][1].autopilot != 8]
     if not beats:
         raise ImportFailure(f"{path.name}: no heartbeat of an autopilot is in the tlog: not MAVLink telemetry, or cut off")

@@ -7,7 +7,7 @@ import numpy as np
 
 from .problems import ImportFailure
 from .rotations import rotate
-from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, stream
+from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, rate_of, stream
 from .tables import Table, read_bytes
 
 POSES = {"geometry_msgs/msg/PoseStamped": "pose", "geometry_msgs/msg/PoseWithCovarianceStamped": "pose.pose",
@@ -15,6 +15,7 @@ POSES = {"geometry_msgs/msg/PoseStamped": "pose", "geometry_msgs/msg/PoseWithCov
 # message -> (field, what it holds)
 MOTORS = {"mav_msgs/msg/Actuators": ("angular_velocities", "rotor_speed"),
           "px4_msgs/msg/ActuatorMotors": ("control", "throttle"), "mavros_msgs/msg/RCOut": ("channels", "pulse")}
+REPAIR = {".bag": "rosbag reindex", ".mcap": "mcap recover", ".db3": "sqlite3's .recover"}
 SETTINGS = {"rate": "record the motor commands (mav_msgs/Actuators, px4_msgs/ActuatorMotors or mavros_msgs/RCOut) at the "
                     "controller's rate",
             "battery": "record sensor_msgs/BatteryState", "pose": "record nav_msgs/Odometry or geometry_msgs/PoseStamped"}
@@ -23,9 +24,7 @@ SETTINGS = {"rate": "record the motor commands (mav_msgs/Actuators, px4_msgs/Act
 def read_ros(path: Path) -> Recording:
     bag = _Bag(path)
     out = Recording(path.name, bag.sha256, "ros-bag", bag.kind, "unknown", end_s=bag.end_s, settings=SETTINGS)
-    for name, (times, _) in sorted(bag.topics.items()):
-        step = float(np.median(np.diff(times))) if len(times) > 2 else 0.0
-        out.topics.append((f"{name} ({bag.types[name].replace('/msg/', '/')})", len(times), 1.0 / step if step > 0.0 else 0.0))
+    out.topics = [(f"{name} ({bag.types[name].replace('/msg/', '/')})", len(times), rate_of(times)) for name, (times, _) in bag.topics.items()]
     wanted = {}
     for name in sorted(bag.topics, key=lambda n: -len(bag.topics[n][0])):
         wanted.setdefault(bag.types[name], name)   # of several topics of a type the fastest
@@ -104,7 +103,9 @@ class _Bag:
         except ImportFailure:
             raise
         except Exception as error:  # rosbags raises whatever a damaged byte leads to
-            raise ImportFailure(f"{path.name}: the bag cannot be read ({type(error).__name__}: {error}); fetch it again") from error
+            why = f"{type(error).__name__}: " if isinstance(error, (AttributeError, KeyError)) else ""
+            raise ImportFailure(f"{path.name}: the bag cannot be read ({why}{error}): cut off, or never closed? fetch it again, or mend it "
+                                f"with {REPAIR.get(path.suffix.lower(), REPAIR['.bag'])}") from error
         if not self.topics:
             raise ImportFailure(f"{path.name}: no message of a known type is in the bag"
                                 + (f" (unknown: {', '.join(sorted(set(self.unknown)))})" if self.unknown else ""))

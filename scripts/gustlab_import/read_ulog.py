@@ -10,7 +10,7 @@ import numpy as np
 from . import airframes, frames
 from .motors import allocated_motors, pulse_share, put_speeds, thrust_share
 from .problems import Finding, ImportFailure
-from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, Rotor, spans, stream
+from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, Rotor, rate_of, spans, stream
 from .tables import read_bytes
 
 # MAV_TYPE (MAVLink common.xml) of what is no multirotor; 2, 13, 14, 15 and 29 are multirotors
@@ -94,8 +94,7 @@ class _Reader:
     def topics(self) -> None:
         for (name, number), data in sorted(self.data.items()):
             time_s = self.seconds(data["timestamp"])
-            rate = 1.0 / np.median(np.diff(time_s)) if len(time_s) > 1 and np.median(np.diff(time_s)) > 0 else 0.0
-            self.out.topics.append((f"{name}[{number}]", len(time_s), float(rate)))
+            self.out.topics.append((f"{name}[{number}]", len(time_s), rate_of(time_s)))
         everything = np.unique(np.concatenate([data["timestamp"] for data in self.data.values()]))
         everything = everything[everything >= self.zero]
         holes = np.flatnonzero(np.diff(everything) > 1e6 * LOGGER_GAP_s)

@@ -35,6 +35,13 @@ class Stream:
         return Stream(self.columns, self.time_s[inside], self.values[inside], self.source)
 
 
+def rate_of(time_s: np.ndarray) -> float:
+    """Samples per second of a topic: by the median interval, and not more than come in a usual second that has any, because some come in bursts."""
+    at = np.unique(time_s)
+    step = float(np.median(np.diff(at))) if len(at) > 1 else 0.0
+    return min(1.0 / step, float(np.median(np.unique(np.floor(at), return_counts=True)[1]))) if step > 0.0 else 0.0
+
+
 def stream(columns, time_s, values, source: str):
     """A stream of the rows that have a sample and a later time than the row before; None when there are none."""
     values = np.asarray(values, dtype=float).reshape(len(time_s), len(columns))

@@ -77,7 +77,7 @@ class Conversion(ImportCase):
 class BadInput(ImportCase):
     def fails(self, code: int, words: str, *arguments):
         got, _, err = self.run_import(*arguments)
-        self.assertEqual((got, words in err), (code, True), err)
+        self.assertEqual((got, words in err, len(err.strip().splitlines())), (code, True, 1), err)
         self.assertFalse(self.out.exists())
 
     def log(self, text: str) -> Path:

@@ -442,6 +442,15 @@ class Rates(FormatCase):
         self.assertEqual(len([f for f in log["findings"] if f["kind"] == "gap"]), 1, log["findings"])
 
 
+class TopicRates(unittest.TestCase):
+    def test_neither_gaps_nor_bursts_count(self):
+        from gustlab_import.streams import rate_of
+        fast = np.arange(0.0, 20.0, 0.005)
+        self.assertAlmostEqual(rate_of(np.concatenate([fast, 900.0 + fast])), 200.0, delta=1e-6)
+        self.assertEqual(rate_of(np.concatenate([5.2 + 4e-6 * np.arange(90), np.arange(6.5, 20.0)])), 1.0)
+        self.assertEqual(rate_of(np.array([3.0, 3.0])), 0.0)
+
+
 class WrongMaps(FormatCase):
     """Each wrong key of a map: exit 2 or 3, one line, no traceback."""
 
@@ -476,7 +485,11 @@ class WrongMaps(FormatCase):
     def test_command_lines(self):
         log = self.write("log.csv", csv(flight(3.0)))
         ulg = self.write("a.xyz", b"nothing that is known" * 9)
-        cases = {"needs a column map": [log], "no vehicle of this name": [log, "--map", self.map, "--vehicle", "crazyfly"],
+        bag = self.folder / "bag"
+        bag.mkdir()
+        self.write("bag/bag_0.db3", b"SQLite format 3\0")
+        cases = {f"bag: a folder; give the log in it: {bag / 'bag_0.db3'}": [bag], "`gustlab defaults column-map` prints one": [log],
+                 "needs a column map": [log], "no vehicle of this name": [log, "--map", self.map, "--vehicle", "crazyfly"],
                  "no built-in map and no file of this name": [log, "--map", "nothing.toml"],
                  "no log format that is known begins like this": [ulg], "cannot be read": [self.folder / "missing.ulg"],
                  "invalid float value": [log, "--map", self.map, "--from", "soon"],
@@ -484,7 +497,7 @@ class WrongMaps(FormatCase):
         for words, arguments in cases.items():
             with self.subTest(words):
                 code, _, err = self.run_import(*arguments, *([] if "--out" in arguments else ["--out", self.out]))
-                self.assertEqual((code in (2, 4), words in err), (True, True), err)
+                self.assertEqual((code in (2, 4), words in err, len(err.strip().splitlines())), (True, True, 1), err)
                 self.assertFalse(self.out.exists())
 
 
