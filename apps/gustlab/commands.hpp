@@ -10,6 +10,9 @@ struct ExitCode {
   int code;
 };
 
+// --help of import, export, render or view; empty where the Python environment is not there.
+std::string help_of_script(const std::string& command);
+
 void add_bench(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_compare(CLI::App& app);

@@ -37,6 +37,21 @@ std::vector<std::string> choices_of(const std::string& type) {
   return choices;
 }
 
+// the options in a help text of Python's argparse: "  -q, --quiet  errors only", or what it says in the next line
+std::vector<OptionWords> options_in(const std::string& help) {
+  static const std::regex line(R"((?:^|\n)  (-[^\n]*?)(?:\n? {2,}([^\n]+))?(?=\n))"), name("(--?[a-z][a-z-]*)");
+  std::vector<OptionWords> options;
+  for (std::sregex_iterator found(help.begin(), help.end(), line), end; found != end; ++found) {
+    const std::string words = (*found)[1];
+    OptionWords one{{}, (*found)[2], choices_of(words)};
+    for (std::sregex_iterator each(words.begin(), words.end(), name); each != end; ++each)
+      one.names.push_back((*each)[1]);
+    one.takes_value = words.find_last_of(' ') != std::string::npos && words[words.find_last_of(' ') + 1] != '-';
+    options.push_back(std::move(one));
+  }
+  return options;
+}
+
 void collect(const CLI::App& app, const std::string& words, std::vector<CommandWords>& found) {
   CommandWords command{words, app.get_description(), {}};
   for (const CLI::Option* option : app.get_options()) {
@@ -50,6 +65,7 @@ void collect(const CLI::App& app, const std::string& words, std::vector<CommandW
     if (one.positional) one.names = {option->get_name()};
     command.options.push_back(std::move(one));
   }
+  if (app.get_prefix_command()) command.options = options_in(help_of_script(app.get_name()));
   found.push_back(std::move(command));
   for (const CLI::App* sub : app.get_subcommands(nullptr))
     collect(*sub, words.empty() ? sub->get_name() : words + " " + sub->get_name(), found);
@@ -74,6 +90,9 @@ std::string without(std::string text, std::string_view characters) {
   std::erase_if(text, [&](char c) { return characters.find(c) != std::string_view::npos; });
   return text;
 }
+
+// with apostrophes that no shell takes for a quote
+std::string typographic(const std::string& text) { return std::regex_replace(text, std::regex("'"), "’"); }
 
 // words that may come after a command: the commands below it and its options
 std::string words_after(const CommandWords& command, const std::vector<CommandWords>& all) {
@@ -124,7 +143,8 @@ std::string zsh_completion(const std::vector<CommandWords>& all) {
     text += fmt::format("{}() {{\n", function(command.words));
     std::string below;
     for (const CommandWords& other : all)
-      if (is_below(other, command)) below += fmt::format(" '{}:{}'", last_word(other.words), without(other.says, "':"));
+      if (is_below(other, command))
+        below += fmt::format(" '{}:{}'", last_word(other.words), without(typographic(other.says), ":"));
     if (!below.empty()) {
       text += fmt::format(
           "  local -a below\n  below=({})\n  if (( CURRENT == 2 )); then _describe command below; return; fi\n"
@@ -135,7 +155,7 @@ std::string zsh_completion(const std::vector<CommandWords>& all) {
     }
     text += "  _arguments";
     for (const OptionWords& option : command.options) {
-      const std::string says = without(option.says, "'[]:"),
+      const std::string says = without(typographic(option.says), "[]:"),
                         values =
                             option.choices.empty() ? "_files" : fmt::format("({})", fmt::join(option.choices, " "));
       if (option.positional) continue;
@@ -157,7 +177,7 @@ std::string fish_completion(const std::vector<CommandWords>& all) {
     for (const CommandWords& below : all)
       if (is_below(below, command))
         text += fmt::format("complete -c gustlab -n '{}' -f -a {} -d '{}'\n", seen, last_word(below.words),
-                            without(below.says, "'"));
+                            typographic(below.says));
     for (const OptionWords& option : command.options) {
       if (option.positional) continue;
       text += fmt::format("complete -c gustlab -n '{}'", seen);
@@ -165,7 +185,7 @@ std::string fish_completion(const std::vector<CommandWords>& all) {
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       if (option.takes_value)
         text += option.choices.empty() ? " -r" : fmt::format(" -x -a '{}'", fmt::join(option.choices, " "));
-      text += fmt::format(" -d '{}'\n", without(option.says, "'"));
+      text += fmt::format(" -d '{}'\n", typographic(option.says));
     }
   }
   return text;

@@ -146,6 +146,7 @@ void check_flights(const diagnosis::DiagnoseOptions& wanted) {
     for (const std::string& path : *paths) {
       if (std::count(paths->begin(), paths->end(), path) > 1)
         throw ConfigError(fmt::format("{}: is given twice", path));
+      sidecar_path(path);  // refuses what is no flight log
       if (const std::string why = why_unreadable(path); !why.empty())
         throw DataError(fmt::format("{}: cannot read ({})", path, why));
     }

@@ -93,9 +93,10 @@ int run(int argc, char** argv) {
   CLI::App app{"Flies multirotors in simulation and finds the physics that a simulation leaves out", "gustlab"};
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* all, const CLI::Error& error) {
-    const auto commands = all->get_subcommands();
-    return fmt::format("gustlab: {} (see gustlab {}--help)\n", config::printable(error.what()),
-                       commands.empty() ? "" : commands.front()->get_name() + " ");
+    std::string command;
+    for (auto below = all->get_subcommands(); !below.empty(); below = below.front()->get_subcommands())
+      command += below.front()->get_name() + " ";
+    return fmt::format("gustlab: {} (see gustlab {}--help)\n", config::printable(error.what()), command);
   });
   app.fallthrough();
   app.set_version_flag("--version", version_text());

@@ -52,6 +52,9 @@ double quantity(const std::string& option, const std::string& text,
                                 fmt::join(known, ", "), units.front().first == "kg" ? "1.2kg" : "0.25m"));
 }
 
+// what is left of a millionth is rounding
+std::string rounded(double value) { return fmt::format("{:.2g}", std::abs(value) < 1e-6 ? 0.0 : value); }
+
 // a name that is safe in a path, in TOML and in XML
 std::string name_of(const std::filesystem::path& out) {
   std::string name = std::filesystem::absolute(out / ".").lexically_normal().parent_path().filename().string();
@@ -172,8 +175,8 @@ void print_report(const VehicleModel& vehicle, const VehicleReport& report) {
                    : report.lag_down_s ? fmt::format("{:.3g} s up, {:.3g} s down", *report.lag_up_s, *report.lag_down_s)
                                        : fmt::format("{:.3g} s", *report.lag_up_s));
   say("simulated hover", report.outcome == Outcome::completed
-                             ? fmt::format("{:.2g} mm from the reference, tilted by {:.2g} deg", 1e3 * report.error_m,
-                                           report.tilt_rad * 180.0 / pi)
+                             ? fmt::format("{} mm from the reference, tilted by {} deg", rounded(1e3 * report.error_m),
+                                           rounded(report.tilt_rad * 180.0 / pi))
                              : std::string(to_string(report.outcome)));
   for (const RotorTrim& rotor : report.trim)
     say("  " + rotor.site,

@@ -44,6 +44,8 @@ std::string read_bytes(const std::string& path) {
   }
 }
 
+constexpr std::size_t longest_cell = 40;  // of what a message shows
+
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
@@ -64,6 +66,9 @@ CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view
     const std::string_view line(text_.data() + begin, end - begin);
     ++number;
     if (number == 1) {
+      const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r'; };
+      if (const auto wrong = std::find_if(line.begin(), line.end(), is_control); wrong != line.end())
+        throw DataError(fmt::format("{}:1:{}: not a text file (a CSV is needed)", path_, wrong - line.begin() + 1));
       read_header(line);
       for (const std::string& name : names_) is_lenient.push_back(lenient(name));
     } else if (!trimmed(line).empty()) {
@@ -102,9 +107,9 @@ void CsvNumbers::read_row(std::size_t number, std::size_t line_begin, std::strin
       const bool number_read = error == std::errc() && end == cell.data() + cell.size();
       if (!number_read || !std::isfinite(value)) {
         if (!lenient[column])
-          throw DataError(
-              fmt::format("{}:{}:{}: \"{}\" in column {} is not a {}number (a missing sample is an empty cell)", path_,
-                          number, begin + 1, cell, names_[column], number_read ? "finite " : ""));
+          throw DataError(fmt::format(
+              "{}:{}:{}: \"{}\" in column {} is not a {}number (a missing sample is an empty cell)", path_, number,
+              begin + 1, cell.substr(0, longest_cell), names_[column], number_read ? "finite " : ""));
         value = no_sample;
       }
     }

@@ -138,7 +138,9 @@ FlightLog read_flight_log(const std::string& csv_path) {
     throw DataError(fmt::format("{}: cannot read ({})", csv_path, why));
   if (const std::string why = why_unreadable(sidecar); !why.empty())
     throw DataError(
-        fmt::format("{}: cannot read ({}) a log needs its sidecar; gustlab import writes both", sidecar, why));
+        fmt::format("{}: cannot read ({}) a log needs its sidecar; gustlab import writes both, gustlab "
+                    "defaults sidecar prints one",
+                    sidecar, why));
   log.meta = read_sidecar(sidecar);
   note_input(csv_path);
   CsvNumbers csv(csv_path, [](std::string_view name) { return !is_known_column(name); });
@@ -154,7 +156,8 @@ FlightLog read_flight_log(const std::string& csv_path) {
     if (name == "time_s") log.time_s = std::move(csv.column(c));
     else log.columns.push_back({name, std::move(csv.column(c))});
   }
-  if (!unknown.empty())
+  // a simulated log holds the telemetry of its controller, too
+  if (!unknown.empty() && log.meta.source == "recording")
     log.repairs.push_back(
         {"unknown_column", fmt::format("{}:1: unknown columns are ignored: {}", csv_path, fmt::join(unknown, ", "))});
   return log;

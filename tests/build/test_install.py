@@ -50,6 +50,17 @@ class Installed(unittest.TestCase):
         self.assertEqual(self.complete("gustlab", "vehicle", "new", "--thr"), ["--thrust-to-weight", "--throttle-curve"])
         self.assertEqual(set(self.complete("gustlab", "table", "out", "--format", "")), {"md", "csv", "latex", "json", "html"})
 
+    def test_options_of_the_commands_in_python_are_told_too(self):
+        self.assertEqual(self.complete("gustlab", "import", "--keep"), ["--keep-unusable", "--keep-position"])
+        self.assertEqual(set(self.complete("gustlab", "import", "a.ulg", "--format", "")), {"text", "json"})
+        self.assertEqual(self.complete("gustlab", "render", "flight", "--sp"), ["--speed"])
+        page = (self.tree / "share/man/man1/gustlab.1").read_text(encoding="utf-8")
+        for command in ("import", "export", "render", "view"):
+            said = output(self.program, command, "--help", env=os.environ | {"COLUMNS": "10000"})
+            words = re.findall(r"(?m)^  (--[a-z-]+)", said)
+            section = page.split(f".SS gustlab {command}\n")[1].split(".SS ")[0].replace("\\-", "-")
+            self.assertEqual(re.findall(r"(?m)^\.B (--[a-z-]+)", section), words, command)
+
     def test_other_shells_take_their_completions(self):
         for shell, name in (("zsh", "zsh/site-functions/_gustlab"), ("fish", "fish/vendor_completions.d/gustlab.fish")):
             script = self.tree / "share" / name

@@ -12,16 +12,16 @@ from pymavlink import DFReader
 LOGS = Path(os.environ.get("GUSTLAB_FLIGHTS", ""), "logs")
 # file -> (flights as (from, to) in whole seconds, rates that are known, words in the reason of what is refused)
 KNOWN = {
-    "px4_quad_55s.ulg": ([(6, 61)], dict(position=10, attitude=20, specific_force=198, u=49, vbat=5), "armed, on the ground"),
-    "px4_hitl_jmavsim.ulg": ([(2, 70)], dict(position=10, specific_force=250, u=50), "gap: no sample for 8.9 s"),
-    "px4_sitl_jmavsim_11s.ulg": ([(17, 28)], dict(position=10, u=50), "disarmed"),
-    "px4_climb_28s.ulg": ([(2, 6), (6, 30)], dict(position=10, u=47), "the estimator was reset (heading by 0.39 rad)"),
+    "px4_quad_55s.ulg": ([(7, 60)], dict(position=10, attitude=20, specific_force=198, u=49, vbat=5), "armed, on the ground"),
+    "px4_hitl_jmavsim.ulg": ([(5, 70)], dict(position=10, specific_force=250, u=50), "gap: no sample for 8.9 s"),
+    "px4_sitl_jmavsim_11s.ulg": ([(19, 26)], dict(position=10, u=50), "disarmed"),
+    "px4_climb_28s.ulg": ([(6, 29)], dict(position=10, u=47), "the estimator was reset (heading by 0.39 rad)"),
     "px4_two_hops_9s.ulg": ([], {}, "too short: 1.0 s in the air"),
     "px4_bench_disarmed.ulg": ([], {}, "never armed"),
     "px4_vtol_gap.ulg": ([], {}, "a VTOL"),
     "px4_fixed_wing_6s.ulg": ([], {}, "a fixed-wing aircraft"),
     "ardupilot_rtl_51s.bin": ([(0, 51)], dict(position=10, u=10, vbat=10), "disarmed"),
-    "ardupilot_quad_136s.bin": ([(13, 152)], dict(attitude=50, u=10, vbat=0), "too short: 1.3 s"),
+    "ardupilot_quad_136s.bin": ([(15, 152)], dict(attitude=50, u=10, vbat=0), "too short: 1.3 s"),
     "iris_telemetry.tlog": ([], {}, "cannot be judged at 2.5 Hz"),
     "betaflight_122s.bfl": ([(1, 137)], dict(position=0, body_rate=983, u=983), "on the ground"),
     "ros1_imu_thrust_a.bag": ([], {}, "att_throttle is a collective command without a known unit"),
