@@ -145,6 +145,37 @@ TEST(FlightLog, RepairsWhatNeedsNoGuessAndSaysIt) {
   EXPECT_TRUE(std::isnan(files.log.find("mood")->at(0)));
 }
 
+TEST(FlightLog, TelemetryInASimulatedLogIsNoFinding) {
+  const std::string row = "time_s,px,py,pz,u1,mood\n0,1,1,1,9,2\n";
+  Files files;
+  files.read(row, std::string(meta_text) + "source = \"simulation\"\n");
+  EXPECT_THAT(files.log.repairs, IsEmpty());
+  files.read(row);
+  EXPECT_EQ(files.log.repairs.size(), 1u);
+}
+
+TEST(FlightLog, WhatIsNoTextIsNotShown) {
+  EXPECT_THAT(said(std::string("\xbc\x02\x00time\n1,2\n", 13)),
+              EndsWith("a.csv:1:2: not a text file (a CSV is needed)"));
+  const std::string shown = said(std::string(header) + "0," + std::string(500, 'x') + ",2,3,4,5,6,7\n");
+  EXPECT_THAT(shown, HasSubstr(":2:3: \"" + std::string(40, 'x') + "\" in column px"));
+}
+
+TEST(FlightLog, FolderOfARunNamesTheLogInIt) {
+  TemporaryFolder folder;
+  const auto message = [&] {
+    try {
+      read_flight_log(folder.path().string());
+    } catch (const DataError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(message(), EndsWith("(its name must end with .csv or .csv.gz)"));
+  folder.write("flight.csv", header);
+  EXPECT_THAT(message(), EndsWith("did you mean \"" + folder.file("flight.csv") + "\"?"));
+}
+
 TEST(FlightLog, BadCellsAreNamedWithLineAndColumn) {
   const std::string h = header;
   EXPECT_THAT(said(h + "0,1,2,3,4,5,6,7\n1,1,x,3,4,5,6,7\n"),
