@@ -146,11 +146,11 @@ TEST(FlightLog, RepairsWhatNeedsNoGuessAndSaysIt) {
 }
 
 TEST(FlightLog, TelemetryInASimulatedLogIsNoFinding) {
-  const std::string row = "time_s,px,py,pz,u1,mood\n0,1,1,1,9,2\n";
+  const std::string csv = "time_s,px,py,pz,u1,mood\n0,1,1,1,9,2\n1,1,1,1,9,3\n";
   Files files;
-  files.read(row, std::string(meta_text) + "source = \"simulation\"\n");
+  EXPECT_EQ(files.read(csv, std::string(meta_text) + "source = \"simulation\"\n"), "");
   EXPECT_THAT(files.log.repairs, IsEmpty());
-  files.read(row);
+  EXPECT_EQ(files.read(csv), "");
   EXPECT_EQ(files.log.repairs.size(), 1u);
 }
 

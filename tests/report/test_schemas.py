@@ -55,6 +55,8 @@ class Schemas(unittest.TestCase):
                 ("table", gustlab("table", "sweep", "--format", "json")),
                 ("comparison", gustlab("compare", "axes.toml", "axes", "--format", "json")),
                 ("replay", gustlab("replay", "run/flight.csv", "--format", "json")),
+                ("list", gustlab("list", "--format", "json")),
+                ("bench", gustlab("bench", "--rounds", "1", "--format", "json")),
                 ("vehicle-check", gustlab("vehicle", "check", "crazyflie", "--format", "json")),
             ):
                 with self.subTest(name):

@@ -3,10 +3,14 @@
 import json
 import tomllib
 import unittest
+from pathlib import Path
 
+import jsonschema
 import numpy as np
 from import_fixture import ImportCase, flight
 from ulog_fixture import MIX, ULogFile, px4_flight
+
+SCHEMA = json.loads((Path(__file__).resolve().parents[2] / "schemas" / "import.schema.json").read_text(encoding="utf-8"))
 
 
 def synthetic(seconds: float = 20.0, seed: int = 1) -> dict:
@@ -26,6 +30,8 @@ class PX4(ImportCase):
         """(exit code, the log's entry of import.json, stderr)"""
         path = self.write("flight.ulg", log.bytes())
         code, out, err = self.run_import(path, "--out", self.out, "--format", "json", *more)
+        if out:
+            jsonschema.validate(json.loads(out), SCHEMA)
         return code, json.loads(out)["logs"][0] if out else {}, err
 
     def test_frames_rates_and_times(self):
