@@ -11,8 +11,9 @@
 namespace gustlab {
 
 double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, ActuatorKind kind, double input) {
+  // of an input that is not a number (a row without a command) neither is the speed: std::max keeps its first argument
   const auto from_thrust = [&](double thrust_N) {
-    return std::sqrt(std::max(0.0, thrust_N) / rotor.thrust_coefficient_Ns2);
+    return std::sqrt(std::max(thrust_N, 0.0) / rotor.thrust_coefficient_Ns2);
   };
   const auto mapped = [&](const auto& line, const auto& thrust) -> std::optional<double> {
     if (line) return input <= 0.0 ? 0.0 : line->first * input + line->second;
