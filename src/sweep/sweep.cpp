@@ -241,8 +241,8 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   progress(report.done, report.planned);
   std::mutex one_at_a_time;
   const auto fly = [&](std::int64_t i) {
-    const std::size_t number = options.shard.index_of(static_cast<std::size_t>(i));
-    if (stop || done[number]) return;
+    const std::size_t number = runs.in_turn(static_cast<std::size_t>(i));
+    if (stop || !options.shard.has(number) || done[number]) return;
     const RunSpec spec = runs[number];
     const RunRecord record = options.logs ? run_with_log(experiment, spec, options.out) : run(experiment, spec);
     const std::lock_guard lock(one_at_a_time);
@@ -250,7 +250,7 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
     progress(++report.done, report.planned);
   };
   try {
-    parallel_for(static_cast<std::int64_t>(report.planned), options.jobs, fly);
+    parallel_for(static_cast<std::int64_t>(runs.size()), options.jobs, fly);
   } catch (const Interrupted&) {
     // the report says how far it came
   }

@@ -1,0 +1,81 @@
+// How long a sweep still takes, told after a tenth of it, by a clock that the test turns.
+#include "util/time_left.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "gustlab/random.hpp"
+#include "simulation/plan.hpp"
+#include "support/experiments.hpp"
+
+namespace gustlab {
+namespace {
+
+// 3 trajectories of unlike length, each with 4 controllers whose steps cost what those of table2_crazyflie do
+class SweepOfUnlikeRuns {
+ public:
+  explicit SweepOfUnlikeRuns(int replicates)
+      : plan_(test::read_text_experiment(test::small_experiment,
+                                         {"trajectories=[\"circle\", \"hover\", \"spiral\"]",
+                                          "controllers=[\"pid\", \"geometric\", \"indi\", \"asindy\"]",
+                                          "replicates=" + std::to_string(replicates)})) {}
+
+  // seconds of a run; some crash early
+  double cost(std::size_t index) const {
+    const RunSpec run = plan_[index];
+    const auto u = stream_.uniform4(index);
+    const double whole_s =
+        std::vector{10.0, 17.4, 30.0}[run.trajectory] * std::vector{1.24, 1.28, 1.52, 1.84}[run.controller];
+    return whole_s * (u[0] < 0.05 ? u[1] : 0.95 + 0.1 * u[1]);
+  }
+
+  // What is told after a tenth of what is to do, over what it then takes. The runs before `first` were flown by an earlier program;
+  // each of the jobs has a stretch of the others.
+  double told_over_true(std::size_t jobs, std::size_t first = 0) const {
+    const auto share = [&](std::size_t done) { return static_cast<double>(done) / static_cast<double>(plan_.size()); };
+    const std::size_t here = plan_.size() - first;
+    const TimeLeft left(share(first));
+    std::vector<double> clock(jobs);
+    std::vector<std::size_t> next(jobs), end(jobs);
+    for (std::size_t job = 0; job < jobs; ++job)
+      next[job] = first + job * here / jobs, end[job] = first + (job + 1) * here / jobs;
+    double told_s = 0.0, told_at_s = 0.0;
+    for (std::size_t done = first + 1; done <= plan_.size(); ++done) {
+      // the job that is free first takes its next run
+      std::size_t job = jobs;
+      for (std::size_t k = 0; k < jobs; ++k)
+        if (next[k] < end[k] && (job == jobs || clock[k] < clock[job])) job = k;
+      clock[job] += cost(plan_.in_turn(next[job]++));
+      if (done == first + here / 10) told_at_s = clock[job], told_s = left.seconds(share(done), told_at_s).value();
+    }
+    return told_s / (*std::max_element(clock.begin(), clock.end()) - told_at_s);
+  }
+  std::size_t size() const { return plan_.size(); }
+
+ private:
+  Plan plan_;
+  RandomStream stream_{1, 0, "time_left_test"};
+};
+
+TEST(TimeLeft, IsWithinATenthAfterATenthOfASweep) {
+  for (const int replicates : {10, 100, 1000})
+    for (const std::size_t jobs : {1u, 2u})
+      EXPECT_NEAR(SweepOfUnlikeRuns(replicates).told_over_true(jobs), 1.0, 0.1) << replicates << ' ' << jobs;
+}
+
+TEST(TimeLeft, CountsOnlyWhatThisProgramDid) {
+  const SweepOfUnlikeRuns sweep(100);
+  EXPECT_NEAR(sweep.told_over_true(1, sweep.size() / 2), 1.0, 0.1);
+}
+
+TEST(TimeLeft, SaysNothingWhereNothingTells) {
+  EXPECT_FALSE(TimeLeft(0.0).seconds(0.0, 5.0));
+  EXPECT_FALSE(TimeLeft(0.5).seconds(0.5, 5.0));
+  EXPECT_FALSE(TimeLeft(0.0).seconds(1.0, 5.0));
+}
+
+}  // namespace
+}  // namespace gustlab
