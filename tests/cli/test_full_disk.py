@@ -150,7 +150,7 @@ class FullDisk(unittest.TestCase):
 
     def test_models_leave_nothing(self):
         self.fly(10)
-        self.at_each_write(("identify", "flown/flight.csv", "--out", "out.toml", "--threshold", "0"), self.leaves_nothing, least=2)
+        self.at_each_write(("identify", "flown/flight.csv", "--lambda", "0", "--out", "out.toml"), self.leaves_nothing, least=2)
         (self.folder / "train.toml").write_text(TRAINING)
         self.at_each_write(("train", "train.toml", "--set", "duration_s=1", "--set", "replicates=1", "--epochs", "1", "--jobs", "1", "--out", "out.txt"),
                            self.leaves_nothing, least=2)
