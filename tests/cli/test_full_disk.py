@@ -97,7 +97,7 @@ class FullDisk(unittest.TestCase):
         writes = self.sound(*arguments)
         wanted = self.files("out")
         self.assertGreaterEqual(writes, least)
-        for number in sorted({1, writes, *range(1, writes + 1, 1 + writes // 40)}):
+        for number in sorted({1, writes, *range(1, writes + 1, 1 + writes // 20)}):
             for path in self.folder.glob("out*"):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
             self.assertEqual(self.files(), before)
@@ -152,7 +152,7 @@ class FullDisk(unittest.TestCase):
         self.fly(10)
         self.at_each_write(("identify", "flown/flight.csv", "--lambda", "0", "--out", "out.toml"), self.leaves_nothing, least=2)
         (self.folder / "train.toml").write_text(TRAINING)
-        self.at_each_write(("train", "train.toml", "--set", "duration_s=1", "--set", "replicates=1", "--epochs", "1", "--jobs", "1", "--out", "out.txt"),
+        self.at_each_write(("train", "train.toml", "--set", "duration_s=5", "--set", "replicates=1", "--epochs", "1", "--jobs", "1", "--out", "out.txt"),
                            self.leaves_nothing, least=2)
 
     def test_vehicle_leaves_nothing(self):
