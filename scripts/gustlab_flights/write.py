@@ -32,7 +32,7 @@ def replace_files(writes: dict, inputs: tuple) -> None:
         raise Refusal(f"{path}: cannot be written ({error.strerror or error})", IO) from None
     finally:
         for left in temporary.values():
-            os.unlink(left)
+            Path(left).unlink(missing_ok=True)  # pyarrow removes what it could not write
         for folder in made:
             if folder.exists():
                 folder.rmdir()
