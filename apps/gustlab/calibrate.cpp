@@ -110,11 +110,13 @@ void calibrate_command(const CalibrateArguments& options) {
           fmt::format("{} = {}\n", calibration.stages[k].parameters[i].key, config::shortest(results[k].values[i]));
   }
   const std::string markdown = to_markdown(calibration.stages, results, json);
-  make_folder(options.out);
-  const std::filesystem::path out(options.out);
-  write_file((out / "calibration.json").string(), json.dump(2) + "\n");
-  write_file((out / "calibration.md").string(), markdown);
-  write_file((out / "values.txt").string(), values);
+  write_together([&] {
+    make_folder(options.out);
+    const std::filesystem::path out(options.out);
+    write_file((out / "calibration.json").string(), json.dump(2) + "\n");
+    write_file((out / "calibration.md").string(), markdown);
+    write_file((out / "values.txt").string(), values);
+  });
   std::fwrite(markdown.data(), 1, markdown.size(), stdout);
 }
 

@@ -26,10 +26,13 @@ void conceal(const ConcealArguments& options) {
   check_file_can_be_written(options.answers);
   check_folder_can_be_made(options.out);
   Progress progress;
-  const std::string answers = fly_concealed_trials(
-      file, options.out, options.jobs, [&](std::size_t done, std::size_t all) { progress.show(done, all, "flights"); });
+  std::string answers;
+  write_together([&] {
+    answers = fly_concealed_trials(file, options.out, options.jobs,
+                                   [&](std::size_t done, std::size_t all) { progress.show(done, all, "flights"); });
+    write_file(options.answers, answers);
+  });
   progress.end();
-  write_file(options.answers, answers);
   std::printf("%s\n", sha256(answers).c_str());
 }
 

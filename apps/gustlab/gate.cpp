@@ -31,8 +31,10 @@ void gate_command(const GateArguments& options) {
   const std::string summary = to_markdown(report);
   for (const std::string& path : {options.junit, options.summary})
     if (!path.empty()) check_file_can_be_written(path);
-  if (!options.junit.empty()) write_file(options.junit, to_junit(report));
-  if (!options.summary.empty()) write_file(options.summary, summary);
+  write_together([&] {
+    if (!options.junit.empty()) write_file(options.junit, to_junit(report));
+    if (!options.summary.empty()) write_file(options.summary, summary);
+  });
   std::fwrite(summary.data(), 1, summary.size(), stdout);
   if (report.failures() > 0) throw ExitCode{1};
 }

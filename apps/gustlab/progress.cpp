@@ -23,10 +23,15 @@ void Progress::end() {
   shown_ = false;
 }
 
+void Progress::begin(double done) {
+  if (time_left_) return;
+  start_ = Clock::now();
+  time_left_.emplace(done);
+}
+
 std::string Progress::left(double done) const {
-  if (done <= first_ || done >= 1.0) return {};
-  const double elapsed_s = std::chrono::duration<double>(last_ - start_).count();
-  return fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / (done - first_));
+  const auto seconds = time_left_->seconds(done, std::chrono::duration<double>(last_ - start_).count());
+  return seconds ? fmt::format(", {:.0f} s left", *seconds) : "";
 }
 
 bool Progress::due(bool last_one) {
@@ -47,14 +52,14 @@ void Progress::print(const std::string& text) const {
 
 void Progress::show(std::size_t done, std::size_t all, std::string_view what) {
   const double share = static_cast<double>(done) / static_cast<double>(all);
-  if (!begun_) first_ = share, start_ = Clock::now(), begun_ = true;
+  begin(share);
   if (!due(done == all)) return;
   shown_ = true;
   print(fmt::format("{}/{} {}{}", done, all, what, left(share)));
 }
 
 void Progress::show(std::string_view stage, double done) {
-  if (!begun_) first_ = done, start_ = Clock::now(), begun_ = true;
+  begin(done);
   // a stage is said as it begins
   if (!due(terminal_)) return;
   shown_ = true;

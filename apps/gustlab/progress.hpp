@@ -4,10 +4,12 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "util/progress.hpp"
+#include "util/time_left.hpp"
 
 namespace gustlab {
 
@@ -24,6 +26,8 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
+  // Takes the first report for the state at the start.
+  void begin(double done);
   // ", 12 s left"; empty while nothing tells
   std::string left(double done) const;
   // Whether it is time for a line; counts the line as printed.
@@ -31,8 +35,8 @@ class Progress {
   void print(const std::string& text) const;
 
   bool visible_, terminal_;
-  bool begun_ = false, shown_ = false;
-  double first_ = 0.0;  // share that was done before this program began
+  bool shown_ = false;
+  std::optional<TimeLeft> time_left_;  // from the first report on
   Clock::time_point start_, last_;
 };
 

@@ -85,10 +85,12 @@ void write(Report& report, const Published& published, const std::vector<Calibra
         return Use::blind;
       });
   const std::string markdown = to_markdown(reproduction, report.tables);
-  make_folder((out / "figures").string());
-  write_file((out / "figures" / "ours_against_paper.svg").string(), to_svg(reproduction));
-  write_file((out / "reproduction.json").string(), to_json(reproduction));
-  write_file((out / "reproduction.md").string(), markdown);
+  write_together([&] {
+    make_folder((out / "figures").string());
+    write_file((out / "figures" / "ours_against_paper.svg").string(), to_svg(reproduction));
+    write_file((out / "reproduction.json").string(), to_json(reproduction));
+    write_file((out / "reproduction.md").string(), markdown);
+  });
   std::fwrite(markdown.data(), 1, markdown.size(), stdout);
 }
 

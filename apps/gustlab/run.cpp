@@ -55,10 +55,12 @@ void run_command(const RunArguments& options) {
                                  {"outcome", to_string(record.outcome)},  {"duration_s", record.duration_s},
                                  {"settle_s", experiment.flight.settle_s}};
   outcome["tracking"] = to_json(record.error);
-  make_folder(options.out);
-  const std::filesystem::path folder(options.out);
-  write_run_log(log, experiment, (folder / "flight.csv").string());
-  write_file((folder / "outcome.json").string(), outcome.dump(2) + "\n");
+  write_together([&, &log = log] {
+    make_folder(options.out);
+    const std::filesystem::path folder(options.out);
+    write_run_log(log, experiment, (folder / "flight.csv").string());
+    write_file((folder / "outcome.json").string(), outcome.dump(2) + "\n");
+  });
   spdlog::info("{}: {} after {:.3f} s", options.out, to_string(record.outcome), record.duration_s);
 }
 

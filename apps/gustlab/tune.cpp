@@ -34,8 +34,10 @@ void tune_command(const Options& options) {
   progress.end();
   if (results.size() < tuning.controllers.size()) throw ExitCode{130};
   const std::string text = to_toml(results, tuning, name);
-  make_folder(options.out);
-  write_file((std::filesystem::path(options.out) / "gains.toml").string(), text);
+  write_together([&] {
+    make_folder(options.out);
+    write_file((std::filesystem::path(options.out) / "gains.toml").string(), text);
+  });
   fmt::print("{}", text);
 }
 

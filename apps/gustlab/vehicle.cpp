@@ -126,9 +126,11 @@ void make_new(const NewArguments& options) {
     if (std::filesystem::exists(path))
       throw ConfigError(
           fmt::format("{}: is there already (a vehicle is never overwritten) name another --out", path.string()));
-  make_folder(folder.string());
-  write_file(body.string(), files.mjcf);
-  write_file(file.string(), files.vehicle_toml);
+  write_together([&] {
+    make_folder(folder.string());
+    write_file(body.string(), files.mjcf);
+    write_file(file.string(), files.vehicle_toml);
+  });
   fmt::print("{}\n", file.string());
 }
 

@@ -42,9 +42,11 @@ void check_new(const fs::path& folder, const VehicleModel& vehicle) {
 }
 
 void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const std::string& text) {
-  make_folder(folder.string());
-  write_file((folder / fs::path(vehicle.mjcf_path).filename()).string(), read_file<ConfigError>(vehicle.mjcf_path));
-  write_file((folder / "vehicle.toml").string(), text);
+  write_together([&] {
+    make_folder(folder.string());
+    write_file((folder / fs::path(vehicle.mjcf_path).filename()).string(), read_file<ConfigError>(vehicle.mjcf_path));
+    write_file((folder / "vehicle.toml").string(), text);
+  });
   read_vehicle((folder / "vehicle.toml").string());
   fmt::print("{}\n", (folder / "vehicle.toml").string());
 }

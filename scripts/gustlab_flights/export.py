@@ -7,7 +7,7 @@ from gustlab_import.command_line import Options
 
 from .flight_file import FlightFile
 from .problems import USAGE, Refusal
-from .write import replace_file
+from .write import replace_file, replace_files
 
 KINDS = ("parquet", "mcap", "csv")
 
@@ -34,9 +34,8 @@ def run(argv: list) -> int:
     inputs = (flight.path, flight.sidecar_path)
     if options.to == "csv":
         from .to_topics import topics, topic_text
-        for name, columns in topics(flight).items():
-            content = topic_text(columns).encode("utf-8")
-            replace_file(options.out / f"{flight.stem}_{name}_0.csv", inputs, lambda path: path.write_bytes(content))
+        replace_files({options.out / f"{flight.stem}_{name}_0.csv": lambda path, columns=columns: path.write_bytes(topic_text(columns).encode("utf-8"))
+                       for name, columns in topics(flight).items()}, inputs)
     elif options.to == "parquet":
         from .to_parquet import write_parquet
         replace_file(options.out, inputs, lambda path: write_parquet(flight, path))

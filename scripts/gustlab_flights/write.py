@@ -9,19 +9,30 @@ from .problems import IO, USAGE, Refusal
 
 def replace_file(path: Path, inputs: tuple, write) -> None:
     """Calls write(temporary path), then puts the result in the place of path."""
-    path = Path(path)
-    if path.exists() and any(other.exists() and path.samefile(other) for other in inputs):
-        raise Refusal(f"{path}: is read by the same command (name another output)", USAGE)
-    temporary = None
+    replace_files({Path(path): write}, inputs)
+
+
+def replace_files(writes: dict, inputs: tuple) -> None:
+    """The same of several files, by their paths: all of them are there when it ends, or none is."""
+    temporary, made = {}, []
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".gustlab-", suffix=path.suffix)
-        os.close(handle)
-        write(Path(temporary))
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
+        for path, write in writes.items():
+            if path.exists() and any(other.exists() and path.samefile(other) for other in inputs):
+                raise Refusal(f"{path}: is read by the same command (name another output)", USAGE)
+            made += [folder for folder in path.parents if not folder.exists()]
+            path.parent.mkdir(parents=True, exist_ok=True)
+            handle, temporary[path] = tempfile.mkstemp(dir=path.parent, prefix=".gustlab-", suffix=path.suffix)
+            os.close(handle)
+            write(Path(temporary[path]))
+            os.chmod(temporary[path], 0o644)
+        for path in writes:
+            os.replace(temporary.pop(path), path)
+        made = []
     except OSError as error:
         raise Refusal(f"{path}: cannot be written ({error.strerror or error})", IO) from None
     finally:
-        if temporary and os.path.exists(temporary):
-            os.unlink(temporary)
+        for left in temporary.values():
+            Path(left).unlink(missing_ok=True)  # pyarrow removes what it could not write
+        for folder in made:
+            if folder.exists():
+                folder.rmdir()

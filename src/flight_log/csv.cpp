@@ -28,7 +28,7 @@ std::string read_bytes(const std::string& path) {
   if (!file) throw DataError(fmt::format("{}: cannot read ({})", path, std::strerror(errno ? errno : ENOMEM)));
   gzbuffer(file.get(), 1U << 17);
   std::string text;
-  constexpr unsigned block = 1U << 20;
+  constexpr unsigned block = 1U << 16;
   for (;;) {
     const std::size_t size = text.size();
     text.resize(size + block);

@@ -58,8 +58,10 @@ void write_flight_log(const FlightLog& log, const std::string& csv_path) {
   const std::string description = sidecar_text(log.meta), description_path = sidecar_path(csv_path);
   config::Table::parse(description, description_path);
   const std::string text = csv_text(log);
-  write_file(csv_path, csv_path.ends_with(".gz") ? compressed(text) : text);
-  write_file(description_path, description);
+  write_together([&] {
+    write_file(csv_path, csv_path.ends_with(".gz") ? compressed(text) : text);
+    write_file(description_path, description);
+  });
 }
 
 }  // namespace gustlab

@@ -37,7 +37,9 @@ void ForceModel::prepare(double step_s, std::uint64_t seed, std::uint32_t replic
   actuation_.clear(), rotor_.clear(), measurement_.clear(), wrench_.clear(), stateful_.clear();
   state_size_ = 0;
   for (const auto& [row, effect, spec] : effects_) {
-    config::at_place(spec, [&] { effect->prepare(vehicle_, step_s, RandomStream(seed, replicate, row->name)); });
+    config::at_place(spec, [&, &effect = effect, row = row] {
+      effect->prepare(vehicle_, step_s, RandomStream(seed, replicate, row->name));
+    });
     const Stateful entry{effect.get(), state_size_, effect->state_size(), row->external};
     state_size_ += entry.size;
     if (entry.size > 0) stateful_.push_back(entry);

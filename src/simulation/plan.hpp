@@ -15,6 +15,9 @@ class Plan {
   std::size_t size() const { return cells_.size() * replicates_; }
   // `index` below size().
   RunSpec operator[](std::size_t index) const;
+  // The index of the i-th run to fly: of every cell the first replicate, then of every cell the second, and so on. Cells take unlike
+  // times, so a tenth of this order tells how long the rest takes.
+  std::size_t in_turn(std::size_t i) const { return i % cells_.size() * replicates_ + i / cells_.size(); }
 
  private:
   std::vector<config::Hash> cells_;  // of each trajectory and, within it, each controller

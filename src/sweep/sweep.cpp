@@ -240,9 +240,11 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
     report.done += done[run] ? 1 : 0;
   progress(report.done, report.planned);
   std::mutex one_at_a_time;
-  const auto fly = [&](std::int64_t i) {
-    const std::size_t number = options.shard.index_of(static_cast<std::size_t>(i));
-    if (stop || done[number]) return;
+  // whoever is free takes the next run, so that the order is one for any number of jobs
+  std::atomic<std::size_t> next{0};
+  const auto fly = [&](std::int64_t) {
+    const std::size_t number = runs.in_turn(next++);
+    if (stop || !options.shard.has(number) || done[number]) return;
     const RunSpec spec = runs[number];
     const RunRecord record = options.logs ? run_with_log(experiment, spec, options.out) : run(experiment, spec);
     const std::lock_guard lock(one_at_a_time);
@@ -250,7 +252,7 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
     progress(++report.done, report.planned);
   };
   try {
-    parallel_for(static_cast<std::int64_t>(report.planned), options.jobs, fly);
+    parallel_for(static_cast<std::int64_t>(runs.size()), options.jobs, fly);
   } catch (const Interrupted&) {
     // the report says how far it came
   }

@@ -13,7 +13,9 @@
 #include <iostream>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
+#include <vector>
 
 #include "gustlab/errors.hpp"
 
@@ -110,6 +112,18 @@ Target find_target(const std::string& path) {
   return target;
 }
 
+// what write_together holds back: files beside their targets, and the topmost of the folders that were made for them
+struct Together {
+  std::vector<fs::path> made;
+  std::vector<std::pair<std::unique_ptr<FileBeside>, fs::path>> written;
+
+  ~Together() {
+    std::error_code ignored;
+    for (const fs::path& folder : made) fs::remove_all(folder, ignored);
+  }
+};
+thread_local std::optional<Together> together;
+
 void write_stream(const std::string& path, std::ostream& stream, const std::function<void(std::ostream&)>& write) {
   errno = 0;
   write(stream);
@@ -134,15 +148,32 @@ void write_file(const std::string& path, const std::function<void(std::ostream&)
     if (!file) fail(path, errno);
   };
   if (target.written_through) return fill(target.path);
-  FileBeside beside(target.path, path);
-  fill(beside.path());
-  beside.replace(target.path);
+  auto beside = std::make_unique<FileBeside>(target.path, path);
+  fill(beside->path());
+  if (together) together->written.emplace_back(std::move(beside), target.path);
+  else beside->replace(target.path);
 }
 
 void make_folder(const std::string& path) {
   std::error_code error;
+  if (together && !fs::exists(path, error)) {
+    fs::path top = fs::absolute(path).lexically_normal();
+    while (top.has_relative_path() && !fs::exists(top.parent_path(), error)) top = top.parent_path();
+    together->made.push_back(top);
+  }
   fs::create_directories(path, error);
   if (error) throw IoError(fmt::format("{}: cannot make this folder ({})", path, error.message()));
+}
+
+void write_together(const std::function<void()>& write) {
+  if (together) return write();
+  struct End {
+    ~End() { together.reset(); }
+  } const end;
+  together.emplace();
+  write();
+  for (const auto& [beside, target] : together->written) beside->replace(target);
+  together->made.clear();
 }
 
 ScratchFolder::ScratchFolder(const fs::path& parent) {

@@ -16,6 +16,8 @@ void write_file(const std::string& path, std::string_view bytes);
 void write_file(const std::string& path, const std::function<void(std::ostream&)>& write);
 // Makes a folder and its parents. Throws IoError with the path.
 void make_folder(const std::string& path);
+// The files and folders that `write` writes and makes by the two above are there when it ends, or none of them is.
+void write_together(const std::function<void()>& write);
 // Replaces a folder, which need not be there, by the one that `fill` writes into. Throws IoError, and changes nothing then.
 void replace_folder(const std::string& path, const std::function<void(const std::filesystem::path& fresh)>& fill);
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
+from concealed_trials import FIRST_SET, trials_toml  # noqa: E402
 from import_fixture import MAP, csv, flight  # noqa: E402
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
@@ -23,6 +24,40 @@ trajectories = ["circle"]
 controllers = ["pid"]
 replicates = 6
 duration_s = 0.2
+[[effect]]
+type = "gust"
+sigma_xy = 0.03
+correlation_time = 0.5
+"""
+
+TRAINING = EXPERIMENT + '''
+[[variant]]
+name = "calm"
+set = ["seed=1"]
+[[variant]]
+name = "other"
+set = ["seed=2"]
+'''
+
+CALIBRATION = """
+format = "gustlab-calibration/1"
+table = "table2"
+first_replicate = 1001
+replicates = 1
+[[stage]]
+name = "gust"
+evaluations = 2
+targets = [{trajectories = ["circle"], controllers = ["pid"], metrics = ["rmse_xy_m"]}]
+parameters = [{key = "effect.gust.sigma_xy", min = 0.015, start = 0.025, max = 0.05, log = true, unit = "N"}]
+"""
+
+TUNING = """
+format = "gustlab-tuning/1"
+flights = 2
+replicates = 1
+[[controller]]
+name = "pid"
+parameters = [{name = "position_gain", min = 0.1, max = 4.0, start = 0.3, log = true}]
 """
 
 
@@ -55,15 +90,18 @@ class FullDisk(unittest.TestCase):
         top = self.folder / folder
         return {str(path.relative_to(top)): path.read_bytes() for path in sorted(top.rglob("*")) if path.is_file()}
 
-    def at_each_write(self, arguments, then):
-        """Runs a command once for each of its writes with no room from that write on"""
+    def at_each_write(self, arguments, then, least=3):
+        """Runs a command once for each of its writes, or for some of very many, with no room from that write on. What it writes are files
+        or folders out…"""
+        before = self.files()
         writes = self.sound(*arguments)
         wanted = self.files("out")
-        self.assertGreater(writes, 3)
-        for number in range(1, writes + 1):
-            shutil.rmtree(self.folder / "out", ignore_errors=True)
+        self.assertGreaterEqual(writes, least)
+        for number in sorted({1, writes, *range(1, writes + 1, 1 + writes // 20)}):
+            for path in self.folder.glob("out*"):
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+            self.assertEqual(self.files(), before)
             with self.subTest(command=arguments[0], write=number, of=writes):
-                before = self.files()
                 code, err, _ = self.call(*arguments, full_from=number)
                 self.assertNotIn("Traceback", err)
                 then(number, code, err, before, wanted)
@@ -72,7 +110,7 @@ class FullDisk(unittest.TestCase):
         self.assertEqual(code, 4, err)
         self.assertRegex(err, FULL)
         self.assertEqual(self.files(), before)
-        self.assertFalse((self.folder / "out").exists())
+        self.assertEqual(list(self.folder.glob("out*")), [])
 
     def test_sweep_goes_on_with_room(self):
         arguments = ("sweep", "e.toml", "--out", "out", "--jobs", "1")
@@ -92,9 +130,67 @@ class FullDisk(unittest.TestCase):
             self.sound("sweep", "e.toml", "--out", f"part{part}", "--shard", f"{part}/2")
         self.at_each_write(("merge", "part1", "part2", "--out", "out"), self.leaves_nothing)
 
+    def fly(self, duration_s):
+        self.sound("run", "e.toml", "--set", f"duration_s={duration_s}", "--trajectory", "circle", "--controller", "pid", "--out", "flown")
+
+    def test_run_leaves_nothing(self):
+        self.at_each_write(("run", "e.toml", "--trajectory", "circle", "--controller", "pid", "--out", "out"), self.leaves_nothing)
+
+    def test_gate_leaves_nothing(self):
+        self.sound("sweep", "e.toml", "--out", "swept", "--jobs", "1")
+        self.at_each_write(("gate", "swept", "--baseline", "out.csv", "--update"), self.leaves_nothing, least=2)
+        self.sound("gate", "swept", "--baseline", "base.csv", "--update")
+        self.at_each_write(("gate", "swept", "--baseline", "base.csv", "--summary", "out.md", "--junit", "out.xml"), self.leaves_nothing)
+
+    def test_searches_leave_nothing(self):
+        (self.folder / "c.toml").write_text(CALIBRATION)
+        (self.folder / "t.toml").write_text(TUNING)
+        self.at_each_write(("calibrate", "e.toml", "--calibration", "c.toml", "--out", "out", "--jobs", "1"), self.leaves_nothing)
+        self.at_each_write(("tune", "e.toml", "--tuning", "t.toml", "--out", "out", "--jobs", "1"), self.leaves_nothing)
+
+    def test_models_leave_nothing(self):
+        self.fly(10)
+        self.at_each_write(("identify", "flown/flight.csv", "--lambda", "0", "--out", "out.toml"), self.leaves_nothing, least=2)
+        (self.folder / "train.toml").write_text(TRAINING)
+        self.at_each_write(("train", "train.toml", "--set", "duration_s=5", "--set", "replicates=1", "--epochs", "1", "--jobs", "1", "--out", "out.txt"),
+                           self.leaves_nothing, least=2)
+
+    def test_vehicle_leaves_nothing(self):
+        self.at_each_write(("vehicle", "new", "--mass", "1.2kg", "--arm", "0.25m", "--prop", "10in", "--thrust-to-weight", "2.1", "--out", "out"),
+                           self.leaves_nothing)
+        rows = "".join(f"{t},{8 * t * t},{800 * t}\n" for t in (0.2, 0.4, 0.5, 0.6, 0.8, 1.0))
+        (self.folder / "stand.csv").write_text("throttle,thrust_N,speed_radps\n" + rows)
+        self.sound("vehicle", "new", "--mass", "1.2kg", "--arm", "0.25m", "--prop", "10in", "--thrust-to-weight", "2.1", "--out", "mine")
+        self.at_each_write(("vehicle", "fit", "--thrust-stand", "stand.csv", "--vehicle", "mine/vehicle.toml", "--out", "out"), self.leaves_nothing)
+
+    def test_exports_leave_nothing(self):
+        self.fly(0.2)
+        for more in (("--out", "out.parquet"), ("--out", "out.mcap"), ("--to", "csv", "--out", "out")):
+            self.at_each_write(("export", "flown", *more), self.leaves_nothing, least=2)
+
+    def test_conceal_leaves_nothing(self):
+        (self.folder / "t.toml").write_text(trials_toml("one", "two", duration_s=0.2))
+        self.at_each_write(("conceal", "t.toml", "--out", "out", "--answers", "out.jsonl", "--jobs", "1"), self.leaves_nothing)
+
     def test_diagnose_leaves_nothing(self):
-        self.sound("run", "e.toml", "--set", "duration_s=2", "--trajectory", "circle", "--controller", "pid", "--out", "flown")
+        self.fly(2)
         self.at_each_write(("diagnose", "flown/flight.csv", "--out", "out", "--jobs", "1"), self.leaves_nothing)
+
+    def test_a_batch_of_diagnoses_goes_on_with_room(self):
+        (self.folder / "t.toml").write_text(trials_toml("one", duration_s=2.0))
+        self.sound("conceal", "t.toml", "--out", "trials", "--answers", "answers.jsonl")
+        (self.folder / "sets.toml").write_text(FIRST_SET)
+        arguments = ("diagnose", "--batch", "sets.toml", "--jobs", "1", "--out", "out")
+
+        def goes_on(number, code, err, before, wanted):
+            self.assertEqual(code, 4, err)
+            self.assertRegex(err, FULL)
+            for name, content in self.files("out").items():
+                self.assertEqual(content, wanted[name])
+            self.sound(*arguments)
+            self.assertEqual(self.files("out"), wanted)
+
+        self.at_each_write(arguments, goes_on)
 
     def test_import_leaves_nothing(self):
         (self.folder / "map.toml").write_text(MAP)

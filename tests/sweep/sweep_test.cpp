@@ -7,6 +7,7 @@
 
 #include "gustlab/errors.hpp"
 #include "support/experiments.hpp"
+#include "sweep/sqlite.hpp"
 
 namespace gustlab {
 namespace {
@@ -128,6 +129,18 @@ TEST_F(Sweep, StoppedSweepResumesToTheSameBytes) {
   EXPECT_EQ(first_seen, 2u);
   EXPECT_EQ(rest.done, 6u);
   EXPECT_EQ(csv("stopped"), whole);
+}
+
+// so that the time left can be told, and so that what is there early is a table of everything
+TEST_F(Sweep, FliesRunsOfEveryCellEarly) {
+  const Experiment wide = read_text_experiment(small_experiment, {"replicates=40", "duration_s=0.02"});
+  const SweepOptions options{folder_.file("early"), {}, 1, false};
+  sweep(wide, options, stop_, [&](std::size_t done, std::size_t all) { stop_ = 10 * done >= all; });
+  Database store(options.out + "/runs.sqlite", Database::Mode::read);
+  Statement cells = store.prepare("SELECT count(DISTINCT trajectory || controller), count(*) FROM runs");
+  ASSERT_TRUE(cells.step());
+  EXPECT_EQ(cells.integer(0), 2);
+  EXPECT_EQ(cells.integer(1), 8);
 }
 
 TEST_F(Sweep, FurtherTrajectoryChangesNoOtherRow) {

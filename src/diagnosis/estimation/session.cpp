@@ -54,6 +54,8 @@ constexpr double fastest_sample_s = 0.008;
 
 // of all flights together, about
 constexpr double most_windows = 600.0;
+// standard deviation of what smooths the slow torque: Gaussian, below some 3 Hz
+constexpr double slow_s = 0.06;
 // EM ends when no variance, power or time changes by more than this share in a step
 constexpr double least_change = 0.01;
 
@@ -132,7 +134,16 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
   double duration_s = 0.0;
   for (const FlightData& flight : shooting_flights_) duration_s += flight.duration_s();
   const double spacing_s = std::max(shooting_horizon_s.back(), duration_s / most_windows);
+  const bool first = shoots() && shot_nominal_.empty();
+  if (first)
+    shot_nominal_.resize(flights_.size()), slow_torque_.resize(flights_.size()), torque_.resize(flights_.size());
   for_each_flight([&](std::size_t f) {
+    if (first) {
+      shot_nominal_[f] =
+          shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, catalogue_.nominal(), all_, spacing_s);
+      slow_torque_[f] = commanded_torque(shooting_flights_[f], shot_nominal_[f], slow_s);
+      torque_[f] = commanded_torque(shooting_flights_[f], shot_nominal_[f], 0.0);
+    }
     if (shoots()) shot_[f] = shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted, spacing_s);
     if (shoots() && !with_filter) return;
     const SensorCorrection correction = catalogue_.sensor_correction(value, static_cast<int>(f));
@@ -150,6 +161,34 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
           linear_[f].y[k][6 + column.parameter] -= value[c];
       }
   });
+  if (shoots()) set_answers_aside();
+}
+
+void Session::set_answers_aside() {
+  shot_aside_ = shot_;
+  if (weights_.size() == 0) return;
+  if (!answered_axes_) {
+    const Eigen::VectorXd share = answers_of(shot_nominal_, slow_torque_, weights_, catalogue_, {0, 1, 2}).share;
+    answered_axes_.emplace();
+    for (int axis = 0; axis < share.size(); ++axis)
+      if (share[axis] < decisions::answered_share) answered_axes_->push_back(axis);
+  }
+  if (answered_axes_->empty()) return;
+  catalogue_.hide_torque_gains();
+  std::erase_if(all_, [&](int c) {
+    const int g = catalogue_.columns()[static_cast<std::size_t>(c)].group;
+    if (g < 0) return false;
+    const Group& group = catalogue_.groups()[static_cast<std::size_t>(g)];
+    return !group.candidate && !group.nominal;
+  });
+  set_aside(answers_of(shot_nominal_, torque_, weights_, catalogue_, *answered_axes_), weights_, catalogue_,
+            shot_aside_);
+}
+
+void Session::take_weights(const Session& other) {
+  weights_ = other.weights_;
+  answered_axes_ = other.answered_axes_;
+  if (shoots()) set_answers_aside();
 }
 
 void Session::for_each_flight(const std::function<void(std::size_t)>& body) const {
@@ -224,10 +263,12 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   const std::vector<int> fitted = present(columns);
   Eigen::VectorXd coefficient;
   if (shoots()) {
-    weights_ = shooting_weights(shot_, {}, {});
+    weights_ = shooting_weights(shot_aside_, {}, {});
+    set_answers_aside();
     for (int iteration = 0; iteration < 4; ++iteration) {
       coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
-      weights_ = shooting_weights(shot_, fitted, coefficient);
+      weights_ = shooting_weights(shot_aside_, fitted, coefficient);
+      set_answers_aside();
     }
   }
   noise.speeds = white_speed_noise(flights_, linear_);
@@ -330,7 +371,7 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
 }
 
 Grams Session::grams() const {
-  return shoots() ? shooting_grams(shot_, weights_, catalogue_, value_) : grams_of(linear_);
+  return shoots() ? shooting_grams(shot_aside_, weights_, catalogue_, value_) : grams_of(linear_);
 }
 
 Grams Session::grams(const std::vector<int>& columns) const {
@@ -413,11 +454,11 @@ RowSeries Session::row_series(const std::vector<int>& columns) const {
       return;
     }
     // every row of a window is a channel, which has one sample a window
-    const std::vector<int> to = places(shot_[f].columns);
+    const std::vector<int> to = places(shot_aside_[f].columns);
     for (Eigen::Index row = 0; row < weights_.rows(); ++row) {
-      Eigen::MatrixXd& of_row = series[f].emplace_back(Eigen::MatrixXd::Zero(std::ssize(shot_[f].window), width));
-      for (std::size_t w = 0; w < shot_[f].window.size(); ++w) {
-        const Eigen::RowVectorXd z = weights_.row(row) * shot_[f].window[w];
+      Eigen::MatrixXd& of_row = series[f].emplace_back(Eigen::MatrixXd::Zero(std::ssize(shot_aside_[f].window), width));
+      for (std::size_t w = 0; w < shot_aside_[f].window.size(); ++w) {
+        const Eigen::RowVectorXd z = weights_.row(row) * shot_aside_[f].window[w];
         for (std::size_t j = 0; j < to.size(); ++j)
           if (to[j] + 1 < width) of_row(static_cast<Eigen::Index>(w), to[j]) = z[static_cast<Eigen::Index>(j)];
         of_row(static_cast<Eigen::Index>(w), width - 1) = z[z.size() - 1];

@@ -72,7 +72,7 @@ class Session {
   // Changes against these numbers are looked for from now on; they are known only as surely as that.
   void compare_with(Reference reference) { reference_ = std::move(reference); }
   const std::optional<Reference>& reference() const { return reference_; }
-  void take_weights(const Session& other) { weights_ = other.weights_; }
+  void take_weights(const Session& other);
   bool shoots() const { return !shooting_flights_.empty(); }
 
   NoiseModel noise;
@@ -80,6 +80,8 @@ class Session {
 
  private:
   Grams grams_of(const std::vector<LinearFlight>& flights) const;
+  // Flights as they are shot, with the answers of the loop set aside under the weights of the moment.
+  void set_answers_aside();
   std::vector<int> present(const std::vector<int>& columns) const;
   // Changes the model, a part at a time, to a likelier one; returns −2 log likelihood.
   double descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const;
@@ -94,6 +96,11 @@ class Session {
   std::vector<FlightData> shooting_flights_;
   std::vector<ShotFlight> shot_;
   ShootingWeights weights_;
+  // for the answers of the recorded loop: flights at the nominal vehicle, their slow torque, axes on which the loop answers
+  std::vector<ShotFlight> shot_nominal_;
+  std::vector<std::vector<Eigen::MatrixXd>> slow_torque_, torque_;
+  std::optional<std::vector<int>> answered_axes_;
+  std::vector<ShotFlight> shot_aside_;  // of the last linearisation, answers set aside
   std::optional<Reference> reference_;
 };
 

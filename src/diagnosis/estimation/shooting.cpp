@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/propagation.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
 
@@ -15,6 +16,8 @@ namespace {
 // faster one is predicted, where it was recorded: velocity (else position), body rate (else attitude).
 constexpr int rows_per_horizon = 6;
 constexpr auto window_rows = static_cast<Eigen::Index>(shooting_horizon_s.size()) * rows_per_horizon;
+
+Eigen::Index torque_row(Eigen::Index horizon, int axis) { return horizon * rows_per_horizon + 3 + axis; }
 
 // an effect this many times its natural size is not yet absurd
 constexpr double loose_prior = 20.0;
@@ -136,6 +139,8 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
   shot.window.assign(windows.size(), Eigen::MatrixXd::Zero(window_rows, width));
   for (std::size_t w = 0; w < windows.size(); ++w) {
     shot.time_s.push_back(flight.samples[windows[w].start].time_s);
+    shot.sample.push_back({windows[w].start});
+    std::copy(windows[w].at.begin(), windows[w].at.end(), shot.sample.back().begin() + 1);
     shot.window[w].col(width - 1) = r0.col(static_cast<Eigen::Index>(w));
   }
   for (Eigen::Index j = 0; j + 1 < width; ++j) {
@@ -167,6 +172,140 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
           (r0.col(static_cast<Eigen::Index>(w)) - moved.col(static_cast<Eigen::Index>(w))) * (column.natural / step);
   }
   return shot;
+}
+
+std::vector<Eigen::MatrixXd> commanded_torque(const FlightData& flight, const ShotFlight& shot, double smoothed_s) {
+  const std::vector<Eigen::Vector4d> rotors = rotor_acceleration(flight);
+  const auto reach = static_cast<std::ptrdiff_t>(std::lround(3.0 * smoothed_s / flight.sample_s));
+  std::vector<Vector3> acceleration(rotors.size(), Vector3::Zero());
+  for (std::ptrdiff_t k = 0; k < std::ssize(rotors); ++k) {
+    double sum = 0.0;
+    for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, k - reach); j < std::min(std::ssize(rotors), k + reach + 1);
+         ++j) {
+      const double weight =
+          j == k ? 1.0 : std::exp(-0.5 * std::pow(static_cast<double>(j - k) * flight.sample_s / smoothed_s, 2));
+      acceleration[static_cast<std::size_t>(k)] += weight * rotors[static_cast<std::size_t>(j)].head<3>();
+      sum += weight;
+    }
+    acceleration[static_cast<std::size_t>(k)] /= sum;
+  }
+  std::vector<Eigen::MatrixXd> windows;
+  for (const auto& sample : shot.sample) {
+    Eigen::MatrixXd& out = windows.emplace_back(Eigen::MatrixXd::Zero(window_rows, 6));
+    Vector3 rate = Vector3::Zero(), angle = Vector3::Zero();
+    std::size_t k = sample.front();
+    for (std::size_t h = 0; h + 1 < sample.size(); ++h) {
+      for (; k < sample[h + 1]; ++k) {
+        angle += (rate + 0.5 * acceleration[k] * flight.sample_s) * flight.sample_s;
+        rate += acceleration[k] * flight.sample_s;
+      }
+      const bool turns = flight.samples[k].channels & has_rate;
+      const double lasted_s = static_cast<double>(k - sample.front()) * flight.sample_s;
+      const Eigen::Index row = torque_row(static_cast<Eigen::Index>(h), 0);
+      out.block<3, 3>(row, 0) = (turns ? rate : angle).asDiagonal();
+      out.block<3, 3>(row, 3).diagonal().setConstant(turns ? lasted_s : 0.5 * lasted_s * lasted_s);
+    }
+  }
+  return windows;
+}
+
+namespace {
+
+bool scales_with_commands(const Catalogue& catalogue, int c) {
+  const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+  return column.group < 0 ? column.parameter >= command_clock
+                          : catalogue.groups()[static_cast<std::size_t>(column.group)].row->commanded;
+}
+
+// Sums over all windows of products of whitened rows: left(flight, window)ᵀ right(flight, window).
+template <typename Left, typename Right>
+Eigen::MatrixXd products(const std::vector<ShotFlight>& flights, const ShootingWeights& weights, const Left& left,
+                         const Right& right) {
+  Eigen::MatrixXd sum;
+  for (std::size_t f = 0; f < flights.size(); ++f)
+    for (std::size_t w = 0; w < flights[f].window.size(); ++w) {
+      const Eigen::MatrixXd part = (weights * left(f, w)).transpose() * (weights * right(f, w));
+      if (sum.size() == 0) sum = part;
+      else sum += part;
+    }
+  return sum;
+}
+
+// How much more torque per command a column is, axes × columns of the catalogue: of its own torque rows, beside a constant torque.
+Eigen::MatrixXd torque_gains(const Answers& answers, const std::vector<ShotFlight>& flights, int columns) {
+  Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(std::ssize(answers.axes), columns);
+  for (std::size_t i = 0; i < answers.axes.size(); ++i) {
+    const int axis = answers.axes[i];
+    Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(2, columns);
+    for (std::size_t f = 0; f < flights.size(); ++f)
+      for (std::size_t w = 0; w < flights[f].window.size(); ++w)
+        for (Eigen::Index h = 0; h < std::ssize(shooting_horizon_s); ++h) {
+          const Eigen::Index row = torque_row(h, axis);
+          const Eigen::Vector2d x(answers.torque[f][w](row, axis), answers.torque[f][w](row, 3 + axis));
+          A += x * x.transpose();
+          for (std::size_t j = 0; j < flights[f].columns.size(); ++j)
+            right.col(flights[f].columns[j]) += x * flights[f].window[w](row, static_cast<Eigen::Index>(j));
+        }
+    gain.row(static_cast<Eigen::Index>(i)) = A.ldlt().solve(right).row(0);
+  }
+  return gain;
+}
+
+}  // namespace
+
+Answers answers_of(const std::vector<ShotFlight>& nominal, const std::vector<std::vector<Eigen::MatrixXd>>& torque,
+                   const ShootingWeights& weights, const Catalogue& catalogue, const std::vector<int>& axes) {
+  Answers answers{axes, {}, torque, {}};
+  answers.window.resize(nominal.size());
+  // columns of all flights beside each other, as a flight has them
+  std::vector<int> others;
+  for (int c = 0; c < catalogue.size(); ++c)
+    if (!scales_with_commands(catalogue, c)) others.push_back(c);
+  const auto all = [&](std::size_t f, std::size_t w) {
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(window_rows, std::ssize(others) + std::ssize(axes));
+    for (std::size_t j = 0; j < nominal[f].columns.size(); ++j)
+      if (const auto at = std::lower_bound(others.begin(), others.end(), nominal[f].columns[j]);
+          at != others.end() && *at == nominal[f].columns[j])
+        rows.col(at - others.begin()) = nominal[f].window[w].col(static_cast<Eigen::Index>(j));
+    rows.rightCols(std::ssize(axes)) = torque[f][w](Eigen::all, axes);
+    return rows;
+  };
+  const Eigen::MatrixXd gram = products(nominal, weights, all, all);
+  if (gram.size() == 0) return answers;
+  const Eigen::Index known = std::ssize(others);
+  const Eigen::VectorXd scale = gram.diagonal().head(known).cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd unit = scale.asDiagonal() * gram.topLeftCorner(known, known) * scale.asDiagonal();
+  unit.diagonal().array() += 1e-6;
+  Eigen::MatrixXd weight(gram.cols(), std::ssize(axes));
+  weight << -(scale.asDiagonal() *
+              unit.ldlt().solve(scale.asDiagonal() * gram.topRightCorner(known, std::ssize(axes)))),
+      Eigen::MatrixXd::Identity(std::ssize(axes), std::ssize(axes));
+  for (std::size_t f = 0; f < nominal.size(); ++f)
+    for (std::size_t w = 0; w < nominal[f].window.size(); ++w) answers.window[f].push_back(all(f, w) * weight);
+  const auto own = [&](std::size_t f, std::size_t w) { return answers.window[f][w]; };
+  const auto left = [&](std::size_t f, std::size_t w) { return nominal[f].window[w].rightCols(1); };
+  answers.share = products(nominal, weights, own, own).ldlt().solve(products(nominal, weights, own, left));
+  return answers;
+}
+
+void set_aside(const Answers& answers, const ShootingWeights& weights, const Catalogue& catalogue,
+               std::vector<ShotFlight>& flights) {
+  if (answers.axes.empty()) return;
+  const auto own = [&](std::size_t f, std::size_t w) { return answers.window[f][w]; };
+  const auto left = [&](std::size_t f, std::size_t w) { return flights[f].window[w].rightCols(1); };
+  const Eigen::VectorXd share =
+      products(flights, weights, own, own).ldlt().solve(products(flights, weights, own, left));
+  const Eigen::MatrixXd gain = torque_gains(answers, flights, catalogue.size());
+  for (std::size_t f = 0; f < flights.size(); ++f)
+    for (std::size_t w = 0; w < flights[f].window.size(); ++w) {
+      Eigen::MatrixXd& window = flights[f].window[w];
+      for (std::size_t j = 0; j < flights[f].columns.size(); ++j)
+        if (scales_with_commands(catalogue, flights[f].columns[j]))
+          window.col(static_cast<Eigen::Index>(j)) -=
+              answers.torque[f][w](Eigen::all, answers.axes) * gain.col(flights[f].columns[j]);
+      window.rightCols(1) -= answers.window[f][w] * share;
+    }
 }
 
 ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const std::vector<int>& columns,

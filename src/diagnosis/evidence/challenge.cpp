@@ -1,6 +1,7 @@
 #include "diagnosis/evidence/challenge.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "diagnosis/evidence/judge.hpp"
 #include "diagnosis/result/decisions.hpp"
@@ -12,6 +13,8 @@
 namespace gustlab::diagnosis {
 
 namespace {
+
+constexpr int chances = 2;  // of a candidate to stand beside others
 
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
@@ -66,6 +69,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs) {
   Challenge result;
   bool without_forces_per_flight = false;
+  std::map<int, int> times_withdrawn;
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
     result.regimes = regimes(session, selection);
@@ -79,16 +83,26 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     const std::vector<std::size_t> failed =
         weakest(session, selection, result.records,
                 result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
-    if (failed.empty()) return result;
+    if (failed.empty()) break;
     std::vector<int> groups;
     for (const std::size_t i : failed) {
       groups.push_back(result.records[i].group);
       without_forces_per_flight |=
           session.catalogue().groups()[static_cast<std::size_t>(groups.back())].row->per_flight;
+      std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
+      ++times_withdrawn[groups.back()];
     }
-    selection = withdraw(session, {}, selection, groups);
+    // what went beside a wrong partner may come back once that has gone too
+    std::vector<int> banned = groups;
+    for (const auto& [group, times] : times_withdrawn)
+      if (times >= chances) banned.push_back(group);
+    selection = withdraw(session, {}, selection, groups, banned);
   }
+  std::erase_if(result.withdrawn, [&](const Evidence& before) {
+    return std::ranges::any_of(result.records, [&](const Evidence& r) { return r.group == before.group; });
+  });
+  return result;
 }
 
 }  // namespace gustlab::diagnosis

@@ -65,6 +65,19 @@ Weights weights_of(const Session& session, const Selection& selection, const Eig
   return w;
 }
 
+// Of a finding beside all else that was found: the share that the innovation of the commands does as well. What lasts (a shifted centre
+// of mass, less thrust) is no answer to anything, and has next to none.
+double share_of_innovations(const Session& session, const Selection& selection, const Eigen::MatrixXd& total,
+                            const Finding& finding) {
+  const Catalogue& catalogue = session.catalogue();
+  std::vector<int> groups = selection.groups();
+  std::erase(groups, finding.group);
+  std::vector<int> known, innovations;
+  for (const int c : session.with_biases(groups))
+    (catalogue.columns()[static_cast<std::size_t>(c)].of_command_innovation() ? innovations : known).push_back(c);
+  return share_done_by(total, own_weights(catalogue, selection, finding), known, innovations);
+}
+
 // shares of the effect per flight and the variance of its size between sixths of flights
 void measure_flights(const Session& session, const Selection& selection, const Weights& w,
                      const std::vector<int>& cluster, Evidence& out) {
@@ -153,6 +166,18 @@ bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int gr
 
 }  // namespace
 
+double share_done_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& effect, const std::vector<int>& known,
+                     const std::vector<int>& further) {
+  const Eigen::Index z = gram.cols() - 1;
+  Eigen::MatrixXd target = gram;
+  target.col(z) = gram * effect;
+  target.row(z) = target.col(z).transpose();
+  target(z, z) = effect.dot(gram * effect);
+  std::vector<int> all = known;
+  all.insert(all.end(), further.begin(), further.end());
+  return 1.0 - solve(target, all).loss / std::max(1e-12, solve(target, known).loss);
+}
+
 std::vector<double> undone_shares(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects) {
   std::vector<double> shares;
   Eigen::VectorXd all = Eigen::VectorXd::Zero(gram.cols());
@@ -200,7 +225,9 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     for (const Rival& rival : finding.rivals)
       if (rival.z >= decisions::equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain))
         record.rival_gain = rival.delta_score, record.rival_z = rival.z;
-    if (group.row->commanded) record.unpredicted_commands = selection.unpredicted_gain;
+    if (group.row->commanded)
+      record.unpredicted_commands =
+          selection.unpredicted_gain * share_of_innovations(session, selection, total, finding);
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
     record.unexplained_gain = rest.omnibus_gain;
     record.at_bound = at_its_bound(catalogue, selection, finding.group);

@@ -10,6 +10,11 @@
 
 namespace gustlab::diagnosis {
 
+// Of what an effect (weights of all columns, zero for z) does to the whitened predictions beside the columns `known`: the share that
+// `further` columns do as well.
+double share_done_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& effect, const std::vector<int>& known,
+                     const std::vector<int>& further);
+
 // Of what each effect does to the predictions, the share that all others together take back: 0 where they add to it or have nothing in
 // common, 1 where they undo it. `gram`: of the columns; one vector of coefficients an effect.
 std::vector<double> undone_shares(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects);

@@ -95,6 +95,11 @@ std::optional<VehicleGap> gap_of(const EffectRow& row, const VehicleModel& vehic
   return std::nullopt;
 }
 
+// Shown by neither a mean torque nor a force, or alike to another effect once moments of inertia are not told.
+bool needs_torque_gain(const EffectRow& row) {
+  return (row.commanded && row.asks(Need::torque) && row.in_hover == InHover::nothing) || !row.never_beside.empty();
+}
+
 }  // namespace
 
 std::vector<Number> numbers_of(Parameterized& effect) {
@@ -233,6 +238,9 @@ void Catalogue::add_trims(int flights) {
 }
 
 std::string Catalogue::why_left_out(const EffectRow& row) const {
+  if (loop_answers_ && needs_torque_gain(row))
+    return "within half a second the recorded loop answers what disturbs the vehicle: the torque per command is not "
+           "told";
   const std::string why = why_not_told(row, seen_);
   const auto gap = gap_of(row, vehicle_);
   return why.empty() && gap ? gap->says() : why;
@@ -253,6 +261,12 @@ std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
     if (numbers[p].info.fitted == Fitted::unless_negative && *numbers[p].value < 0.0)
       *numbers[p].value = *numbers[p - 1].value;
   return effect;
+}
+
+void Catalogue::hide_torque_gains() {
+  loop_answers_ = true;
+  for (Group& group : groups_)
+    if (needs_torque_gain(*group.row)) group.candidate = false;
 }
 
 Eigen::VectorXd Catalogue::nominal() const {

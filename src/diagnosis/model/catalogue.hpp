@@ -114,6 +114,8 @@ class Catalogue {
   // The swing of a load, whose force is a history of each flight and never part of effects().
   void set_swing(const Swing& swing);
   void set_speed_limit(double limit_radps);
+  // The recorded loop answers what disturbs the vehicle: what only the torque per command shows is no candidate any more.
+  void hide_torque_gains();
   // Sensor effects and rate biases of one flight, as smoothing takes them out.
   SensorCorrection sensor_correction(const Eigen::VectorXd& value, int flight) const;
   // Values kept inside their bounds.
@@ -130,6 +132,7 @@ class Catalogue {
 
   VehicleModel vehicle_;
   Seen seen_;
+  bool loop_answers_ = false;
   std::vector<Group> groups_;
   std::vector<Column> columns_;
 };

@@ -14,24 +14,6 @@ constexpr double memory_s = 0.2, ridge = 1e-6;
 constexpr double slower_commands = 1.5;  // an interval that is so many samples long is no jitter of one sample
 constexpr Eigen::Index per_lag = 4 + 3 + 3 + 3 + 3, width = per_lag * static_cast<Eigen::Index>(lags) + 1;
 
-// of the rotors alone, at rest
-std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight) {
-  ForceModel forces(flight.vehicle, make_effects(flight.vehicle.effects));
-  forces.set_speed_is_measured(!flight.measured_speed.empty());
-  forces.prepare(flight.sample_s / flight.substeps, 0, 0);
-  const RotorHistory rotors = rotor_history(flight, forces);
-  const auto count = static_cast<std::size_t>(rotors.substeps);
-  Evaluator evaluate{forces, {}, {}};
-  const Point rest{Vector3(0.0, 0.0, 1e3), Vector3::Zero(), Quaternion::Identity(), Vector3::Zero()};
-  std::vector<Eigen::Vector4d> result;
-  for (std::size_t k = 0; k < flight.samples.size(); ++k) {
-    const Acceleration a =
-        evaluate(rest, 0.0, flight.vehicle.nominal_voltage_V, mean_of(&rotors.mean[k * count], rotors.substeps), {});
-    result.emplace_back(a.angular_B_radps2.x(), a.angular_B_radps2.y(), a.angular_B_radps2.z(), a.linear_W_mps2.z());
-  }
-  return result;
-}
-
 // what a controller could know at a sample: each channel as it was last measured
 std::vector<Sample> as_known(const FlightData& flight) {
   std::vector<Sample> known = flight.samples;
@@ -63,6 +45,23 @@ std::vector<std::size_t> command_intervals(const FlightData& flight) {
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight) {
+  ForceModel forces(flight.vehicle, make_effects(flight.vehicle.effects));
+  forces.set_speed_is_measured(!flight.measured_speed.empty());
+  forces.prepare(flight.sample_s / flight.substeps, 0, 0);
+  const RotorHistory rotors = rotor_history(flight, forces);
+  const auto count = static_cast<std::size_t>(rotors.substeps);
+  Evaluator evaluate{forces, {}, {}};
+  const Point rest{Vector3(0.0, 0.0, 1e3), Vector3::Zero(), Quaternion::Identity(), Vector3::Zero()};
+  std::vector<Eigen::Vector4d> result;
+  for (std::size_t k = 0; k < flight.samples.size(); ++k) {
+    const Acceleration a =
+        evaluate(rest, 0.0, flight.vehicle.nominal_voltage_V, mean_of(&rotors.mean[k * count], rotors.substeps), {});
+    result.emplace_back(a.angular_B_radps2.x(), a.angular_B_radps2.y(), a.angular_B_radps2.z(), a.linear_W_mps2.z());
+  }
+  return result;
+}
 
 bool commands_are_slower(const FlightData& flight) {
   const std::vector<double>& at_s = flight.commands.time_s();

@@ -21,6 +21,9 @@ namespace gustlab::diagnosis {
 // went on and answered the motion: the mean of what it added is about a multiple of the body's rates, which has coefficients of its own.
 std::vector<CommandInnovation> command_innovation(const FlightData& flight);
 
+// Acceleration that the rotors of the nominal vehicle cause at rest, per sample: roll, pitch, yaw [rad/s²], along the body's z [m/s²].
+std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight);
+
 // Whether commands drive the rotors that were logged at a lower rate than the motion, and the log does not say that they were held.
 bool commands_are_slower(const FlightData& flight);
 

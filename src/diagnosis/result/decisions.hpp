@@ -36,6 +36,11 @@ inline constexpr double lasting_correlation = 0.1, lasting_gain = 0.03;
 // Statistic: its standard deviation. From: below it the difference of two right integrators was named. Costs: effects that only a calmer
 // room would show.
 inline constexpr double least_share_of_floor = 0.35;
+// The recorded loop answers what disturbs a smoothed flight: what only the torque per command shows is not told then.
+// Statistic: share of the slow commanded torque of an axis in what the nominal vehicle leaves half a second ahead; -1: all of it is
+// cancelled. From: -0.65 to -0.74 (a racer, NeuroBEM), -0.55 to -0.62 (nanodrone, roll and pitch); trials of a foreign generator that were
+// filtered at 14 to 22 Hz have -0.26 to 0.05. Costs: inertia and torque ratios of such logs; one that is 0.6 of the file's looks so as well.
+inline constexpr double answered_share = -0.4;
 // Commands predict measured rotor speeds where they leave no more than this.
 // Statistic: share of the variance of the speeds' changes. From: no derivation. Costs: beyond it lags show in the body alone.
 inline constexpr double most_speed_left = 0.25;

@@ -86,8 +86,8 @@ class Selector {
   }
 
   // fewer groups, fitted anew
-  Selection without(const Selection& before, const std::vector<int>& failed) {
-    withdrawing_ = true;
+  Selection without(const Selection& before, const std::vector<int>& failed, const std::vector<int>& banned) {
+    banned_ = banned;
     Selection result;
     result.noise_nominal = before.noise_nominal;
     result.smoothed_nominal = before.smoothed_nominal;
@@ -299,8 +299,9 @@ class Selector {
       settled = chosen.size() == before || chosen.empty();  // what stays takes over what went
       // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
       // tried again, whatever it was pruned to
-      if (settled && !withdrawing_ && visited.size() < 2 * most_changes) {
-        const SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
+      if (settled && visited.size() < 2 * most_changes) {
+        SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
+        std::erase_if(search.candidates, [&](int g) { return std::ranges::find(banned_, g) != banned_.end(); });
         const double loss = solve(total, s_.with_biases(chosen)).loss;
         visited.insert(chosen);
         const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited,
@@ -501,8 +502,8 @@ class Selector {
   Eigen::VectorXd natural_;
   std::set<std::vector<int>> winds_tried_;
   std::map<int, double> latency_gain_;
-  bool anew_ = false;         // linearised about what was found
-  bool withdrawing_ = false;  // what was withdrawn must not come back
+  bool anew_ = false;        // linearised about what was found
+  std::vector<int> banned_;  // what was withdrawn and must not come back
 };
 
 }  // namespace
@@ -510,8 +511,8 @@ class Selector {
 Selection select_effects(Session& session, const SelectionOptions& options) { return Selector(session, options).run(); }
 
 Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
-                   const std::vector<int>& groups) {
-  return Selector(session, options).without(before, groups);
+                   const std::vector<int>& groups, const std::vector<int>& banned) {
+  return Selector(session, options).without(before, groups, banned);
 }
 
 }  // namespace gustlab::diagnosis

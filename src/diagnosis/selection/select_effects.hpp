@@ -8,8 +8,9 @@
 namespace gustlab::diagnosis {
 
 Selection select_effects(Session& session, const SelectionOptions& options);
-// The same without some groups that did not prove themselves, fitted anew.
+// The same without some groups that did not prove themselves, fitted anew. What seemed not to pay beside them may take their place, but
+// none of `banned`.
 Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
-                   const std::vector<int>& groups);
+                   const std::vector<int>& groups, const std::vector<int>& banned);
 
 }  // namespace gustlab::diagnosis

@@ -141,5 +141,108 @@ TEST(ShootingGrams, AreSquaresOfRowsAndAPriorAndHoldLostWindowsDown) {
     }
 }
 
+// Commands swing about the roll axis. What they ask for is known in closed form, and so is what it does within a window.
+FlightData rolled(double amplitude_radps2, double rate_radps) {
+  const VehicleModel model = vehicle();
+  return test::flight_of(
+      model, 20.0, sample_s, [](double) { return Motion{}; },
+      [=](double t) {
+        // more thrust on one side, less on the other
+        const double torque = amplitude_radps2 * std::sin(rate_radps * t) * model.inertia_B_kgm2(0, 0);
+        RotorArray speeds = test::all_at(model.hover_speed_radps());
+        double levers = 0.0;
+        for (const Rotor& rotor : model.rotors) levers += std::pow(rotor.position_B_m.y(), 2);
+        for (std::size_t r = 0; r < model.rotors.size(); ++r) {
+          const double more_N = torque * model.rotors[r].position_B_m.y() / levers;
+          speeds[r] = std::sqrt(speeds[r] * speeds[r] + more_N / model.rotors[r].thrust_coefficient_Ns2);
+        }
+        return speeds;
+      });
+}
+
+TEST(Answers, CommandedTorqueTurnsAsItsIntegralSays) {
+  constexpr double amplitude = 3.0, rate = 5.0;
+  const Catalogue all = catalogue();
+  const FlightData flight = rolled(amplitude, rate);
+  const ShotFlight shot = shoot(flight, 0, all, all.nominal(), {}, 0.5);
+  const std::vector<Eigen::MatrixXd> torque = commanded_torque(flight, shot, 0.0);
+  ASSERT_EQ(torque.size(), shot.window.size());
+  for (std::size_t w = 0; w < torque.size(); ++w)
+    for (std::size_t h = 0; h < shooting_horizon_s.size(); ++h) {
+      const auto row = static_cast<Eigen::Index>(h) * 6 + 3;
+      const double from = shot.time_s[w] - flight.start_s, to = from + shooting_horizon_s[h];
+      EXPECT_NEAR(torque[w](row, 0), amplitude / rate * (std::cos(rate * from) - std::cos(rate * to)),
+                  0.04 * amplitude);
+      EXPECT_NEAR(torque[w](row, 3), shooting_horizon_s[h], 1e-9);
+      EXPECT_NEAR(torque[w].row(row).segment(1, 2).norm() + torque[w].topRows(3).norm(), 0.0, 1e-6);
+    }
+  // what is smoothed over more than its period is gone, but at the ends of the flight
+  const std::vector<Eigen::MatrixXd> smooth = commanded_torque(flight, shot, 1.0);
+  for (std::size_t w = 0; w < smooth.size(); ++w)
+    if (shot.time_s[w] > 3.0 && shot.time_s[w] < 16.0) EXPECT_LT(smooth[w].leftCols(3).norm(), 0.01 * amplitude) << w;
+}
+
+// the air turns the vehicle as far as `answered` of the commanded torque turns it back, and something else does a little
+ShotFlight answered_flight(const Catalogue& all, double answered, std::vector<Eigen::MatrixXd>& torque) {
+  const FlightData flight = rolled(3.0, 5.0);
+  std::vector<int> columns;
+  for (int c = 0; c < all.size(); ++c) columns.push_back(c);
+  ShotFlight shot = shoot(flight, 0, all, all.nominal(), columns, 0.5);
+  torque = commanded_torque(flight, shot, 0.0);
+  const RandomStream random(5, 1, "answers");
+  for (std::size_t w = 0; w < shot.window.size(); ++w) {
+    shot.window[w].rightCols(1) = -answered * torque[w].col(0);
+    for (Eigen::Index row = 0; row < window_rows; ++row)
+      shot.window[w](row, shot.window[w].cols() - 1) +=
+          0.02 * random.normal4(w * window_rows + static_cast<std::uint64_t>(row))[0];
+  }
+  return shot;
+}
+
+TEST(Answers, TheirShareIsHowMuchTheLoopCancels) {
+  const Catalogue all = catalogue();
+  const ShootingWeights weights = ShootingWeights::Identity(window_rows, window_rows);
+  for (const double answered : {0.0, 0.9}) {
+    std::vector<Eigen::MatrixXd> torque;
+    const ShotFlight shot = answered_flight(all, answered, torque);
+    EXPECT_NEAR(answers_of({shot}, {torque}, weights, all, {0}).share[0], -answered, 0.03);
+  }
+}
+
+TEST(Answers, ThatAreSetAsideLeaveNoTorquePerCommandAndNoAnswer) {
+  const Catalogue all = catalogue();
+  const ShootingWeights weights = ShootingWeights::Identity(window_rows, window_rows);
+  std::vector<Eigen::MatrixXd> torque;
+  const ShotFlight before = answered_flight(all, 0.9, torque);
+  std::vector<ShotFlight> after{before};
+  const Answers answers = answers_of(after, {torque}, weights, all, {0});
+  set_aside(answers, weights, all, after);
+  const auto norm = [&](const ShotFlight& flight, Eigen::Index column) {
+    double sum = 0.0;
+    for (const Eigen::MatrixXd& window : flight.window) sum += window.col(column).squaredNorm();
+    return std::sqrt(sum);
+  };
+  const auto column_of = [&](const char* effect) {
+    return static_cast<Eigen::Index>(all.groups()[static_cast<std::size_t>(all.find(effect))].columns.front());
+  };
+  const auto answered = [&](const ShotFlight& flight) {
+    double sum = 0.0;
+    for (std::size_t w = 0; w < flight.window.size(); ++w)
+      sum += answers.window.front()[w].col(0).dot(flight.window[w].rightCols<1>());
+    return sum;
+  };
+  EXPECT_LT(answered(before), -1.0);
+  EXPECT_NEAR(answered(after.front()), 0.0, 1e-9);
+  // a moment of inertia is nothing but less torque per command; a mass turns nothing
+  EXPECT_LT(norm(after.front(), column_of("inertia")), 0.02 * norm(before, column_of("inertia")));
+  EXPECT_EQ(norm(after.front(), column_of("mass")), norm(before, column_of("mass")));
+  // thrust keeps its force
+  const Eigen::Index thrust = column_of("thrust_scale");
+  for (std::size_t w = 0; w < before.window.size(); ++w)
+    EXPECT_LT(
+        (after.front().window[w].col(thrust) - before.window[w].col(thrust))(Eigen::seq(2, Eigen::last, 6)).norm(),
+        1e-9);
+}
+
 }  // namespace
 }  // namespace gustlab::diagnosis
