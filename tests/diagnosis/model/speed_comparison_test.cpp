@@ -53,7 +53,7 @@ TEST_F(SpeedComparison, IsTheLagsClosedForm) {
 
 TEST_F(SpeedComparison, WhatMovesTheBodyAloneChangesNoSpeed) {
   compare();
-  for (const char* name : {"mass", "rotor_drag", "center_of_mass"})
+  for (const char* name : {"mass", "rotor_drag", "center_of_mass", "thrust_curve"})
     for (const int c : catalogue.groups()[static_cast<std::size_t>(catalogue.find(name))].columns)
       EXPECT_TRUE(linear.predicted_by[static_cast<std::size_t>(c)].empty()) << name;
 }

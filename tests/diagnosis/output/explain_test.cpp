@@ -117,7 +117,7 @@ TEST_F(Explained, BesideReferenceFlightsTheChangeIsSaidAndTheTotalKept) {
 TEST_F(Explained, ARivalThatDoesAsWellSharesTheClassAndAWorseOneDoesNot) {
   found("mass", 0.05, 0.97);
   const int thrust = session.catalogue().find("thrust_scale"), drag = session.catalogue().find("rotor_drag");
-  selection.findings[0].rivals = {{thrust, 0.5, 3.0, false}, {drag, 40.0, 350.0, false}};
+  selection.findings[0].rivals = {{thrust, 0.5, 3.0, false}, {drag, 40.0, 30.0, false}};
   Diagnosis d = explained();
   ASSERT_EQ(d.effects.size(), 1u);
   EXPECT_THAT(d.effects[0].classmates, ElementsAre("mass", "thrust_scale"));

@@ -103,15 +103,15 @@ struct NothingChosen {
 
 TEST(Blocks, AreMeansOfHalfSeconds) {
   VehicleModel model = vehicle();
-  const Quaternion tilt(Eigen::AngleAxisd(0.3, Vector3::UnitY()));
+  const Quaternion tilt(Eigen::AngleAxisd(0.3, Vector3::UnitY())), left(Eigen::AngleAxisd(pi / 2.0, Vector3::UnitZ()));
   FlightData flight = test::flight_of(
       model, 2.0, 0.01,
       [&](double t) {
         Motion m;
         m.position_W_m = Vector3(2.0 * t, -1.0, 1.0 + t);
         m.velocity_W_mps = Vector3(2.0, 0.0, 1.0);
-        // tilted in the first half second alone
-        m.attitude_WB = t < 0.495 ? tilt : Quaternion::Identity();
+        // tilted in the first half second alone, then to the left
+        m.attitude_WB = t < 0.495 ? tilt : left;
         return m;
       },
       [&](double t) { return test::all_at(model.hover_speed_radps() * (t < 0.485 ? std::sqrt(0.5) : 1.0)); });
@@ -131,9 +131,9 @@ TEST(Blocks, AreMeansOfHalfSeconds) {
   };
   for (std::size_t b = 0; b < 3; ++b) {
     const double middle_s = 0.745 + 0.5 * static_cast<double>(b);
-    EXPECT_LT((found.wrench[b].head<3>() - model.mass_kg * Vector3(1.0, 2.0, 3.0)).norm(), 1e-12);
+    EXPECT_LT((found.wrench[b].head<3>() - model.mass_kg * Vector3(2.0, -1.0, 3.0)).norm(), 1e-12);
     EXPECT_NEAR(found.wrench[b][5], model.inertia_B_kgm2(2, 2) * middle_s, 1e-15);
-    EXPECT_NEAR(value(b, "forward_speed_mps"), 2.0, 1e-12);
+    EXPECT_NEAR(value(b, "left_speed_mps"), -2.0, 1e-12);
     EXPECT_NEAR(value(b, "airspeed_mps"), std::sqrt(5.0), 1e-12);
     EXPECT_NEAR(value(b, "height_m"), 1.0 + middle_s, 1e-9);
     EXPECT_NEAR(value(b, "time_s"), middle_s + 3.0, 1e-9);
