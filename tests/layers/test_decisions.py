@@ -31,7 +31,6 @@ METHOD = {
     "model/catalogue.hpp": "torque_trim_sd command_clock_sd command_smoothing_sd",  # natural sizes of nuisances
     "model/command_innovation.cpp": "lags fewest_samples memory_s ridge slower_commands",
     "model/linear_flight.hpp": "error_size state_size row_count first_force_row",
-    "model/speed_comparison.cpp": "same_share",
     "output/habit.cpp": "ahead_s between_starts_s checks slowest_sample_s terms unknowns usual_size",
     "output/next_flight.cpp": "crazyflie_arm_m flight_s",
     "rollout/per_flight.cpp": "rollout_s step_share prior",

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
@@ -80,6 +81,14 @@ effects = [{}]
   options.holdout = files("holdout", trial.holdout.size());
   options.jobs = 2;
   return options;
+}
+
+// A parameter of a finding; a failure when it has none of this name.
+inline double value_of(const diagnosis::EffectFinding& effect, const std::string& name) {
+  for (const diagnosis::NamedValue& v : effect.parameters)
+    if (v.name == name) return v.value;
+  ADD_FAILURE() << effect.effect << " has no " << name;
+  return 0.0;
 }
 
 // Changes, in every recording of the trial, the columns that are wanted.

@@ -1,15 +1,15 @@
 #include "diagnosis/model/speed_comparison.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "diagnosis/model/propagation.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double same_share = 1e-9;  // of the hover speed: a command that is the measured speed itself
+// one of the two was written down twice
+bool same_rows(const CommandRecord& a, const CommandRecord& b) {
+  return a.time_s() == b.time_s() && a.speed_radps() == b.speed_radps();
+}
 
 // speed at every sample
 std::vector<RotorArray> commanded(const FlightData& flight, const Catalogue& catalogue, const Eigen::VectorXd& value,
@@ -23,15 +23,14 @@ void compare_speeds(const FlightData& flight, int flight_index, const Catalogue&
                     const Eigen::VectorXd& value, LinearFlight& out) {
   out.predicted.clear(), out.faster.clear();
   out.predicted_by.assign(out.columns.size(), {});
-  if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only) return;
+  if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only ||
+      same_rows(flight.commands, flight.measured_speed))
+    return;
   const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
   out.predicted = commanded_history(flight, forces).at_sample;
   out.faster = measured_history(flight, forces).at_sample;
-  double most = 0.0;
   for (std::size_t k = 0; k < out.faster.size(); ++k)
-    for (std::size_t i = 0; i < max_rotors; ++i)
-      out.faster[k][i] -= out.predicted[k][i], most = std::max(most, std::abs(out.faster[k][i]));
-  if (most <= same_share * flight.vehicle.hover_speed_radps()) return out.predicted.clear(), out.faster.clear();
+    for (std::size_t i = 0; i < max_rotors; ++i) out.faster[k][i] -= out.predicted[k][i];
   for (std::size_t j = 0; j < out.columns.size(); ++j) {
     const int c = out.columns[j];
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];

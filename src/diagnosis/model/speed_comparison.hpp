@@ -7,7 +7,8 @@
 
 namespace gustlab::diagnosis {
 
-// Fills a flight's `predicted`, `faster` and `predicted_by`; nothing where only one of the two was recorded, or both are the same.
+// Fills a flight's `predicted`, `faster` and `predicted_by`; nothing where only one of the two was recorded, or one was written
+// down as the other.
 void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                     const Eigen::VectorXd& value, LinearFlight& out);
 

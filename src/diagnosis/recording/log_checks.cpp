@@ -384,7 +384,7 @@ class Checker {
     for (const double v : *c)
       if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     if (high - low > 1e-3 * std::max(1.0, high)) return;
-    add("vbat", "frozen", 0, c->size(), "battery voltage never changes: battery_sag can only be told by time");
+    add("vbat", "frozen", 0, c->size(), "battery voltage never changes: what falls with it can only be told by time");
     std::erase_if(log_.columns, [](const LogColumn& column) { return column.name == "vbat"; });
   }
 

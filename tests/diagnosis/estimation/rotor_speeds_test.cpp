@@ -19,13 +19,6 @@ Diagnosis with_rotor_speeds(const std::string& concealed) {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-double value(const EffectFinding& effect, const std::string& name) {
-  for (const NamedValue& v : effect.parameters)
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << effect.effect << " has no " << name;
-  return 0.0;
-}
-
 TEST(RotorSpeedsTrials, NameNothingWhereNothingIsConcealed) {
   const Diagnosis d = with_rotor_speeds("");
   EXPECT_TRUE(d.effects.empty()) << to_json(d).dump(1);
@@ -36,7 +29,7 @@ TEST(RotorSpeedsTrials, TellALagThatTheBodyCannot) {
   const Diagnosis d = with_rotor_speeds(R"({type = "motor_lag", time_constant = 0.06})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "motor_lag");
-  EXPECT_NEAR(value(d.effects[0], "time_constant"), 0.06, 0.002);
+  EXPECT_NEAR(test::value_of(d.effects[0], "time_constant"), 0.06, 0.002);
   EXPECT_THAT(d.notes, Contains(HasSubstr("commands predict the rotors' speeds")));
 }
 
@@ -44,7 +37,7 @@ TEST(RotorSpeedsTrials, TellADelay) {
   const Diagnosis d = with_rotor_speeds(R"({type = "actuation_delay", delay = 0.012})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "actuation_delay");
-  EXPECT_NEAR(value(d.effects[0], "delay"), 0.012, 0.001);
+  EXPECT_NEAR(test::value_of(d.effects[0], "delay"), 0.012, 0.001);
 }
 
 // by time: these logs have no voltage
@@ -52,7 +45,7 @@ TEST(RotorSpeedsTrials, TellABatteryThatSags) {
   const Diagnosis d = with_rotor_speeds(R"({type = "battery_sag", rate = 0.004})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "battery_sag");
-  EXPECT_NEAR(value(d.effects[0], "rate"), 0.004, 0.0004);
+  EXPECT_NEAR(test::value_of(d.effects[0], "rate"), 0.004, 0.0004);
 }
 
 TEST(RotorSpeedsTrials, LeaveWhatTurnsTheBodyToTheBody) {

@@ -22,26 +22,19 @@ class HistoryTrials : public ::testing::TestWithParam<bool> {
   }
 };
 
-double value(const EffectFinding& effect, const std::string& name) {
-  for (const NamedValue& v : effect.parameters)
-    if (v.name == name) return v.value;
-  ADD_FAILURE() << effect.effect << " has no " << name;
-  return 0.0;
-}
-
 TEST_P(HistoryTrials, FindsASlungLoad) {
   const Diagnosis d = diagnose_concealed(R"({type = "slung_load", mass = 0.004, length = 0.3})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "slung_load");
-  EXPECT_NEAR(value(d.effects[0], "mass"), 0.004, 0.0002);
-  EXPECT_NEAR(value(d.effects[0], "length"), 0.3, 0.015);
+  EXPECT_NEAR(test::value_of(d.effects[0], "mass"), 0.004, 0.0002);
+  EXPECT_NEAR(test::value_of(d.effects[0], "length"), 0.3, 0.015);
 }
 
 TEST_P(HistoryTrials, FindsALowerSpeedLimit) {
   const Diagnosis d = diagnose_concealed(R"({type = "saturation", max_speed = 2120})");
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "saturation");
-  EXPECT_NEAR(value(d.effects[0], "max_speed"), 2120.0, 30.0);
+  EXPECT_NEAR(test::value_of(d.effects[0], "max_speed"), 2120.0, 30.0);
 }
 
 TEST_P(HistoryTrials, DoesNotHangAWeightlessLoadOnAPeriodicGust) {

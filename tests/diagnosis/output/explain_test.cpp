@@ -1,0 +1,187 @@
+// Sentences and tables from findings that are made by hand.
+#include "diagnosis/output/explain.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "config/toml.hpp"
+#include "diagnosis/result/decisions.hpp"
+#include "support/flight_data.hpp"
+#include "support/vehicles.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+EffectFinding finding(const std::string& effect, std::vector<NamedValue> parameters) {
+  EffectFinding result;
+  result.effect = effect;
+  result.parameters = std::move(parameters);
+  return result;
+}
+
+// type and first value, as the file is read again
+std::vector<std::pair<std::string, std::string>> read_again(const Diagnosis& d) {
+  config::Table table = config::Table::parse(augmented_toml(d), "augmented.toml");
+  std::vector<std::pair<std::string, std::string>> result;
+  for (const EffectSpec& spec : config::read_effects(table))
+    result.emplace_back(spec.type, spec.values.front().first + " = " + spec.values.front().second);
+  return result;
+}
+
+TEST(AugmentedVehicle, HoldsTotalsAndWhatTheReferenceFlightsShowedUnlessItChanged) {
+  Diagnosis d;
+  d.vehicle = "crazyflie";
+  d.reference_effects = {finding("mass", {{"delta", "-", 0.02, 0.001}}),
+                         finding("rotor_loss", {{"rotor", "-", 2.0, 0.0}, {"loss", "-", 0.05, 0.01}}),
+                         finding("rotor_drag", {{"at_hover", "N s/m", 0.01, 0.001}})};
+  EffectFinding mass = finding("mass", {{"delta", "-", 0.03, 0.001}});
+  mass.total = {{"delta", "-", 0.05, 0.001}};  // a change of 3 % beside the 2 % of the reference flights
+  d.effects = {mass, finding("rotor_loss", {{"rotor", "-", 3.0, 0.0}, {"loss", "-", 0.1, 0.01}})};
+  d.calibration = {finding("rotor_drag", {{"at_hover", "N s/m", 0.0125, 0.001}})};
+  // the loss of another rotor is another effect
+  EXPECT_THAT(read_again(d), ElementsAre(std::pair<std::string, std::string>("rotor_loss", "rotor = 2"),
+                                         std::pair<std::string, std::string>("mass", "delta = 0.05"),
+                                         std::pair<std::string, std::string>("rotor_loss", "rotor = 3"),
+                                         std::pair<std::string, std::string>("rotor_drag", "at_hover = 0.0125")));
+}
+
+class Explained : public ::testing::Test {
+ protected:
+  static FlightData flight() {
+    const VehicleModel vehicle = test::crazyflie();
+    return test::flight_of(
+        vehicle, 20.0, 0.02, [](double) { return Motion{}; },
+        [&](double) { return test::all_at(vehicle.hover_speed_radps()); });
+  }
+  Explained() {
+    selection.value = session.value();
+    selection.deviation = Eigen::VectorXd::Zero(session.catalogue().size());
+    selection.noise_selected = session.noise;
+    // these flights tell of everything that there is
+    selection.grams.columns = session.catalogue().size();
+    selection.grams.block = {1e4 *
+                             Eigen::MatrixXd::Identity(session.catalogue().size() + 1, session.catalogue().size() + 1)};
+    selection.grams.cluster = {0}, selection.grams.flight = {0}, selection.grams.time_s = {0.0};
+    selection.grams.clusters = 1, selection.grams.rows = 1e4;
+  }
+  int column(const char* group) const {
+    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(group))].columns.front();
+  }
+  void found(const char* group, double change, double probability) {
+    Finding& f = selection.findings.emplace_back();
+    f.group = session.catalogue().find(group);
+    f.gain = 400.0;
+    selection.value[column(group)] += change;
+    challenge.records.emplace_back().probability = probability;
+    challenge.regimes.emplace_back();
+  }
+  Diagnosis explained() const {
+    Diagnosis d;
+    explain(session, selection, challenge, d);
+    return d;
+  }
+  Session session{{flight(), flight()}, test::crazyflie(), 1};
+  Selection selection;
+  Challenge challenge;
+};
+
+TEST_F(Explained, IsNamedSuspectedOrCalibrationByItsProbabilityAndItsSize) {
+  found("mass", 0.05, 0.97);
+  found("rotor_drag", 0.01, 0.6);
+  found("thrust_curve", 0.001, 0.99);
+  selection.findings.back().calibration = true;
+  const Diagnosis d = explained();
+  EXPECT_THAT(d.effects, ElementsAre(Field(&EffectFinding::effect, "mass")));
+  EXPECT_THAT(d.suspected, ElementsAre(Field(&EffectFinding::effect, "rotor_drag")));
+  EXPECT_THAT(d.calibration, ElementsAre(Field(&EffectFinding::effect, "thrust_curve")));
+  EXPECT_NEAR(d.effects[0].parameters[0].value, 0.05, 1e-15);
+  EXPECT_EQ(d.effects[0].confidence, 0.97);
+}
+
+TEST_F(Explained, BesideReferenceFlightsTheChangeIsSaidAndTheTotalKept) {
+  session.compare_with({});
+  found("rotor_drag", 0.01, 0.97);  // 0.0072 are the vehicle file's
+  const Diagnosis d = explained();
+  ASSERT_EQ(d.effects.size(), 1u);
+  EXPECT_NEAR(d.effects[0].parameters[0].value, 0.01, 1e-12);
+  EXPECT_NEAR(d.effects[0].total[0].value, 0.0172, 1e-12);
+}
+
+TEST_F(Explained, ARivalThatDoesAsWellSharesTheClassAndAWorseOneDoesNot) {
+  found("mass", 0.05, 0.97);
+  const int thrust = session.catalogue().find("thrust_scale"), drag = session.catalogue().find("rotor_drag");
+  selection.findings[0].rivals = {{thrust, 0.5, 3.0, false}, {drag, 40.0, 30.0, false}};
+  Diagnosis d = explained();
+  ASSERT_EQ(d.effects.size(), 1u);
+  EXPECT_THAT(d.effects[0].classmates, ElementsAre("mass", "thrust_scale"));
+  EXPECT_EQ(d.effects[0].confusable.size(), 2u);
+  // a spread that is as large as the difference, where half of the gain would be lost, makes no equal
+  selection.findings[0].rivals[0].delta_score = 0.6 * selection.findings[0].gain;
+  EXPECT_THAT(explained().effects[0].classmates, ElementsAre("mass"));
+  // what may as well be a trim of another name is calibration
+  selection.findings[0].rivals[0] = {thrust, 0.5, 3.0, true};
+  d = explained();
+  EXPECT_THAT(d.effects, IsEmpty());
+  EXPECT_THAT(d.calibration, ElementsAre(Field(&EffectFinding::effect, "mass")));
+}
+
+TEST_F(Explained, WhatFlightsDoNotExciteIsSaidOnce) {
+  for (int rotor = 1; rotor <= 4; ++rotor) {
+    const int c = column(("rotor_loss#" + std::to_string(rotor)).c_str());
+    selection.grams.block[0](c, c) = 0.0;
+  }
+  const Diagnosis d = explained();
+  int times = 0;
+  for (const NotIdentifiable& n : d.not_identifiable)
+    if (n.effect == "rotor_loss") {
+      ++times;
+      EXPECT_THAT(n.why, HasSubstr("do not excite"));
+    }
+  EXPECT_EQ(times, 1);
+  for (const NotIdentifiable& n : d.not_identifiable) EXPECT_NE(n.effect, "mass");
+}
+
+TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
+  Evidence& gone = challenge.withdrawn.emplace_back();
+  gone.effect = "gyro_scale", gone.gain = 12.0, gone.probability = 0.08;
+  selection.alone = {{session.catalogue().find("mass"), 3.0}, {session.catalogue().find("rotor_loss#2"), 7.0}};
+  const Diagnosis d = explained();
+  ASSERT_EQ(d.rejected.size(), 3u);
+  EXPECT_EQ(d.rejected[0].effect, "gyro_scale");
+  EXPECT_THAT(d.rejected[0].why, HasSubstr("0.08"));
+  EXPECT_EQ(d.rejected[1].effect, "rotor_loss (rotor 2)");
+  EXPECT_EQ(d.rejected[2].effect, "mass");
+}
+
+// 40 s of flights hold 80 pieces of half a second
+TEST_F(Explained, AGustIsItsPartsTimesTheMass) {
+  GustParts parts;
+  parts.horizontal_mps2 = 0.5, parts.vertical_mps2 = 0.2, parts.time_s = 0.5;
+  Diagnosis d;
+  explain_gust(session, parts, d);
+  ASSERT_EQ(d.effects.size(), 1u);
+  const std::vector<NamedValue>& values = d.effects[0].parameters;
+  ASSERT_EQ(values.size(), 3u);
+  const double mass = session.vehicle().mass_kg, pieces = 40.0 / 0.5;
+  EXPECT_NEAR(values[0].value, 0.5 * mass, 1e-15);
+  // two axes: the standard error of a deviation is 1/√(2n) of it, n = 2 pieces
+  EXPECT_NEAR(values[0].deviation, 0.5 * mass * (1.0 / std::sqrt(2.0 * pieces) + decisions::model_form), 2e-3 * mass);
+  EXPECT_NEAR(values[1].value, 0.2 * mass, 1e-15);
+  EXPECT_NEAR(values[2].deviation, 0.5 * std::sqrt(2.0 / pieces), 1e-3);
+  // and a line by itself
+  parts.horizontal_mps2 = 0.0, parts.line_mps2 = 0.3, parts.line_radps = 2.2;
+  explain_gust(session, parts, d);
+  ASSERT_EQ(d.effects[1].parameters.size(), 2u);
+  EXPECT_NEAR(d.effects[1].parameters[0].value, 0.3 * mass, 1e-15);
+  EXPECT_EQ(d.effects[1].parameters[1].value, 2.2);
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
