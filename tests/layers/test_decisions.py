@@ -21,7 +21,7 @@ METHOD = {
     "estimation/innovations.hpp": "disturbance_groups noise_groups",
     "estimation/noise_model.hpp": "slowest_disturbance_s calm_memory_s",
     "estimation/rotor_speeds.cpp": "settling_s least_hover most_limit latest_s least_white_share",
-    "estimation/session.cpp": "fastest_sample_s most_windows least_change",
+    "estimation/session.cpp": "fastest_sample_s most_windows least_change slow_s",
     "estimation/shooting.cpp": "rows_per_horizon loose_prior clearly_lost own_share",
     "estimation/surrogates.cpp": "draws places nearest",
     "evidence/gather_evidence.cpp": "parts_of_flight shortest_part_s",

@@ -14,8 +14,6 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr int chances = 2;  // of a candidate to stand beside others
-
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
                  const std::function<std::optional<double>()>& most_pose_latency_s, Evidence& record) {
@@ -96,7 +94,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     // what went beside a wrong partner may come back once that has gone too
     std::vector<int> banned = groups;
     for (const auto& [group, times] : times_withdrawn)
-      if (times >= chances) banned.push_back(group);
+      if (times >= decisions::chances) banned.push_back(group);
     selection = withdraw(session, {}, selection, groups, banned);
   }
   std::erase_if(result.withdrawn, [&](const Evidence& before) {

@@ -186,6 +186,17 @@ Vector3 rate_of(const Quaternion& q, const Eigen::Vector4d& derivative) {
   return 2.0 * (q.conjugate() * dq).vec();
 }
 
+// Of each row, the last value that was measured until then; before the first one that one, where there is none at all `otherwise`.
+std::vector<double> last_known(const std::vector<double>& measured, double otherwise) {
+  const auto is_known = [](double value) { return std::isfinite(value); };
+  const auto first = std::find_if(measured.begin(), measured.end(), is_known);
+  double last = first == measured.end() ? otherwise : *first;
+  std::vector<double> known;
+  known.reserve(measured.size());
+  for (const double value : measured) known.push_back(last = is_known(value) ? value : last);
+  return known;
+}
+
 }  // namespace
 
 double third_difference_noise(const std::vector<double>& y) {
@@ -330,7 +341,8 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
     for (std::size_t first = 0; first + group <= rows; first += stride) firsts.push_back(first);
   else firsts = rows_read(log, options.max_rate_hz);
   Quaternion previous = Quaternion::Identity();
-  double last_voltage = vehicle.nominal_voltage_V;
+  const std::vector<double> volts_at =
+      voltage ? last_known(*voltage, vehicle.nominal_voltage_V) : std::vector<double>();
   for (const std::size_t first : firsts) {
     Sample sample;
     Eigen::Vector4d attitude = Eigen::Vector4d::Zero();
@@ -355,14 +367,13 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
       } else {
         sample.channels &= ~has_attitude;
       }
-      if (voltage && std::isfinite((*voltage)[k])) last_voltage = (*voltage)[k];
-      volts += last_voltage / static_cast<double>(group);
+      if (voltage) volts += volts_at[k] / static_cast<double>(group);
     }
     if (sample.channels & has_attitude) sample.attitude_WB.coeffs() = attitude.normalized();
     if (options.forces_only && (sample.channels & has_position)) sample.channels &= ~(has_rate | has_force);
     // derived from the position
     if ((sample.channels & has_position) && !options.as_recorded) sample.channels &= ~has_velocity;
-    sample.voltage_V = flight.has_voltage ? volts : 0.0;
+    sample.voltage_V = volts;
     flight.samples.push_back(sample);
   }
   // where the pose is missing, there is nothing to linearise about

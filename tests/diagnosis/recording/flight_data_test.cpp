@@ -101,6 +101,23 @@ TEST(FlightData, SensorsMayHaveRowsOfTheirOwn) {
   }
 }
 
+// GIVEN a battery whose voltage has rows of its own WHEN read THEN every sample has the last one until then
+TEST(FlightData, ABatteryMayHaveRowsOfItsOwn) {
+  FlightLog log = rows_apart();
+  log.columns.push_back({"vbat", std::vector<double>(log.rows(), std::numeric_limits<double>::quiet_NaN())});
+  for (const auto& [time_s, volts] : {std::pair{1.0004, 4.1}, {3.0004, 3.8}, {5.0004, 3.6}}) {
+    const auto row = std::lower_bound(log.time_s.begin(), log.time_s.end(), time_s) - log.time_s.begin();
+    log.time_s.insert(log.time_s.begin() + row, time_s);
+    for (LogColumn& column : log.columns)
+      column.values.insert(column.values.begin() + row,
+                           column.name == "vbat" ? volts : std::numeric_limits<double>::quiet_NaN());
+  }
+  const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), {});
+  ASSERT_TRUE(flight.has_voltage);
+  for (const Sample& sample : flight.samples)
+    ASSERT_EQ(sample.voltage_V, sample.time_s < 3.0004 ? 4.1 : sample.time_s < 5.0004 ? 3.8 : 3.6) << sample.time_s;
+}
+
 // GIVEN two sensors of 125 Hz, a fifth of a millisecond apart WHEN read THEN it is no log of 5 kHz
 TEST(FlightData, RowsThatNearlyMeetAreNoFasterLog) {
   FlightLog log = spin();
