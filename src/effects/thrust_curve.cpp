@@ -1,7 +1,7 @@
 // thrust_curve: thrust does not follow Ω² exactly; right at hover, off above and below.
 //
 // f (1 + curvature (f / f_h − 1)), reaction torque alike; f_h the thrust of one rotor at hover. Maps that are
-// quadratic only near hover: Bangura, Lim, Kim, Mahony, ICRA 2014.
+// quadratic only near hover: Bangura, Lim, Kim, Mahony, ICRA 2014. Tolerance: 1.2 % of the thrust (that of a thrust scale) at 1.5 of hover.
 #include "effects/effects.hpp"
 
 namespace gustlab {
@@ -16,7 +16,8 @@ class ThrustCurve final : public Effect {
                     .help = "relative change of thrust when the thrust doubles from hover",
                     .min = -0.9,
                     .max = 5.0,
-                    .natural = 0.05});
+                    .natural = 0.05,
+                    .tolerance = 0.024});
   }
 
   void on_rotor(Flow& flow, RotorSet& rotors) const override {
