@@ -1,7 +1,6 @@
 #include "diagnosis/evidence/challenge.hpp"
 
 #include <algorithm>
-#include <map>
 
 #include "diagnosis/evidence/judge.hpp"
 #include "diagnosis/result/decisions.hpp"
@@ -67,7 +66,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs) {
   Challenge result;
   bool without_forces_per_flight = false;
-  std::map<int, int> times_withdrawn;
+  bool looked_again = false;  // what went beside a wrong partner may come back once that has gone too
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
     result.regimes = regimes(session, selection);
@@ -81,7 +80,14 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     const std::vector<std::size_t> failed =
         weakest(session, selection, result.records,
                 result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
-    if (failed.empty()) break;
+    if (failed.empty()) {
+      if (looked_again || result.withdrawn.empty()) break;
+      looked_again = true;
+      std::optional<Selection> more = look_again(session, {}, selection);
+      if (!more) break;
+      selection = std::move(*more);
+      continue;
+    }
     std::vector<int> groups;
     for (const std::size_t i : failed) {
       groups.push_back(result.records[i].group);
@@ -89,13 +95,8 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
           session.catalogue().groups()[static_cast<std::size_t>(groups.back())].row->per_flight;
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
-      ++times_withdrawn[groups.back()];
     }
-    // what went beside a wrong partner may come back once that has gone too
-    std::vector<int> banned = groups;
-    for (const auto& [group, times] : times_withdrawn)
-      if (times >= decisions::chances) banned.push_back(group);
-    selection = withdraw(session, {}, selection, groups, banned);
+    selection = withdraw(session, {}, selection, groups);
   }
   std::erase_if(result.withdrawn, [&](const Evidence& before) {
     return std::ranges::any_of(result.records, [&](const Evidence& r) { return r.group == before.group; });

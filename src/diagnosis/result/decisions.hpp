@@ -115,10 +115,6 @@ inline constexpr double hardly_shown = 6.0;
 // Statistic: probability by its record (evidence/judge.cpp). From: of the names from 0.8 on 95 % are true on the data of the fit, of those between 0.5 and
 // 0.8 73 %; no derivation for hopeless. Costs: docs/proof/judge.md.
 inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.1;
-// A candidate that was withdrawn may come back once what stood beside it has gone, until it was withdrawn so many times.
-// Statistic: times. From: a racer's mass and centre of mass (NeuroBEM) went beside a turned attitude and lost rotors that went later. Costs: rounds of
-// the challenge.
-inline constexpr int chances = 2;
 // Of several hopeless candidates those go together that do not stand in for each other.
 // Statistic: Δχ² of all together over the sum of what each gains. From: an inertia and a rotor inertia that gained 97 and 83 went together, and 4203 with
 // them; no derivation for the value. Costs: a round more of the challenge.

@@ -21,6 +21,9 @@ namespace {
 
 constexpr std::size_t most_changes = 8;  // of a set that was found, before it is taken as it is
 
+// What may happen to a set that was fitted: nothing more is tried, a group more, or one for another as well.
+enum class Improve { no, by_more, freely };
+
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
  public:
@@ -86,23 +89,27 @@ class Selector {
   }
 
   // fewer groups, fitted anew
-  Selection without(const Selection& before, const std::vector<int>& failed, const std::vector<int>& banned) {
-    banned_ = banned;
-    Selection result;
-    result.noise_nominal = before.noise_nominal;
-    result.smoothed_nominal = before.smoothed_nominal;
-    std::vector<int> chosen;
-    Eigen::VectorXd value = catalogue_.nominal();
-    for (const Finding& finding : before.findings)
-      if (std::find(failed.begin(), failed.end(), finding.group) == failed.end()) chosen.push_back(finding.group);
+  Selection without(const Selection& before, const std::vector<int>& failed) {
+    improve_ = Improve::no;
+    std::vector<int> chosen = before.groups();
+    std::erase_if(chosen, [&](int g) { return std::ranges::find(failed, g) != failed.end(); });
     chosen = SubsetSearch(catalogue_, s_.vehicle(), 0.0).without(chosen, -1);
+    Eigen::VectorXd value = catalogue_.nominal();
     for (const int c : s_.with_biases(chosen)) value[c] = before.value[c];
     value = refine(chosen, value);
     // a lag and a delay were one latency between them: the one that is left may be the wrong one
     const auto among = [&](int g) { return std::find(failed.begin(), failed.end(), g) != failed.end(); };
     if (std::ranges::any_of(latencies(), among)) value = likelier_latency(chosen, value);
-    finish(result, chosen, value);
-    return result;
+    return finished_like(before, chosen, value);
+  }
+
+  // more groups, fitted anew
+  std::optional<Selection> with_more(const Selection& before) {
+    improve_ = Improve::by_more;
+    anew_ = true;
+    const std::vector<int> more = better_than(before.groups(), before.grams, before.loss_nominal, {});
+    if (more.empty()) return std::nullopt;
+    return finished_like(before, more, refine(more, coefficients(before.grams, more)));
   }
 
  private:
@@ -282,6 +289,25 @@ class Selector {
     return best_visited(sets, chosen);
   }
 
+  // of the same flights, whose nominal noise and smoothed states are known
+  Selection finished_like(const Selection& before, const std::vector<int>& chosen, const Eigen::VectorXd& value) {
+    Selection result;
+    result.noise_nominal = before.noise_nominal;
+    result.smoothed_nominal = before.smoothed_nominal;
+    finish(result, chosen, value);
+    return result;
+  }
+
+  // another set that pays more, under these Gram matrices; empty: none
+  std::vector<int> better_than(const std::vector<int>& chosen, const Grams& grams, double loss_nominal,
+                               const std::set<std::vector<int>>& visited) const {
+    const Eigen::MatrixXd total = grams.total();
+    const double loss = solve(total, s_.with_biases(chosen)).loss;
+    return SubsetSearch(catalogue_, s_.vehicle(), std::log(grams.rows))
+        .improved(project_out(total, s_.biases()), chosen, visited, material(grams.rows, loss_nominal - loss),
+                  improve_ == Improve::freely);
+  }
+
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
@@ -299,13 +325,9 @@ class Selector {
       settled = chosen.size() == before || chosen.empty();  // what stays takes over what went
       // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
       // tried again, whatever it was pruned to
-      if (settled && visited.size() < 2 * most_changes) {
-        SubsetSearch search(catalogue_, s_.vehicle(), std::log(result.grams.rows));
-        std::erase_if(search.candidates, [&](int g) { return std::ranges::find(banned_, g) != banned_.end(); });
-        const double loss = solve(total, s_.with_biases(chosen)).loss;
+      if (settled && improve_ != Improve::no && visited.size() < 2 * most_changes) {
         visited.insert(chosen);
-        const std::vector<int> better = search.improved(project_out(total, s_.biases()), chosen, visited,
-                                                        material(result.grams.rows, result.loss_nominal - loss));
+        const std::vector<int> better = better_than(chosen, result.grams, result.loss_nominal, visited);
         settled = better.empty();
         if (!settled) visited.insert(chosen = better);
       }
@@ -502,8 +524,8 @@ class Selector {
   Eigen::VectorXd natural_;
   std::set<std::vector<int>> winds_tried_;
   std::map<int, double> latency_gain_;
-  bool anew_ = false;        // linearised about what was found
-  std::vector<int> banned_;  // what was withdrawn and must not come back
+  bool anew_ = false;  // linearised about what was found
+  Improve improve_ = Improve::freely;
 };
 
 }  // namespace
@@ -511,8 +533,12 @@ class Selector {
 Selection select_effects(Session& session, const SelectionOptions& options) { return Selector(session, options).run(); }
 
 Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
-                   const std::vector<int>& groups, const std::vector<int>& banned) {
-  return Selector(session, options).without(before, groups, banned);
+                   const std::vector<int>& groups) {
+  return Selector(session, options).without(before, groups);
+}
+
+std::optional<Selection> look_again(Session& session, const SelectionOptions& options, const Selection& before) {
+  return Selector(session, options).with_more(before);
 }
 
 }  // namespace gustlab::diagnosis

@@ -1,6 +1,7 @@
 // Which effects? Subset search over the catalogue on Gram matrices, refined in the nonlinear model.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "diagnosis/selection/selection.hpp"
@@ -8,9 +9,10 @@
 namespace gustlab::diagnosis {
 
 Selection select_effects(Session& session, const SelectionOptions& options);
-// The same without some groups that did not prove themselves, fitted anew. What seemed not to pay beside them may take their place, but
-// none of `banned`.
+// The same without some groups that did not prove themselves, fitted anew.
 Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
-                   const std::vector<int>& groups, const std::vector<int>& banned);
+                   const std::vector<int>& groups);
+// The same with what pays beside it now, because others have gone since; nothing when nothing does.
+std::optional<Selection> look_again(Session& session, const SelectionOptions& options, const Selection& before);
 
 }  // namespace gustlab::diagnosis

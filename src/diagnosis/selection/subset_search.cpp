@@ -86,7 +86,8 @@ std::vector<std::vector<Subset>> SubsetSearch::run(const Eigen::MatrixXd& gram, 
 }
 
 std::vector<int> SubsetSearch::improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups,
-                                        const std::set<std::vector<int>>& visited, double material) const {
+                                        const std::set<std::vector<int>>& visited, double material,
+                                        bool exchange) const {
   double best = evaluate(gram, groups).score - material;
   std::vector<int> better;
   const auto try_groups = [&](std::vector<int> changed) {
@@ -101,7 +102,7 @@ std::vector<int> SubsetSearch::improved(const Eigen::MatrixXd& gram, const std::
     more.push_back(g);
     try_groups(more);
     // an exchange costs no further effect, but should pay as much
-    for (std::size_t i = 0; i < groups.size(); ++i) {
+    for (std::size_t i = 0; exchange && i < groups.size(); ++i) {
       std::vector<int> changed = groups;
       changed[i] = g;
       try_groups(changed);

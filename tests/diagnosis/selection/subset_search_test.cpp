@@ -108,10 +108,14 @@ TEST(SubsetSearch, ImprovesASetByWhatPaysMost) {
         best = score, wanted = changed;
     }
   ASSERT_FALSE(wanted.empty());
-  const std::vector<int> better = by.improved(gram, start, {}, 1.0);
+  const std::vector<int> better = by.improved(gram, start, {}, 1.0, true);
   EXPECT_EQ(better, wanted);
   // a set that was visited does not come again
-  EXPECT_NE(by.improved(gram, start, {better}, 1.0), better);
+  EXPECT_NE(by.improved(gram, start, {better}, 1.0, true), better);
+  // without exchanges what was there stays
+  const std::vector<int> more = by.improved(gram, start, {}, 1.0, false);
+  EXPECT_EQ(more.size(), start.size() + 1);
+  EXPECT_TRUE(std::includes(more.begin(), more.end(), start.begin(), start.end()));
 }
 
 TEST(SubsetSearch, KnowsWhatNeedsAnotherAndWhatExcludesIt) {
