@@ -144,7 +144,10 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
       slow_torque_[f] = commanded_torque(shooting_flights_[f], shot_nominal_[f], slow_s);
       torque_[f] = commanded_torque(shooting_flights_[f], shot_nominal_[f], 0.0);
     }
-    if (shoots()) shot_[f] = shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted, spacing_s);
+    if (shoots())
+      shot_[f] = first && wanted == all_ && value == catalogue_.nominal()
+                     ? shot_nominal_[f]
+                     : shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted, spacing_s);
     if (shoots() && !with_filter) return;
     const SensorCorrection correction = catalogue_.sensor_correction(value, static_cast<int>(f));
     if (!same(correction, corrected_[f])) {
@@ -166,29 +169,34 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
 
 void Session::set_answers_aside() {
   shot_aside_ = shot_;
-  if (weights_.size() == 0) return;
+  set_aside(answers_, weights_, catalogue_, shot_aside_);
+}
+
+void Session::weigh(ShootingWeights weights) {
+  weights_ = std::move(weights);
   if (!answered_axes_) {
     const Eigen::VectorXd share = answers_of(shot_nominal_, slow_torque_, weights_, catalogue_, {0, 1, 2}).share;
     answered_axes_.emplace();
     for (int axis = 0; axis < share.size(); ++axis)
       if (share[axis] < decisions::answered_share) answered_axes_->push_back(axis);
   }
-  if (answered_axes_->empty()) return;
-  catalogue_.hide_torque_gains();
-  std::erase_if(all_, [&](int c) {
-    const int g = catalogue_.columns()[static_cast<std::size_t>(c)].group;
-    if (g < 0) return false;
-    const Group& group = catalogue_.groups()[static_cast<std::size_t>(g)];
-    return !group.candidate && !group.nominal;
-  });
-  set_aside(answers_of(shot_nominal_, torque_, weights_, catalogue_, *answered_axes_), weights_, catalogue_,
-            shot_aside_);
+  if (!answered_axes_->empty()) {
+    catalogue_.hide_torque_gains();
+    std::erase_if(all_, [&](int c) {
+      const int g = catalogue_.columns()[static_cast<std::size_t>(c)].group;
+      if (g < 0) return false;
+      const Group& group = catalogue_.groups()[static_cast<std::size_t>(g)];
+      return !group.candidate && !group.nominal;
+    });
+    answers_ = answers_of(shot_nominal_, torque_, weights_, catalogue_, *answered_axes_);
+  }
+  set_answers_aside();
 }
 
 void Session::take_weights(const Session& other) {
-  weights_ = other.weights_;
+  if (!shoots()) return;
   answered_axes_ = other.answered_axes_;
-  if (shoots()) set_answers_aside();
+  weigh(other.weights_);
 }
 
 void Session::for_each_flight(const std::function<void(std::size_t)>& body) const {
@@ -263,12 +271,10 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   const std::vector<int> fitted = present(columns);
   Eigen::VectorXd coefficient;
   if (shoots()) {
-    weights_ = shooting_weights(shot_aside_, {}, {});
-    set_answers_aside();
+    weigh(shooting_weights(shot_aside_, {}, {}));
     for (int iteration = 0; iteration < 4; ++iteration) {
       coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
-      weights_ = shooting_weights(shot_aside_, fitted, coefficient);
-      set_answers_aside();
+      weigh(shooting_weights(shot_aside_, fitted, coefficient));
     }
   }
   noise.speeds = white_speed_noise(flights_, linear_);

@@ -80,8 +80,10 @@ class Session {
 
  private:
   Grams grams_of(const std::vector<LinearFlight>& flights) const;
-  // Flights as they are shot, with the answers of the loop set aside under the weights of the moment.
+  // Flights as they are shot, with the answers of the loop set aside.
   void set_answers_aside();
+  // New weights, and what the answers are under them.
+  void weigh(ShootingWeights weights);
   std::vector<int> present(const std::vector<int>& columns) const;
   // Changes the model, a part at a time, to a likelier one; returns −2 log likelihood.
   double descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const;
@@ -100,6 +102,7 @@ class Session {
   std::vector<ShotFlight> shot_nominal_;
   std::vector<std::vector<Eigen::MatrixXd>> slow_torque_, torque_;
   std::optional<std::vector<int>> answered_axes_;
+  Answers answers_;                     // under these weights
   std::vector<ShotFlight> shot_aside_;  // of the last linearisation, answers set aside
   std::optional<Reference> reference_;
 };
