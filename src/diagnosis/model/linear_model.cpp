@@ -262,12 +262,22 @@ class Lineariser {
 
   // histories at their values are part of the model
   void take_histories_in() {
-    for (const History& history : histories_)
-      for (std::size_t k = 0; k < x_.size() && value_[history.column] != 0.0; ++k) {
+    for (const History& history : histories_) {
+      if (value_[history.column] == 0.0) continue;
+      const std::vector<Vector3> shown = shown_of(history, value_[history.column]);
+      for (std::size_t k = 0; k < x_.size(); ++k) {
         const SpatialAcceleration push = value_[history.column] * history.push(k);
         if (!out_.b[k].isZero(0.0)) out_.b[k] += moved_by(push, out_.interval_s[k]);
-        out_.y[k].tail<3>() -= felt(push, out_.R_WB[k]);
+        out_.y[k].tail<3>() -= shown[k];
       }
+    }
+  }
+
+  // what the accelerometer shows of a history of this size
+  std::vector<Vector3> shown_of(const History& history, double size) const {
+    std::vector<Vector3> now(x_.size());
+    for (std::size_t k = 0; k < now.size(); ++k) now[k] = felt(size * history.push(k), out_.R_WB[k]);
+    return shown_late(flight_, now);
   }
 
   // the same evaluation for the model and for every perturbed one
@@ -326,10 +336,10 @@ class Lineariser {
   }
 
   void push_column(Eigen::Index j, const Column& column, const History& history) {
+    const std::vector<Vector3> shown = shown_of(history, column.natural);
     for (std::size_t k = 0; k < x_.size(); ++k) {
-      const SpatialAcceleration push = column.natural * history.push(k);
-      out_.B[k].col(j) = moved_by(push, out_.interval_s[k]);
-      out_.D[k].col(j).tail<3>() = felt(push, out_.R_WB[k]);
+      out_.B[k].col(j) = moved_by(column.natural * history.push(k), out_.interval_s[k]);
+      out_.D[k].col(j).tail<3>() = shown[k];
     }
   }
 

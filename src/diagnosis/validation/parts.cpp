@@ -14,29 +14,40 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// SpatialAccelerations of each finding, as accelerations per unit of what was found; then, where pushes to the side are free, those to the side.
-BasisFamily pushes_of(const Session& session, const Selection& selection, bool sideways_free) {
+// A flight with further columns, named −1, −2, …: what each finding pushes, as it was found; then, where pushes to the side are
+// free, those to the side.
+LinearFlight with_pushes(LinearFlight flight, const Session& session, const Selection& selection,
+                         const std::vector<int>& beside, bool sideways_free) {
   const Catalogue& catalogue = session.catalogue();
-  const auto tested = static_cast<Eigen::Index>(selection.findings.size());
-  BasisFamily pushes;
-  pushes.size = static_cast<int>(sideways_free ? 2 * tested : tested);
-  for (const LinearFlight& flight : session.linear()) {
-    std::vector<SpatialAccelerations>& of_flight =
-        pushes.columns.emplace_back(flight.size(), SpatialAccelerations::Zero(6, pushes.size));
-    for (std::size_t k = 0; k < flight.size(); ++k)
+  const auto tested = static_cast<Eigen::Index>(selection.findings.size()),
+             pushes = sideways_free ? 2 * tested : tested;
+  LinearFlight out = only(flight, beside);
+  const auto own = static_cast<Eigen::Index>(out.columns.size());
+  for (Eigen::Index i = 0; i < pushes; ++i) out.columns.push_back(static_cast<int>(-1 - i));
+  for (std::size_t k = 0; k < flight.size(); ++k) {
+    auto &B = out.B[k], &D = out.D[k];
+    B.conservativeResize(Eigen::NoChange, own + pushes), D.conservativeResize(Eigen::NoChange, own + pushes);
+    B.rightCols(pushes).setZero(), D.rightCols(pushes).setZero();
+    for (std::size_t j = 0; j < flight.columns.size(); ++j) {
+      const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
+      const auto at = static_cast<Eigen::Index>(j);
       for (Eigen::Index i = 0; i < tested; ++i) {
-        Eigen::Matrix<double, 12, 1> moved = Eigen::Matrix<double, 12, 1>::Zero();
-        for (std::size_t j = 0; j < flight.columns.size(); ++j) {
-          const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
-          if (column.group != selection.findings[static_cast<std::size_t>(i)].group) continue;
-          moved += (selection.value[flight.columns[j]] - column.nominal) / column.natural / flight.interval_s[k] *
-                   flight.B[k].col(static_cast<Eigen::Index>(j));
-        }
-        of_flight[k].block<3, 1>(0, i) = moved.segment<3>(3);
-        if (sideways_free) of_flight[k].block<2, 1>(0, i).swap(of_flight[k].block<2, 1>(0, tested + i));
+        if (column.group != selection.findings[static_cast<std::size_t>(i)].group) continue;
+        const double size = (selection.value[flight.columns[j]] - column.nominal) / column.natural;
+        // what moves nothing is a sensor's error and no push
+        if (flight.B[k].col(at).head<6>().isZero(0.0)) continue;
+        B.col(own + i).head<6>() += size * flight.B[k].col(at).head<6>();
+        D.col(own + i).tail<3>() += size * flight.D[k].col(at).tail<3>();
       }
+    }
+    for (Eigen::Index i = 0; sideways_free && i < tested; ++i) {
+      auto from = B.col(own + i), to = B.col(own + tested + i);
+      for (const int row : {0, 1, 3, 4}) std::swap(from[row], to[row]);
+      const Vector3 up = flight.R_WB[k].row(2).transpose(), felt = D.col(own + i).tail<3>();
+      D.col(own + i).tail<3>() = up * up.dot(felt), D.col(own + tested + i).tail<3>() = felt - up * up.dot(felt);
+    }
   }
-  return pushes;
+  return out;
 }
 
 }  // namespace
@@ -49,18 +60,28 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
     return result;
   // a gust moves the vehicle along its own push, and lasts longer than what the filter allows for: then pushes to the side are free
   const bool gusty = session.noise.rms(0) > decisions::most_of_floor * reference_floor(session.vehicle())[0];
-  const BasisFamily pushes = pushes_of(session, selection, gusty);
-  const auto tested = static_cast<Eigen::Index>(result.size());
+  const auto tested = static_cast<Eigen::Index>(result.size()), pushes = gusty ? 2 * tested : tested;
   std::vector<int> beside = session.with_biases(selection.groups());
   const std::vector<Trim> trims = trims_beside(session, beside, decisions::scatter_share);
   const std::size_t own = beside.size();
   for (const Trim& trim : trims) beside.push_back(trim.column);
-  const Grams grams = grams_with(session, pushes, beside);
+  std::vector<Grams> of_flight(session.flights().size());
+  session.for_each_flight([&](std::size_t f) {
+    const LinearFlight linear = with_pushes(session.linear()[f], session, selection, beside, gusty);
+    std::vector<int> to;
+    for (const int c : linear.columns)
+      to.push_back(c < 0 ? static_cast<int>(beside.size()) - 1 - c
+                         : static_cast<int>(std::find(beside.begin(), beside.end(), c) - beside.begin()));
+    accumulate(whiten(session.flights()[f], linear, session.noise), to, static_cast<int>(f),
+               static_cast<int>(beside.size()) + static_cast<int>(pushes), of_flight[f]);
+  });
+  Grams grams;
+  for (Grams& part : of_flight) append(std::move(part), grams);
   Eigen::MatrixXd gram = grams.total();
   keep_small(trims, own, gram);
   std::vector<int> known(beside.size());
   std::iota(known.begin(), known.end(), 0);
-  for (Eigen::Index i = tested; i < pushes.size; ++i)
+  for (Eigen::Index i = tested; i < pushes; ++i)
     known.push_back(static_cast<int>(static_cast<Eigen::Index>(beside.size()) + i));
   const Eigen::MatrixXd projected = project_out(gram, known);
   // what is left of a column, the known ones fitted to it

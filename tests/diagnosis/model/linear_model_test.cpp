@@ -37,5 +37,29 @@ TEST(LinearModel, ForcesAloneSeeALag) {
   EXPECT_GT(largest, 0.005);  // m/s² per natural size
 }
 
+// An accelerometer that is one row late shows of a load's force what it was one row before.
+TEST(LinearModel, ALateAccelerometerShowsALoadLate) {
+  const TemporaryFolder folder;
+  const auto trial = test::fly_trial(folder, {.fit = {"multisine"}, .holdout = {"circle"}, .duration_s = 3.0});
+  const FlightLog log = read_flight_log(trial.fit.front());
+  const VehicleModel vehicle = read_vehicle(log.meta.vehicle, log.path);
+  FlightData late = prepare_flight(log, vehicle, {});
+  late.late.force_s = late.sample_s;
+  std::vector<Vector3> force;
+  for (const Sample& sample : late.samples) force.emplace_back(std::sin(20.0 * sample.time_s), 0.0, 0.0);
+  Session session({late}, vehicle, 1);
+  session.suspect_load({}, {force});
+  const std::vector<int>& column =
+      session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(ColumnFrom::swing))].columns;
+  session.linearise(session.value(), column);
+  const LinearFlight& flight = session.linear().front();
+  ASSERT_EQ(flight.columns, column);
+  for (std::size_t k = 2; k < 50; ++k) {
+    const Vector3 shown = flight.R_WB[k] * flight.D[k].col(0).tail<3>();
+    // turned back by this row's attitude, which is a little past that of the row before
+    EXPECT_NEAR(shown.x(), flight.B[k - 1](3, 0) / flight.interval_s[k - 1], 0.02 * std::abs(shown.x()) + 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace gustlab::diagnosis

@@ -22,18 +22,28 @@ Diagnosis diagnose_concealed(const std::string& concealed) {
   return diagnose(test::fly_trial(folder, trial));
 }
 
-// An inflow fitted to one flight of fourteen seconds, and how its push compares with its turning.
-Parts parts_of_inflow(const std::string& concealed) {
+// What an accelerometer behind a filter's delay of three rows records.
+void delay_accelerometer(FlightData& flight) {
+  flight.late.force_s = 3.0 * flight.sample_s;
+  for (std::size_t k = flight.samples.size(); k-- > 3;)
+    flight.samples[k].specific_force_B_mps2 = flight.samples[k - 3].specific_force_B_mps2;
+}
+
+// Effects fitted to one flight of fourteen seconds, and how the push of the first compares with its turning.
+Parts parts_of(const std::vector<std::string>& effects, const std::string& concealed, bool late = false) {
   const TemporaryFolder folder;
-  const DiagnoseOptions trial =
-      test::fly_trial(folder, {.fit = {"multisine"}, .holdout = {"multisine"}, .concealed = concealed});
+  std::vector<std::string> sensors{"pose", "gyroscope"};
+  if (late) sensors.push_back("accelerometer");
+  const DiagnoseOptions trial = test::fly_trial(
+      folder, {.fit = {"multisine"}, .holdout = {"multisine"}, .sensors = sensors, .concealed = concealed});
   const FlightLog log = read_flight_log(trial.fit.front());
   const VehicleModel vehicle = read_vehicle(log.meta.vehicle, log.path);
-  Session session({prepare_flight(log, vehicle, {})}, vehicle, 1);
-  const int inflow = session.catalogue().find("axial_inflow");
-  const std::vector<int> columns = session.with_biases({inflow});
+  FlightData flight = prepare_flight(log, vehicle, {});
+  if (late) delay_accelerometer(flight);
+  Session session({std::move(flight)}, vehicle, 1);
   Selection selection;
-  selection.findings.emplace_back().group = inflow;
+  for (const std::string& effect : effects) selection.findings.emplace_back().group = session.catalogue().find(effect);
+  const std::vector<int> columns = session.with_biases(selection.groups());
   selection.value = session.value();
   for (int step = 0; step < 2; ++step) {
     session.linearise(selection.value, columns);
@@ -48,15 +58,24 @@ Parts parts_of_inflow(const std::string& concealed) {
 }
 
 TEST(Parts, OfAnInflowAreOfOneSizeAndThoseOfADampingAloneAreNot) {
-  const Parts inflow = parts_of_inflow(R"({type = "axial_inflow", at_hover = 0.02})");
+  const Parts inflow = parts_of({"axial_inflow"}, R"({type = "axial_inflow", at_hover = 0.02})");
   ASSERT_GT(inflow.deviation, 0.0);
   EXPECT_LT(std::abs(inflow.excess), std::max(0.3, 3.0 * inflow.deviation));
   // the same turning, and a force that takes the push away
-  const Parts damping = parts_of_inflow(
+  const Parts damping = parts_of(
+      {"axial_inflow"},
       R"({type = "axial_inflow", at_hover = 0.02}, {type = "sindy_residual", frame = "world", terms = ["vz"], fx = [0], fy = [0], fz = [0.02]})");
   ASSERT_GT(damping.deviation, 0.0);
   EXPECT_LT(damping.excess, -0.5);
   EXPECT_LT(damping.excess, -3.0 * damping.deviation);
+}
+
+TEST(Parts, OfADragAreOfOneSizeThoughTheAccelerometerIsLate) {
+  const Parts drag =
+      parts_of({"rotor_drag", "flapping_torque"},
+               R"({type = "rotor_drag", at_hover = 0.3},{type="flapping_torque", coefficient=1e-6})", true);
+  ASSERT_GT(drag.deviation, 0.0);
+  EXPECT_LT(std::abs(drag.excess), 3.0 * drag.deviation);
 }
 
 TEST(PartsTrials, OfAnInflowAgree) {
