@@ -12,6 +12,8 @@ class CenterOfMass final : public Effect {
   void visit(ParameterVisitor& visitor) override {
     // the torque of 1.2 % of one of four rotors is 0.003 arms of centre of mass
     constexpr double natural = 0.02, tolerance = 0.003, plausible = 0.25;
+    // Only a specific force to the side turns the vehicle by its height: drag, of a fifth of its weight at most in most flights.
+    constexpr double height_tolerance = 5.0 * tolerance;
     visitor.number("x", offset_B_m_.x(),
                    {.unit = "m",
                     .help = "forward of the MJCF's centre of mass",
@@ -30,7 +32,7 @@ class CenterOfMass final : public Effect {
                    {.unit = "m",
                     .help = "above the MJCF's centre of mass",
                     .natural = natural,
-                    .tolerance = tolerance,
+                    .tolerance = height_tolerance,
                     .scale = Scale::arm,
                     .plausible = plausible});
   }
