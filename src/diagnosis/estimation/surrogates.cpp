@@ -50,19 +50,20 @@ std::vector<std::vector<Part>> beside_known(const RowSeries& series, const std::
   return parts;
 }
 
-// Σ over channels of (moved signature)ᵀ left, in which row i of a channel of n rows meets row (i ± i₀) mod n of the signature
-Eigen::VectorXd moved_product(const std::vector<Part>& channels, double share, bool mirrored, bool with_itself) {
-  const Eigen::Index width = channels.front().signature.cols();
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(with_itself ? width * width : width);
+// Σ over channels of (moved signature)ᵀ with: row i of a channel of n rows meets row (i + i₀) mod n of the signature; mirrored: row
+// (−1 − i − i₀) mod n.
+Eigen::MatrixXd moved_product(const std::vector<Part>& channels, double share, bool mirrored,
+                              Eigen::MatrixXd (*with)(const Part&)) {
+  Eigen::MatrixXd sum;
   for (const Part& part : channels) {
     const Eigen::Index n = part.signature.rows(), by = static_cast<Eigen::Index>(share * static_cast<double>(n));
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Eigen::Index at = mirrored ? (2 * n - 1 - i - by) % n : (i + by) % n;
-      if (!with_itself) sum += part.left[i] * part.signature.row(at).transpose();
-      else
-        Eigen::Map<Eigen::MatrixXd>(sum.data(), width, width) +=
-            part.signature.row(at).transpose() * part.signature.row(i);
-    }
+    Eigen::MatrixXd other = with(part);
+    if (mirrored) other = other.colwise().reverse().eval();
+    const Eigen::Index first = mirrored ? by : n - by;  // rows of the other before the signature begins anew
+    const Eigen::MatrixXd product = part.signature.bottomRows(first).transpose() * other.topRows(first) +
+                                    part.signature.topRows(n - first).transpose() * other.bottomRows(n - first);
+    if (sum.size() == 0) sum = product;
+    else sum += product;
   }
   return sum;
 }
@@ -90,12 +91,13 @@ SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& kn
     Eigen::MatrixXd& of_flight = products.emplace_back(width, 2 * places);
     for (int place = 0; place < 2 * places; ++place) {
       const double share = nearest + (1.0 - 2.0 * nearest) * (place / 2 + 0.5) / places;
-      of_flight.col(place) = moved_product(flight, share, place % 2 == 1, false);
+      of_flight.col(place) =
+          moved_product(flight, share, place % 2 == 1, [](const Part& p) -> Eigen::MatrixXd { return p.left; });
       if (place % 20 != 0) continue;
-      Eigen::VectorXd itself = moved_product(flight, share, false, true),
-                      whole = moved_product(flight, 0.0, false, true);
-      const Eigen::Map<Eigen::MatrixXd> a(itself.data(), width, width), b(whole.data(), width, width);
-      alike += std::pow(fitted.dot(a * fitted) / (fitted.dot(b * fitted) + 1e-300), 2), alikes += 1.0;
+      const auto itself = [](const Part& p) { return p.signature; };
+      const Eigen::MatrixXd moved = moved_product(flight, share, false, itself),
+                            whole = moved_product(flight, 0.0, false, itself);
+      alike += std::pow(fitted.dot(moved * fitted) / (fitted.dot(whole * fitted) + 1e-300), 2), alikes += 1.0;
     }
   }
   test.movable = alikes > 0.0 && alike / alikes < decisions::most_alike;

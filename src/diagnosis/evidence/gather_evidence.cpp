@@ -40,6 +40,12 @@ Eigen::VectorXd own_weights(const Catalogue& catalogue, const Selection& selecti
   return weights;
 }
 
+std::vector<int> groups_beside(const Selection& selection, const Finding& finding) {
+  std::vector<int> groups = selection.groups();
+  std::erase(groups, finding.group);
+  return groups;
+}
+
 // weights of all columns and z: the finding's pattern less what the others can imitate, and what the whole fit leaves
 struct Weights {
   Eigen::VectorXd pattern, left;
@@ -48,9 +54,7 @@ struct Weights {
 Weights weights_of(const Session& session, const Selection& selection, const Eigen::MatrixXd& total,
                    const Finding& finding) {
   const Catalogue& catalogue = session.catalogue();
-  std::vector<int> groups = selection.groups();
-  std::erase(groups, finding.group);
-  const std::vector<int> known = session.with_biases(groups);
+  const std::vector<int> known = session.with_biases(groups_beside(selection, finding));
   const Eigen::Index size = total.cols();
   Weights w{own_weights(catalogue, selection, finding), Eigen::VectorXd::Zero(size)};
   w.left[size - 1] = 1.0;
@@ -70,10 +74,8 @@ Weights weights_of(const Session& session, const Selection& selection, const Eig
 double share_of_innovations(const Session& session, const Selection& selection, const Eigen::MatrixXd& total,
                             const Finding& finding) {
   const Catalogue& catalogue = session.catalogue();
-  std::vector<int> groups = selection.groups();
-  std::erase(groups, finding.group);
   std::vector<int> known, innovations;
-  for (const int c : session.with_biases(groups))
+  for (const int c : session.with_biases(groups_beside(selection, finding)))
     (catalogue.columns()[static_cast<std::size_t>(c)].of_command_innovation() ? innovations : known).push_back(c);
   return share_done_by(total, own_weights(catalogue, selection, finding), known, innovations);
 }
@@ -127,32 +129,48 @@ void measure_flights(const Session& session, const Selection& selection, const W
       told > 1.0 ? std::sqrt(std::max(0.0, (q - (told - 1.0)) / (weight - weight_squares / weight))) : 0.0;
 }
 
-SurrogateTest moved_signatures(const Session& session, const Selection& selection, const Finding& finding) {
-  std::vector<int> groups = selection.groups();
-  std::erase(groups, finding.group);
-  std::vector<int> columns = session.with_biases(groups);
-  const std::size_t known = columns.size();
-  const std::vector<int> own = own_columns(session.catalogue(), selection.groups(), finding.group);
-  columns.insert(columns.end(), own.begin(), own.end());
-  Eigen::VectorXd coefficient(static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(columns[i])];
-    coefficient[static_cast<Eigen::Index>(i)] =
-        (selection.value[columns[i]] - session.value()[columns[i]]) / column.natural;
+// The whitened rows of all columns that any finding is tested with, and what was fitted: both counted from the vehicle file.
+struct FittedRows {
+  std::vector<int> columns;
+  RowSeries series;
+  Eigen::VectorXd coefficient;
+  std::vector<int> places_of(const std::vector<int>& some) const {
+    std::vector<int> places;
+    for (const int c : some)
+      places.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
+    return places;
   }
-  RowSeries series = session.row_series(columns);
-  // counted from the vehicle file, as the finding is
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(coefficient.size());
-  for (std::size_t i = known; i < columns.size(); ++i) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(columns[i])];
-    shift[static_cast<Eigen::Index>(i)] = (session.value()[columns[i]] - column.nominal) / column.natural;
+};
+
+FittedRows fitted_rows(const Session& session, const Selection& selection) {
+  FittedRows rows{session.with_biases(selection.groups()), {}, {}};
+  // beside fewer effects an alias has more columns of its own
+  for (const Finding& finding : selection.findings)
+    for (const int c : session.with_biases(groups_beside(selection, finding)))
+      if (std::find(rows.columns.begin(), rows.columns.end(), c) == rows.columns.end()) rows.columns.push_back(c);
+  rows.series = session.row_series(rows.columns);
+  const auto size = std::ssize(rows.columns);
+  Eigen::VectorXd shift(size);
+  rows.coefficient.resize(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const int c = rows.columns[static_cast<std::size_t>(i)];
+    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    shift[i] = (session.value()[c] - column.nominal) / column.natural;
+    rows.coefficient[i] = (selection.value[c] - column.nominal) / column.natural;
   }
-  for (auto& flight : series)
-    for (Eigen::MatrixXd& rows : flight) rows.col(rows.cols() - 1) += rows.leftCols(coefficient.size()) * shift;
-  std::vector<int> first(known), last(own.size());
-  for (std::size_t i = 0; i < known; ++i) first[i] = static_cast<int>(i);
-  for (std::size_t i = 0; i < own.size(); ++i) last[i] = static_cast<int>(known + i);
-  return surrogate_test(series, first, last, coefficient + shift);
+  for (auto& flight : rows.series)
+    for (Eigen::MatrixXd& of_channel : flight)
+      of_channel.col(of_channel.cols() - 1) += of_channel.leftCols(size) * shift;
+  return rows;
+}
+
+SurrogateTest moved_signatures(const Session& session, const Selection& selection, const FittedRows& rows,
+                               const Finding& finding) {
+  const std::vector<int> known = rows.places_of(session.with_biases(groups_beside(selection, finding))),
+                         own = rows.places_of(own_columns(session.catalogue(), selection.groups(), finding.group));
+  std::vector<int> both = known;
+  both.insert(both.end(), own.begin(), own.end());
+  return surrogate_test(rows.series, known, own, rows.coefficient(both));
 }
 
 bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
@@ -198,6 +216,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
   std::vector<Eigen::VectorXd> found;
   for (const Finding& finding : selection.findings) found.push_back(own_weights(catalogue, selection, finding));
   const std::vector<double> taken_back = undone_shares(project_out(total, session.biases()), found);
+  const FittedRows rows = fitted_rows(session, selection);
   std::vector<Evidence> records(selection.findings.size());
   parallel_for(std::ssize(records), session.jobs(), [&](std::int64_t at) {
     const auto i = static_cast<std::size_t>(at);
@@ -214,7 +233,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.gain_alone = finding.gain_alone;
     record.held_out_gain = tested.gain[i];
     record.held_out_expected = tested.expected[i];
-    record.surrogates = moved_signatures(session, selection, finding);
+    record.surrogates = moved_signatures(session, selection, rows, finding);
     measure_flights(session, selection, weights_of(session, selection, total, finding), cluster, record);
     if (record.held_out_expected > 0.0)
       record.flights.push_back({"held out", true, 0.5 * (1.0 + record.held_out_gain / record.held_out_expected),

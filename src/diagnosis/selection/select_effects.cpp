@@ -313,6 +313,7 @@ class Selector {
     std::set<std::vector<int>> visited;
     bool simplified = false;
     anew_ = true;
+    latency_gain_.clear();
     for (bool settled = false; !settled;) {
       measure_latency(chosen, value);
       s_.linearise(value, s_.all_columns());
@@ -432,17 +433,19 @@ class Selector {
   }
 
   // Δχ² without a lag or a delay, all else fitted anew where there is none. Linearised about a lag that is as long as the commands'
-  // swings, its own column says next to nothing of that.
+  // swings, its own column says next to nothing of that. Measured anew when one of the two comes or goes.
   void measure_latency(const std::vector<int>& chosen, const Eigen::VectorXd& value) {
+    const auto is_chosen = [&](int late) { return std::find(chosen.begin(), chosen.end(), late) != chosen.end(); };
+    const auto is_measured = [&](int late) { return is_chosen(late) == latency_gain_.contains(late); };
+    if (s_.shoots() || std::ranges::all_of(latencies(), is_measured)) return;
     latency_gain_.clear();
-    if (s_.shoots()) return;
     const auto loss_of = [&](const std::vector<int>& groups, const Eigen::VectorXd& at) {
       s_.linearise(at, s_.with_biases(groups), false);
       return solve(s_.grams().total(), s_.with_biases(groups)).loss;
     };
     std::optional<double> loss;
     for (const int late : latencies()) {
-      if (std::find(chosen.begin(), chosen.end(), late) == chosen.end()) continue;
+      if (!is_chosen(late)) continue;
       if (!loss) loss = loss_of(chosen, value);
       std::vector<int> rest = chosen;
       std::erase(rest, late);
