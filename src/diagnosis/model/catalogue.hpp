@@ -97,6 +97,8 @@ class Catalogue {
   const std::vector<Column>& columns() const { return columns_; }
   // lags and delays up to decisions::filter_lag_s may be a filter's
   bool filter_looks_like_lag() const { return seen_.smoothing; }
+  // the torque per command was taken out of all columns
+  bool loop_answers() const { return loop_answers_; }
   // what the loop did between two of them is a nuisance (command_innovation.hpp)
   bool commands_are_slow() const { return seen_.slow_commands && !seen_.trims && seen_.tells(Need::torque); }
   // why an effect of the registry is not among the candidates; empty when it is

@@ -29,6 +29,8 @@ std::string why_not_told(const Session& session, const Selection& selection, int
       group.row->latency != Latency::none && !selection.find(g))
     return fmt::format("up to {:.0f} ms beyond the vehicle file's it looks like the filter that these logs passed",
                        1e3 * filter_lag_s);
+  if (session.catalogue().loop_answers() && group.row->latency != Latency::none && !selection.find(g))
+    return "within half a second the recorded loop answers what disturbs the vehicle: how late a torque is is not told";
   // the strength that five standard deviations would need, against a typical one
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   double best = 1e300;
