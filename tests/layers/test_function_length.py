@@ -12,7 +12,6 @@ NO_FUNCTION = re.compile(r"(?:namespace|struct|class|enum|union|extern|if|for|wh
 # name: why it is one piece
 REASONS = {
     "src/diagnosis/result/to_json.cpp:to_json": "one key after another, in the order of FORMATS.md",
-    "src/diagnosis/selection/select_effects.cpp:finish": "one loop to a set that settles, then what is said of it: the steps share the Gram matrices",
     "src/diagnosis/recording/vehicle_check.cpp:check_rotors": "one hypothesis after another; each is asked only where those before say nothing",
 }
 
