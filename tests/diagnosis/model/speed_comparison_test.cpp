@@ -58,17 +58,6 @@ TEST_F(SpeedComparison, WhatMovesTheBodyAloneChangesNoSpeed) {
       EXPECT_TRUE(linear.predicted_by[static_cast<std::size_t>(c)].empty()) << name;
 }
 
-// a limit is a history of each flight: its column comes from a scan and not from here
-TEST_F(SpeedComparison, AHistoryChangesNoSpeed) {
-  Catalogue limited = catalogue;
-  limited.set_speed_limit(1.05 * hover);
-  compare_speeds(flight, 0, limited, limited.nominal(), linear);
-  ASSERT_FALSE(linear.predicted.empty());
-  const int limit = limited.find(ColumnFrom::speed_limit);
-  for (const int c : limited.groups()[static_cast<std::size_t>(limit)].columns)
-    EXPECT_TRUE(linear.predicted_by[static_cast<std::size_t>(c)].empty());
-}
-
 TEST_F(SpeedComparison, SaysNothingWhereThereIsNothingToCompare) {
   const FlightData whole = flight;
   for (const auto& spoil : {+[](FlightData& f) { f.measured_speed = {}; }, +[](FlightData& f) { f.commands = {}; },

@@ -66,7 +66,7 @@ TEST_F(RegimesOf, AreItsSizesWhereAVariableIsLowMiddlingAndHigh) {
     EXPECT_NEAR(height.share[p], 0.5 + 0.5 * static_cast<double>(p), 1e-9);
     EXPECT_NEAR(height.deviation[p], 0.06 / std::sqrt(20.0), 1e-3);
   }
-  EXPECT_NEAR(height.spread, std::sqrt(0.25 - 0.06 * 0.06 / 20.0), 1e-3);
+  EXPECT_NEAR(height.spread, std::sqrt(0.25 - 0.06 * 0.06 / 20.0), 1e-6);
   EXPECT_GT(most_astray(all), 0.49);
   // the widest comes first
   for (std::size_t i = 1; i < all.size(); ++i) EXPECT_GE(all[i - 1].spread, all[i].spread);
