@@ -12,44 +12,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
 from concealed_trials import FIRST_SET, trials_toml  # noqa: E402
 from import_fixture import MAP, csv, flight  # noqa: E402
+from small_experiments import GUST, VARIANTS, calibration_toml, experiment_toml  # noqa: E402
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 FULL = "No space left on device|database or disk is full|unable to open database file|disk I/O error"
 
-EXPERIMENT = """
-format = "gustlab-experiment/1"
-name = "small"
-vehicle = "crazyflie"
-trajectories = ["circle"]
-controllers = ["pid"]
-replicates = 6
-duration_s = 0.2
-[[effect]]
-type = "gust"
-sigma_xy = 0.03
-correlation_time = 0.5
-"""
-
-TRAINING = EXPERIMENT + '''
-[[variant]]
-name = "calm"
-set = ["seed=1"]
-[[variant]]
-name = "other"
-set = ["seed=2"]
-'''
-
-CALIBRATION = """
-format = "gustlab-calibration/1"
-table = "table2"
-first_replicate = 1001
-replicates = 1
-[[stage]]
-name = "gust"
-evaluations = 2
-targets = [{trajectories = ["circle"], controllers = ["pid"], metrics = ["rmse_xy_m"]}]
-parameters = [{key = "effect.gust.sigma_xy", min = 0.015, start = 0.025, max = 0.05, log = true, unit = "N"}]
-"""
+EXPERIMENT = experiment_toml("circle", replicates=6, duration_s=0.2, more=GUST)
+TRAINING = EXPERIMENT + VARIANTS
+CALIBRATION = calibration_toml(replicates=1, evaluations=2)
 
 TUNING = """
 format = "gustlab-tuning/1"

@@ -14,40 +14,15 @@ import unittest
 from pathlib import Path
 
 from concealed_trials import FIRST_SET, SECOND_SET, trials_toml
+from small_experiments import CIRCLE, GUST, calibration_toml, experiment_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 # kills of each command that meet it at work; the target `kills` takes more. GUSTLAB_KILLS_SEED: other moments
 KILLS = int(os.environ.get("GUSTLAB_KILLS", "3"))
 SEED = int(os.environ.get("GUSTLAB_KILLS_SEED", "20"))
 
-EXPERIMENT = """
-format = "gustlab-experiment/1"
-name = "small"
-vehicle = "crazyflie"
-trajectories = ["circle", "hover"]
-controllers = ["pid"]
-replicates = 40
-duration_s = 1.0
-[trajectory.circle]
-period_s = 5.0
-start = "reference"
-[[effect]]
-type = "gust"
-sigma_xy = 0.03
-correlation_time = 0.5
-"""
-
-CALIBRATION = """
-format = "gustlab-calibration/1"
-table = "table2"
-first_replicate = 1001
-replicates = 4
-[[stage]]
-name = "gust"
-evaluations = 8
-targets = [{trajectories = ["circle"], controllers = ["pid"], metrics = ["rmse_xy_m"]}]
-parameters = [{key = "effect.gust.sigma_xy", min = 0.015, start = 0.025, max = 0.05, log = true, unit = "N"}]
-"""
+EXPERIMENT = experiment_toml("circle", "hover", replicates=40, duration_s=1.0, more=CIRCLE + GUST)
+CALIBRATION = calibration_toml(replicates=4, evaluations=8)
 
 
 class Kills(unittest.TestCase):

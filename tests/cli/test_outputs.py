@@ -11,32 +11,12 @@ import unittest
 from pathlib import Path
 
 from concealed_trials import trials_toml
+from small_experiments import VARIANTS, experiment_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 
-EXPERIMENT = """
-format = "gustlab-experiment/1"
-name = "small"
-vehicle = "crazyflie"
-trajectories = ["hover"]
-controllers = ["pid"]
-duration_s = 1.0
-"""
-
-TRAINING = """
-format = "gustlab-experiment/1"
-name = "train"
-vehicle = "crazyflie"
-trajectories = ["circle"]
-controllers = ["pid"]
-duration_s = 5.0
-[[variant]]
-name = "calm"
-set = ["seed=1"]
-[[variant]]
-name = "other"
-set = ["seed=2"]
-"""
+EXPERIMENT = experiment_toml("hover", duration_s=1.0)
+TRAINING = experiment_toml("circle", duration_s=5.0, more=VARIANTS)
 
 
 class Commands(unittest.TestCase):

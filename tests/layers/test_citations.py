@@ -38,6 +38,11 @@ class Citations(unittest.TestCase):
         self.assertGreater(found, 20)
         self.assertFalse(problems, "\n" + "\n".join(problems))
 
+    def test_every_decision_is_listed_once(self):
+        folder = ROOT / "docs/decisions"
+        listed = re.findall(r"\]\((\d\d-[a-z0-9-]+\.md)\)", (folder / "README.md").read_text(encoding="utf-8"))
+        self.assertEqual(sorted(listed), sorted(path.name for path in folder.glob("[0-9]*.md")))
+
 
 if __name__ == "__main__":
     unittest.main()

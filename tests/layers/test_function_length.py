@@ -12,9 +12,6 @@ NO_FUNCTION = re.compile(r"(?:namespace|struct|class|enum|union|extern|if|for|wh
 # name: why it is one piece
 REASONS = {
     "src/diagnosis/result/to_json.cpp:to_json": "one key after another, in the order of FORMATS.md",
-    "src/diagnosis/selection/select_effects.cpp:finish": "one loop to a set that settles, then what is said of it: the steps share the Gram matrices",
-    "src/diagnosis/recording/flight_data.cpp:prepare_flight": "each column of a log in turn, on the rows that the ones before left",
-    "src/diagnosis/recording/flight_data.cpp:smooth_motion": "one local fit per stream, of which the next need the ones before",
     "src/diagnosis/recording/vehicle_check.cpp:check_rotors": "one hypothesis after another; each is asked only where those before say nothing",
 }
 

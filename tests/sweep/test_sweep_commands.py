@@ -8,31 +8,19 @@ import shutil
 import signal
 import sqlite3
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "cli"))
+
+from small_experiments import CIRCLE, GUST, experiment_toml  # noqa: E402
+
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 
-EXPERIMENT = """
-format = "gustlab-experiment/1"
-name = "small"
-vehicle = "crazyflie"
-trajectories = ["circle", "hover"]
-controllers = ["pid"]
-replicates = 3
-duration_s = 1.0
-[environment]
-ground_z_m = 0.0
-[trajectory.circle]
-period_s = 5.0
-start = "reference"
-[[effect]]
-type = "gust"
-sigma_xy = 0.03
-correlation_time = 0.5
-"""
+EXPERIMENT = experiment_toml("circle", "hover", replicates=3, duration_s=1.0, more="[environment]\nground_z_m = 0.0\n" + CIRCLE + GUST)
 
 
 class Commands(unittest.TestCase):

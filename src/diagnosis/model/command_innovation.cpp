@@ -111,7 +111,7 @@ std::vector<CommandInnovation> command_innovation(const FlightData& flight) {
       (X.colwise().squaredNorm() / static_cast<double>(X.rows())).cwiseSqrt().array() + 1e-12;
   for (Eigen::Index c = 0; c < width; ++c) X.col(c) /= scale[c];
   Eigen::MatrixXd gram = X.transpose() * X;
-  gram.diagonal().array() += ridge * static_cast<double>(X.rows());
+  gram.diagonal().head<width - 1>().array() += ridge * static_cast<double>(X.rows());  // the mean is free
   const Eigen::MatrixXd left = Y - X * gram.ldlt().solve(X.transpose() * Y);
   std::vector<CommandInnovation> innovation(each.size(), CommandInnovation::Zero());
   for (std::size_t i = 0; i < row.size(); ++i)

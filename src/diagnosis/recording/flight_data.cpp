@@ -9,6 +9,7 @@
 #include "diagnosis/recording/log_filters.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
 #include "gustlab/errors.hpp"
+#include "util/rotations.hpp"
 #include "vehicle/rotor_speed.hpp"
 
 namespace gustlab::diagnosis {
@@ -270,91 +271,85 @@ RotorArray CommandRecord::plain_mean(double from_s, double to_s) const {
   return b;
 }
 
-FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
-  const FlightLog smooth =
-      options.common_filter_s > 0.0 ? filtered_alike(original, options.common_filter_s) : FlightLog{};
-  const FlightLog& log = options.common_filter_s > 0.0 ? smooth : original;
-  FlightData flight;
-  flight.file = log.path;
-  flight.label = log.path.substr(log.path.find_last_of('/') + 1);
-  flight.vehicle = vehicle;
-  flight.late = options.late;
-  flight.commands_filtered = commands_filtered(original);
-  const Environment& seen = log.meta.environment;
-  if (seen.ground_z_m) flight.vehicle.environment.ground_z_m = seen.ground_z_m;
-  if (seen.ceiling_z_m) flight.vehicle.environment.ceiling_z_m = seen.ceiling_z_m;
-  if (!seen.walls.empty()) flight.vehicle.environment.walls = seen.walls;
-  flight.collective_only = options.forces_only || log.meta.actuator == ActuatorKind::collective_thrust;
-  flight.hold_known = log.meta.hold == Hold::zoh;
-  const bool linear =
-      log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
+namespace {
 
-  const auto& time = log.time_s;
-  const std::size_t rows = log.rows();
-  std::vector<double> steps = fastest_steps(log);
-  const double log_step_s = interval_s(steps);
+// what the log says of its surroundings goes before what the vehicle file says
+void see_surroundings(const Environment& seen, Environment& around) {
+  if (seen.ground_z_m) around.ground_z_m = seen.ground_z_m;
+  if (seen.ceiling_z_m) around.ceiling_z_m = seen.ceiling_z_m;
+  if (!seen.walls.empty()) around.walls = seen.walls;
+}
 
-  // commands and measured rotor speeds keep their full rate
-  const auto record = [&](const char* prefix, ActuatorKind kind, bool interpolated) {
-    std::vector<const std::vector<double>*> columns;
-    const int wanted = kind == ActuatorKind::collective_thrust ? 1 : vehicle.rotor_count;
-    for (int i = 1; i <= wanted; ++i) columns.push_back(log.find(fmt::format("{}{}", prefix, i)));
-    if (columns.empty() || std::find(columns.begin(), columns.end(), nullptr) != columns.end()) return CommandRecord{};
-    std::vector<double> at;
-    std::vector<RotorArray> speed;
-    for (std::size_t k = 0; k < rows; ++k) {
-      RotorArray row{};
-      bool finite = true;
-      for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i) {
-        const double input = (*columns[std::min(i, columns.size() - 1)])[k];
-        finite = finite && std::isfinite(input);
-        if (finite) row[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], kind, input);
-      }
-      if (!finite) continue;
-      at.push_back(time[k]);
-      speed.push_back(row);
+// Rotor speeds of the rows that have all of them (`prefix`1…N), at their full rate; empty: the log has no such columns.
+CommandRecord speeds_recorded(const FlightLog& log, const VehicleModel& vehicle, const char* prefix, ActuatorKind kind,
+                              bool interpolated) {
+  std::vector<const std::vector<double>*> columns;
+  const int wanted = kind == ActuatorKind::collective_thrust ? 1 : vehicle.rotor_count;
+  for (int i = 1; i <= wanted; ++i) columns.push_back(log.find(fmt::format("{}{}", prefix, i)));
+  if (columns.empty() || std::find(columns.begin(), columns.end(), nullptr) != columns.end()) return {};
+  std::vector<double> at;
+  std::vector<RotorArray> speed;
+  for (std::size_t k = 0; k < log.rows(); ++k) {
+    RotorArray row{};
+    bool finite = true;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i) {
+      const double input = (*columns[std::min(i, columns.size() - 1)])[k];
+      finite = finite && std::isfinite(input);
+      if (finite) row[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], kind, input);
     }
-    return at.size() < 2 ? CommandRecord{} : CommandRecord(std::move(at), std::move(speed), interpolated);
-  };
-  flight.commands = record("u", log.meta.actuator, linear);
-  flight.measured_speed = record("rotor", ActuatorKind::rotor_speed, true);
-  if (flight.commands.empty() && flight.measured_speed.empty())
-    throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
-                                vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));
+    if (!finite) continue;
+    at.push_back(log.time_s[k]);
+    speed.push_back(row);
+  }
+  return at.size() < 2 ? CommandRecord{} : CommandRecord(std::move(at), std::move(speed), interpolated);
+}
 
+// Rows that become samples: each the mean of `size` rows from one of `first` on.
+struct Groups {
+  std::vector<std::size_t> first;
+  std::size_t size = 1;
+  std::size_t stride = 1;  // rows of the log between two samples
+};
+
+// Faster logs are read more slowly: every so many samples of each sensor, but not by much, since what the vehicle did between two samples
+// has already changed its commands, and would bias what answers to them. Of the fastest, means over 8 ms take vibration out (over longer
+// ones they would blur what the vehicle did).
+Groups groups_read(const FlightLog& log, double log_step_s, const ReadingOptions& options) {
+  const bool grouped = options.common_filter_s == 0.0 && log_step_s <= 0.0016 && log_step_s * options.max_rate_hz < 0.7;
+  Groups groups;
+  groups.stride = static_cast<std::size_t>(
+      std::max(1L, std::lround(grouped ? grouped_s / log_step_s : 1.0 / (log_step_s * options.max_rate_hz))));
+  if (!grouped) {
+    groups.first = rows_read(log, options.max_rate_hz);
+    return groups;
+  }
+  // an odd number of rows, so that the middle of a group is a row and substeps begin where commands change
+  if (groups.stride % 2 == 0) ++groups.stride;
+  groups.size = groups.stride;
+  for (std::size_t first = 0; first + groups.size <= log.rows(); first += groups.stride) groups.first.push_back(first);
+  return groups;
+}
+
+std::vector<Sample> samples_of(const FlightLog& log, const Groups& groups, double nominal_voltage_V,
+                               const ReadingOptions& options) {
   const Columns p(log, {"px", "py", "pz"}), v(log, {"vx", "vy", "vz"}), w(log, {"wx", "wy", "wz"}),
       a(log, {"ax", "ay", "az"}), q(log, {"qw", "qx", "qy", "qz"});
   const auto* voltage = log.find("vbat");
-  flight.has_voltage = voltage != nullptr;
-
-  // faster logs are read more slowly: every so many samples of each sensor, but not by much, since what the vehicle did between two samples has
-  // already changed its commands, and would bias what answers to them. Of the fastest, means over 8 ms take vibration out (over
-  // longer ones they would blur what the vehicle did)
-  const bool grouped = options.common_filter_s == 0.0 && log_step_s <= 0.0016 && log_step_s * options.max_rate_hz < 0.7;
-  auto stride = static_cast<std::size_t>(
-      std::max(1L, std::lround(grouped ? grouped_s / log_step_s : 1.0 / (log_step_s * options.max_rate_hz))));
-  // an odd number of rows, so that the middle of a group is a row and substeps begin where commands change
-  if (grouped && stride % 2 == 0) ++stride;
-  const std::size_t group = grouped ? stride : 1;
-  std::vector<std::size_t> firsts;
-  if (grouped)
-    for (std::size_t first = 0; first + group <= rows; first += stride) firsts.push_back(first);
-  else firsts = rows_read(log, options.max_rate_hz);
+  const std::vector<double> volts = voltage ? last_known(*voltage, nominal_voltage_V) : std::vector<double>();
+  const auto size = static_cast<double>(groups.size);
   Quaternion previous = Quaternion::Identity();
-  const std::vector<double> volts_at =
-      voltage ? last_known(*voltage, vehicle.nominal_voltage_V) : std::vector<double>();
-  for (const std::size_t first : firsts) {
+  std::vector<Sample> samples;
+  for (const std::size_t first : groups.first) {
     Sample sample;
     Eigen::Vector4d attitude = Eigen::Vector4d::Zero();
     sample.channels = has_position | has_velocity | has_attitude | has_rate | has_force;
-    double volts = 0.0;
-    for (std::size_t k = first; k < first + group; ++k) {
+    for (std::size_t k = first; k < first + groups.size; ++k) {
       const auto add = [&](const Columns& columns, Vector3& sum, unsigned channel) {
         const Vector3 value = columns.vector(k);
-        if (value.allFinite()) sum += value / static_cast<double>(group);
+        if (value.allFinite()) sum += value / size;
         else sample.channels &= ~channel;
       };
-      sample.time_s += time[k] / static_cast<double>(group);
+      sample.time_s += log.time_s[k] / size;
       add(p, sample.position_W_m, has_position);
       add(v, sample.velocity_W_mps, has_velocity);
       add(w, sample.body_rate_B_radps, has_rate);
@@ -367,41 +362,83 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
       } else {
         sample.channels &= ~has_attitude;
       }
-      if (voltage) volts += volts_at[k] / static_cast<double>(group);
+      if (voltage) sample.voltage_V += volts[k] / size;
     }
     if (sample.channels & has_attitude) sample.attitude_WB.coeffs() = attitude.normalized();
     if (options.forces_only && (sample.channels & has_position)) sample.channels &= ~(has_rate | has_force);
     // derived from the position
     if ((sample.channels & has_position) && !options.as_recorded) sample.channels &= ~has_velocity;
-    sample.voltage_V = volts;
-    flight.samples.push_back(sample);
+    samples.push_back(sample);
   }
-  // where the pose is missing, there is nothing to linearise about
-  if (const auto* pose = log.find("px") ? log.find("px") : log.find("qw"))
-    for (const auto& [last, next] : pose_gaps(time, *pose))
-      std::erase_if(flight.samples, [from_s = time[last], to_s = time[next]](const Sample& s) {
-        return s.time_s > from_s && s.time_s < to_s;
-      });
-  steps.clear();
+  return samples;
+}
+
+// where the pose is missing, there is nothing to linearise about
+void leave_out_gaps(const FlightLog& log, std::vector<Sample>& samples) {
+  const auto* pose = log.find("px") ? log.find("px") : log.find("qw");
+  if (!pose) return;
+  for (const auto& [last, next] : pose_gaps(log.time_s, *pose))
+    std::erase_if(samples, [from_s = log.time_s[last], to_s = log.time_s[next]](const Sample& s) {
+      return s.time_s > from_s && s.time_s < to_s;
+    });
+}
+
+// when the flight starts, the interval of its samples, and where a longer one begins a segment anew
+void find_segments(FlightData& flight) {
+  std::vector<double> steps;
   for (std::size_t k = 1; k < flight.samples.size(); ++k)
     steps.push_back(flight.samples[k].time_s - flight.samples[k - 1].time_s);
   flight.sample_s = interval_s(steps);
   const double longest_s = longest_interval_s(steps);
-  flight.read_slower = stride > 1;
-  flight.substeps =
-      static_cast<int>(stride) * static_cast<int>(std::max(1.0, std::ceil(log_step_s / options.substep_s - 1e-6)));
   for (std::size_t k = 0; k < flight.samples.size(); ++k)
     flight.samples[k].starts_segment = k == 0 || steps[k - 1] > longest_s;
   flight.start_s = flight.samples.empty() ? 0.0 : flight.samples.front().time_s;
+}
 
-  // commands at a limit tell nothing of the small signal
+// commands at a limit tell nothing of the small signal
+void find_saturation(FlightData& flight) {
   const CommandRecord& inputs = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
   for (std::size_t k = 1; k < flight.samples.size(); ++k) {
     const RotorArray mean = inputs.mean(flight.samples[k].time_s - flight.sample_s, flight.samples[k].time_s);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
-      flight.samples[k].saturated = flight.samples[k].saturated || mean[i] > 1.001 * vehicle.max_speed_radps;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(flight.vehicle.rotor_count); ++i)
+      flight.samples[k].saturated = flight.samples[k].saturated || mean[i] > 1.001 * flight.vehicle.max_speed_radps;
   }
+}
+
+}  // namespace
+
+FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
+  const FlightLog smooth =
+      options.common_filter_s > 0.0 ? filtered_alike(original, options.common_filter_s) : FlightLog{};
+  const FlightLog& log = options.common_filter_s > 0.0 ? smooth : original;
+  FlightData flight;
+  flight.file = log.path;
+  flight.label = log.path.substr(log.path.find_last_of('/') + 1);
+  flight.vehicle = vehicle;
+  see_surroundings(log.meta.environment, flight.vehicle.environment);
+  flight.late = options.late;
   flight.as_recorded = options.as_recorded;
+  flight.commands_filtered = commands_filtered(original);
+  flight.collective_only = options.forces_only || log.meta.actuator == ActuatorKind::collective_thrust;
+  flight.hold_known = log.meta.hold == Hold::zoh;
+  const bool linear =
+      log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
+  flight.commands = speeds_recorded(log, vehicle, "u", log.meta.actuator, linear);
+  flight.measured_speed = speeds_recorded(log, vehicle, "rotor", ActuatorKind::rotor_speed, true);
+  if (flight.commands.empty() && flight.measured_speed.empty())
+    throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
+                                vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));
+  flight.has_voltage = log.find("vbat") != nullptr;
+
+  const double log_step_s = interval_s(fastest_steps(log));
+  const Groups groups = groups_read(log, log_step_s, options);
+  flight.read_slower = groups.stride > 1;
+  flight.substeps = static_cast<int>(groups.stride) *
+                    static_cast<int>(std::max(1.0, std::ceil(log_step_s / options.substep_s - 1e-6)));
+  flight.samples = samples_of(log, groups, vehicle.nominal_voltage_V, options);
+  leave_out_gaps(log, flight.samples);
+  find_segments(flight);
+  find_saturation(flight);
   smooth_motion(flight, {});
   return flight;
 }
@@ -410,77 +447,90 @@ double rate_half_window_s(const FlightData& flight) {
   return std::max(flight.as_recorded ? 0.0 : 0.063, 3.1 * flight.sample_s);
 }
 
-void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
-  const auto& samples = flight.samples;
-  flight.motion.assign(samples.size(), Motion{});
-  const double pose_half_s = flight.as_recorded ? 0.0 : 0.095, rate_half_s = rate_half_window_s(flight),
-               acceleration_half_s = std::max(0.147, 4.3 * flight.sample_s);
+namespace {
 
-  for (std::size_t begin = 0; begin < samples.size();) {
-    std::size_t end = begin + 1;
-    while (end < samples.size() && !samples[end].starts_segment) ++end;
+// The channels of one segment, sensor effects taken out: a late pose belongs to an earlier time.
+struct Streams {
+  Stream position, velocity, attitude, rate;
 
-    // sensor effects come out of the samples: a late pose belongs to an earlier time
-    Stream position, velocity, attitude, rate;
-    for (std::size_t k = begin; k < end; ++k) {
-      const Sample& s = samples[k];
-      const auto put = [](Stream& stream, double time_s, const Vector3& value) {
-        stream.time_s.push_back(time_s);
-        stream.value.emplace_back(value.x(), value.y(), value.z(), 0.0);
-      };
-      const double pose_time_s = s.time_s - correction.pose_delay_s;
-      if (s.channels & has_position) put(position, pose_time_s, s.position_W_m);
-      if (s.channels & has_velocity) put(velocity, pose_time_s, s.velocity_W_mps);
-      if (s.channels & has_rate)
-        put(rate, s.time_s, (s.body_rate_B_radps - correction.rate_bias_B_radps) / (1.0 + correction.rate_scale));
-      if (s.channels & has_attitude) {
-        const Vector3 back = -correction.attitude_offset_B_rad;
-        const double angle = back.norm();
-        Quaternion q = s.attitude_WB;
-        if (angle > 0.0) q = q * Quaternion(Eigen::AngleAxisd(angle, back / angle));
+  Streams(const Sample* begin, const Sample* end, const SensorCorrection& correction) {
+    const auto put = [](Stream& stream, double time_s, const Vector3& value) {
+      stream.time_s.push_back(time_s);
+      stream.value.emplace_back(value.x(), value.y(), value.z(), 0.0);
+    };
+    const Vector3 back = -correction.attitude_offset_B_rad;
+    for (const Sample* s = begin; s != end; ++s) {
+      const double pose_time_s = s->time_s - correction.pose_delay_s;
+      if (s->channels & has_position) put(position, pose_time_s, s->position_W_m);
+      if (s->channels & has_velocity) put(velocity, pose_time_s, s->velocity_W_mps);
+      if (s->channels & has_rate)
+        put(rate, s->time_s, (s->body_rate_B_radps - correction.rate_bias_B_radps) / (1.0 + correction.rate_scale));
+      if (s->channels & has_attitude) {
         attitude.time_s.push_back(pose_time_s);
-        attitude.value.push_back(q.coeffs());
+        attitude.value.push_back(turned(s->attitude_WB, back).coeffs());
       }
     }
     for (Stream* stream : {&position, &velocity, &attitude, &rate}) stream->settle();
+  }
+};
+
+// half widths of the local fits
+struct Windows {
+  double pose_s, rate_s, acceleration_s;
+};
+
+// what a segment's channels say of one moment; nothing where none does
+Motion motion_at(double t, const Streams& seen, const Windows& half) {
+  Motion motion;
+  if (seen.position.can_fit(5)) {
+    const auto c = seen.position.fit<3>(t, half.pose_s);
+    motion.position_W_m = c[0].head<3>();
+    motion.velocity_W_mps = c[1].head<3>();
+    motion.acceleration_W_mps2 = 2.0 * seen.position.fit<3>(t, half.acceleration_s)[2].head<3>();
+  }
+  if (seen.velocity.can_fit(5)) {
+    const auto c = seen.velocity.fit<3>(t, half.pose_s);
+    motion.velocity_W_mps = c[0].head<3>();
+    motion.acceleration_W_mps2 = c[1].head<3>();
+  }
+  if (seen.attitude.can_fit(5)) {
+    const auto c = seen.attitude.fit<3>(t, half.pose_s);
+    motion.attitude_WB.coeffs() = c[0].normalized();
+    motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
+  }
+  if (seen.rate.can_fit(5)) {
+    const auto c = seen.rate.fit<2>(t, half.rate_s);
+    motion.body_rate_B_radps = c[0].head<3>();
+    motion.angular_acceleration_B_radps2 = c[1].head<3>();
+  }
+  return motion;
+}
+
+}  // namespace
+
+void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
+  const auto& samples = flight.samples;
+  flight.motion.assign(samples.size(), Motion{});
+  const Windows half{flight.as_recorded ? 0.0 : 0.095, rate_half_window_s(flight),
+                     std::max(0.147, 4.3 * flight.sample_s)};
+  for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
+    for (end = begin + 1; end < samples.size() && !samples[end].starts_segment;) ++end;
+    const Streams seen(&samples[begin], samples.data() + end, correction);
+    const bool attitude = seen.attitude.can_fit(5);
     for (std::size_t k = begin; k < end; ++k) {
-      Motion& motion = flight.motion[k];
-      const double t = samples[k].time_s;
-      if (position.can_fit(5)) {
-        const auto c = position.fit<3>(t, pose_half_s);
-        motion.position_W_m = c[0].head<3>();
-        motion.velocity_W_mps = c[1].head<3>();
-        motion.acceleration_W_mps2 = 2.0 * position.fit<3>(t, acceleration_half_s)[2].head<3>();
-      }
-      if (velocity.can_fit(5)) {
-        const auto c = velocity.fit<3>(t, pose_half_s);
-        motion.velocity_W_mps = c[0].head<3>();
-        motion.acceleration_W_mps2 = c[1].head<3>();
-      }
-      if (attitude.can_fit(5)) {
-        const auto c = attitude.fit<3>(t, pose_half_s);
-        motion.attitude_WB.coeffs() = c[0].normalized();
-        motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
-      }
-      if (rate.can_fit(5)) {
-        const auto c = rate.fit<2>(t, rate_half_s);
-        motion.body_rate_B_radps = c[0].head<3>();
-        motion.angular_acceleration_B_radps2 = c[1].head<3>();
-      }
+      flight.motion[k] = motion_at(samples[k].time_s, seen, half);
       // without attitude the rate is integrated; torques and body forces do not depend on it
-      if (!attitude.can_fit(5) && k > begin) {
-        const Vector3 turn = flight.motion[k - 1].body_rate_B_radps * (t - samples[k - 1].time_s);
-        const double angle = turn.norm();
-        motion.attitude_WB = flight.motion[k - 1].attitude_WB;
-        if (angle > 0.0) motion.attitude_WB = motion.attitude_WB * Quaternion(Eigen::AngleAxisd(angle, turn / angle));
+      if (!attitude && k > begin) {
+        const Motion& before = flight.motion[k - 1];
+        flight.motion[k].attitude_WB =
+            turned(before.attitude_WB, before.body_rate_B_radps * (samples[k].time_s - samples[k - 1].time_s));
       }
     }
-    if (!rate.can_fit(5) && attitude.can_fit(5))
+    if (!seen.rate.can_fit(5) && attitude)
       for (std::size_t k = begin + 1; k + 1 < end; ++k)
         flight.motion[k].angular_acceleration_B_radps2 =
             (flight.motion[k + 1].body_rate_B_radps - flight.motion[k - 1].body_rate_B_radps) /
             (samples[k + 1].time_s - samples[k - 1].time_s);
-    begin = end;
   }
 }
 

@@ -8,6 +8,7 @@
 #include "diagnosis/recording/flight_data.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
 #include "gustlab/errors.hpp"
+#include "util/rotations.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -33,22 +34,6 @@ double noise_of(const std::vector<Vector3>& series) {
   }
   return std::sqrt(sum / 3.0);
 }
-
-}  // namespace
-
-Vector3 turn_between(const Quaternion& a, const Quaternion& b) {
-  Quaternion d = a.conjugate() * b;
-  if (d.w() < 0.0) d.coeffs() *= -1.0;
-  const double sine = d.vec().norm();
-  return sine > 0.0 ? Vector3(2.0 * std::atan2(sine, d.w()) / sine * d.vec()) : Vector3::Zero();
-}
-
-Quaternion turned(const Quaternion& q, const Vector3& turn_B) {
-  const double angle = turn_B.norm();
-  return angle > 0.0 ? q * Quaternion(Eigen::AngleAxisd(angle, turn_B / angle)) : q;
-}
-
-namespace {
 
 // samples of one column: the rows that hold one, and how far apart they usually are
 struct Samples {

@@ -64,8 +64,4 @@ class RecordedMotion {
   std::array<double, 4> noise_{};
 };
 
-// rotation vector of a⁻¹ b, in the axes of a
-Vector3 turn_between(const Quaternion& a, const Quaternion& b);
-Quaternion turned(const Quaternion& q, const Vector3& turn_B);
-
 }  // namespace gustlab::diagnosis

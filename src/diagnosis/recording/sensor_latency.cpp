@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/recording/recorded_motion.hpp"
+#include "util/rotations.hpp"
 
 namespace gustlab::diagnosis {
 

@@ -12,6 +12,7 @@
 #include "gustlab/errors.hpp"
 #include "gustlab/random.hpp"
 #include "util/parallel.hpp"
+#include "util/rotations.hpp"
 
 namespace gustlab::diagnosis {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simulation/make_effects.hpp"
+#include "util/rotations.hpp"
 
 namespace gustlab::diagnosis {
 

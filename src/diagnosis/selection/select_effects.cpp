@@ -308,7 +308,29 @@ class Selector {
                   improve_ == Improve::freely);
   }
 
+  // a set that settles, and what is said of it
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
+    const Eigen::MatrixXd total = settle(result, chosen, std::move(value));
+    result.noise_selected = s_.noise;
+    result.smoothed_selected = s_.smoothed;
+    result.degrees_of_freedom = result.grams.rows;
+    const Fit fit = say_values(result, chosen, total);
+    for (const int g : chosen) result.findings.push_back(finding_of(result, chosen, total, fit, g));
+    rivals(result, chosen, fit);
+    const std::vector<double> included = inclusion(s_, result.grams, chosen, options_);
+    for (Finding& finding : result.findings) finding.inclusion = included[static_cast<std::size_t>(finding.group)];
+    for (const int g : SubsetSearch(catalogue_, s_.vehicle(), 0.0).candidates) {
+      if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
+      std::vector<int> more = chosen;
+      more.push_back(g);
+      result.alone.emplace_back(
+          g, fit.loss - solve(total, s_.with_biases(more)).loss -
+                 std::log(result.grams.rows) * static_cast<double>(columns_of(catalogue_, {g}).size()));
+    }
+  }
+
+  // Linearised anew about a set, with noise learned anew, until it stays as it is; returns the sum of its Gram matrices.
+  Eigen::MatrixXd settle(Selection& result, std::vector<int>& chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
     bool simplified = false;
@@ -340,12 +362,13 @@ class Selector {
       }
       if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
     }
-    result.noise_selected = s_.noise;
-    result.smoothed_selected = s_.smoothed;
-    result.degrees_of_freedom = result.grams.rows;
+    return total;
+  }
 
+  // the set's values and their errors, and what commands that nothing predicted say beside it
+  Fit say_values(Selection& result, const std::vector<int>& chosen, const Eigen::MatrixXd& total) const {
     const std::vector<int> columns = s_.with_biases(chosen);
-    const Fit fit = solve(total, columns);
+    Fit fit = solve(total, columns);
     const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
     result.loss_selected = fit.loss;
     std::vector<int> predicted = columns;
@@ -359,32 +382,24 @@ class Selector {
           std::sqrt(std::max(0.0, covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)))) *
           natural_[columns[i]];
     catalogue_.clamp(result.value);
+    return fit;
+  }
+
+  Finding finding_of(const Selection& result, const std::vector<int>& chosen, const Eigen::MatrixXd& total,
+                     const Fit& fit, int g) const {
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
-    for (const int g : chosen) {
-      Finding finding;
-      finding.group = g;
-      const std::vector<int> rest = search.without(chosen, g);
-      finding.gain = gain_of(g, solve(total, s_.with_biases(rest)).loss - fit.loss);
-      finding.gain_alone = result.loss_nominal - solve(total, s_.with_biases({g})).loss;
-      finding.gain_with_partner = finding.gain;
-      for (const int partner : rest) {
-        const double gain = solve(total, s_.with_biases(search.without(rest, partner))).loss - fit.loss;
-        finding.gain_with_partner = std::min(finding.gain_with_partner, gain_of(g, gain));
-      }
-      finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
-      result.findings.push_back(finding);
+    Finding finding;
+    finding.group = g;
+    const std::vector<int> rest = search.without(chosen, g);
+    finding.gain = gain_of(g, solve(total, s_.with_biases(rest)).loss - fit.loss);
+    finding.gain_alone = result.loss_nominal - solve(total, s_.with_biases({g})).loss;
+    finding.gain_with_partner = finding.gain;
+    for (const int partner : rest) {
+      const double gain = solve(total, s_.with_biases(search.without(rest, partner))).loss - fit.loss;
+      finding.gain_with_partner = std::min(finding.gain_with_partner, gain_of(g, gain));
     }
-    rivals(result, chosen, fit);
-    const std::vector<double> included = inclusion(s_, result.grams, chosen, options_);
-    for (Finding& finding : result.findings) finding.inclusion = included[static_cast<std::size_t>(finding.group)];
-    for (const int g : search.candidates) {
-      if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
-      std::vector<int> more = chosen;
-      more.push_back(g);
-      result.alone.emplace_back(
-          g, fit.loss - solve(total, s_.with_biases(more)).loss -
-                 std::log(result.grams.rows) * static_cast<double>(columns_of(catalogue_, {g}).size()));
-    }
+    finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
+    return finding;
   }
 
   // One effect exchanged for another, and the set to compare that with: a trim is at work beside the effect as well, and only

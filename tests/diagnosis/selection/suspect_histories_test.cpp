@@ -3,43 +3,35 @@
 
 #include <gtest/gtest.h>
 
-#include "diagnosis/recording/recordings.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/limit_scan.hpp"
-#include "support/trials.hpp"
+#include "support/sessions.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
 
-// two flights of eight seconds
-Recordings fly(const std::string& concealed) {
-  const TemporaryFolder folder;
-  const DiagnoseOptions trial = test::fly_trial(folder, {.fit = {"multisine", "lemniscate"},
-                                                         .holdout = {"circle"},
-                                                         .duration_s = 8.0,
-                                                         .log_rate_hz = 100.0,
-                                                         .concealed = concealed});
-  return check(read_recordings(trial.fit, trial.holdout, {}, std::nullopt));
-}
-
-// ready for the scans: linearised about the vehicle file, with the noise that this leaves
-struct Unexplained {
-  explicit Unexplained(const std::string& concealed) : recordings(fly(concealed)) {
-    session.linearise(session.value(), session.all_columns());
-    session.learn_noise(6, session.biases());
-  }
-  const Group& group(ColumnFrom column) const {
-    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(column))];
-  }
-  Recordings recordings;
-  Session session{prepare(recordings.fit, recordings.vehicle, {}), recordings.vehicle, 1};
-};
+using test::Unexplained;
 
 TEST(LimitScanOfFlights, FindsTheLimitAndGainsWhatItExplains) {
   const Unexplained limited(R"({type = "saturation", max_speed = 2120})");
   const LimitScan found = scan_limit(limited.session, limited.session.biases());
   EXPECT_NEAR(found.limit_radps, 2120.0, 30.0);
   EXPECT_GT(found.gain, decisions::least_limit_gain);
+}
+
+// The scan's gain is what the limit's own column gains in the Gram matrices, the other coefficients as they were.
+TEST(LimitScanOfFlights, GainsWhatItsColumnGainsInTheGramMatrices) {
+  Unexplained limited(R"({type = "saturation", max_speed = 2120})");
+  Session& session = limited.session;
+  const LimitScan found = scan_limit(session, session.biases());
+  session.suspect_limit(found.limit_radps);
+  session.linearise(session.value(), session.all_columns());
+  const int column = limited.group(ColumnFrom::speed_limit).columns.front();
+  const Eigen::MatrixXd total = session.grams().total();
+  Eigen::VectorXd left = Eigen::VectorXd::Unit(total.cols(), total.cols() - 1);
+  left(session.biases()) = -solve(total, session.biases()).coefficient;
+  const double seen = total.col(column).dot(left);
+  EXPECT_NEAR(found.gain, seen * seen / total(column, column), 1e-6 * found.gain);
 }
 
 TEST(SuspectHistories, ALowerLimitIsSuspectedWhereItIs) {

@@ -1,0 +1,97 @@
+// The search on a short flight with two concealed effects: what it finds, what goes and comes back, and what it makes of a reference flight.
+#include "diagnosis/selection/select_effects.hpp"
+
+#include <gmock/gmock.h>
+
+#include "diagnosis/selection/reference_fit.hpp"
+#include "support/sessions.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+using ::testing::IsSupersetOf;
+
+class SelectEffects : public ::testing::Test {
+ protected:
+  struct Found {
+    Recordings recordings = test::short_flights(
+        R"({type = "mass", delta = 0.1}, {type = "center_of_mass", x = 6e-4, y = -4e-4})", {"multisine"});
+    Session session = test::session_of(recordings);
+    Selection selection = select_effects(session, {});
+  };
+  static const Found& found() {
+    static const Found once;
+    return once;
+  }
+  // the session is moved by whoever selects with it
+  const Recordings& recordings = found().recordings;
+  Session session = found().session;
+  const Selection& selection = found().selection;
+
+  std::vector<std::string> names(const Selection& some) const {
+    std::vector<std::string> result;
+    for (const int g : some.groups())
+      result.emplace_back(session.catalogue().groups()[static_cast<std::size_t>(g)].row->name);
+    return result;
+  }
+  int column(const char* effect, std::size_t parameter = 0) const {
+    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(effect))].columns[parameter];
+  }
+};
+
+TEST_F(SelectEffects, FindsWhatWasConcealedWithItsSize) {
+  ASSERT_THAT(names(selection), IsSupersetOf({"mass", "center_of_mass"}));
+  EXPECT_NEAR(selection.value[column("mass")], 0.1, 0.01);
+  EXPECT_NEAR(selection.value[column("center_of_mass")], 6e-4, 6e-5);
+  EXPECT_NEAR(selection.value[column("center_of_mass", 1)], -4e-4, 6e-5);
+}
+
+// every number of a finding is a difference of two least-squares fits on the Gram matrices that the selection hands out
+TEST_F(SelectEffects, GainsAreLossesWithoutOrWithOne) {
+  const Eigen::MatrixXd total = selection.grams.total();
+  const auto loss = [&](std::vector<int> groups, int without = -1, int nor = -1) {
+    std::erase_if(groups, [&](int g) { return g == without || g == nor; });
+    return solve(total, session.with_biases(groups)).loss;
+  };
+  const std::vector<int> all = selection.groups();
+  EXPECT_NEAR(selection.loss_selected, loss(all), 1e-9 * selection.loss_selected);
+  EXPECT_NEAR(selection.loss_nominal, loss({}), 1e-9 * selection.loss_nominal);
+  for (const Finding& finding : selection.findings) {
+    double with_partner = finding.gain;
+    for (const int partner : all)
+      if (partner != finding.group)
+        with_partner = std::min(with_partner, loss(all, finding.group, partner) - selection.loss_selected);
+    EXPECT_NEAR(finding.gain, loss(all, finding.group) - loss(all), 1e-6 * finding.gain);
+    EXPECT_NEAR(finding.gain_alone, loss({}) - loss({finding.group}), 1e-6 * selection.loss_nominal);
+    EXPECT_NEAR(finding.gain_with_partner, with_partner, 1e-6 * finding.gain);
+  }
+}
+
+TEST_F(SelectEffects, WhatIsWithdrawnComesBackWhenItStillPays) {
+  if (const std::optional<Selection> more = look_again(session, {}, selection)) {
+    EXPECT_THAT(more->groups(), IsSupersetOf(selection.groups()));
+  }
+  const int mass = session.catalogue().find("mass");
+  const Selection rest = withdraw(session, {}, selection, {mass});
+  EXPECT_EQ(rest.find(mass), nullptr);
+  EXPECT_NE(rest.find(session.catalogue().find("center_of_mass")), nullptr);
+  EXPECT_EQ(rest.value[column("mass")], session.catalogue().nominal()[column("mass")]);
+  const std::optional<Selection> again = look_again(session, {}, rest);
+  ASSERT_TRUE(again);
+  EXPECT_THAT(again->groups(), IsSupersetOf(rest.groups()));
+  EXPECT_NE(again->find(mass), nullptr);
+  EXPECT_NEAR(again->value[column("mass")], selection.value[column("mass")], 5e-3);
+}
+
+TEST_F(SelectEffects, AReferenceFlightMakesThemTheVehicles) {
+  const ReferenceFit normal = fit_reference(session.flights(), {}, recordings.vehicle, 1);
+  const auto mass = std::find_if(normal.effects.begin(), normal.effects.end(),
+                                 [](const EffectFinding& e) { return e.effect == "mass"; });
+  ASSERT_NE(mass, normal.effects.end());
+  EXPECT_NEAR(mass->parameters.front().value, selection.value[column("mass")], 1e-9);
+  const auto& effects = normal.vehicle.effects;
+  EXPECT_TRUE(std::any_of(effects.begin(), effects.end(), [](const EffectSpec& e) { return e.type == "mass"; }));
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,40 @@
+// Short concealed trials as a session: checked and prepared as diagnose() does, on one thread.
+#pragma once
+
+#include "diagnosis/estimation/session.hpp"
+#include "diagnosis/recording/recordings.hpp"
+#include "support/trials.hpp"
+
+namespace gustlab::test {
+
+// Flights of a few seconds, one a trajectory, with every command; a circle is held out.
+inline diagnosis::Recordings short_flights(const std::string& concealed, std::vector<std::string> fit,
+                                           double duration_s = 5.0, double log_rate_hz = 0.0) {
+  const TemporaryFolder folder;
+  const diagnosis::DiagnoseOptions trial = fly_trial(folder, {.fit = std::move(fit),
+                                                              .holdout = {"circle"},
+                                                              .duration_s = duration_s,
+                                                              .log_rate_hz = log_rate_hz,
+                                                              .concealed = concealed});
+  return check(diagnosis::read_recordings(trial.fit, trial.holdout, {}, std::nullopt));
+}
+
+inline diagnosis::Session session_of(const diagnosis::Recordings& flown) {
+  return {diagnosis::prepare(flown.fit, flown.vehicle, {}), flown.vehicle, 1};
+}
+
+// Two flights at 100 Hz, linearised about the vehicle file, with the noise that this leaves.
+struct Unexplained {
+  explicit Unexplained(const std::string& concealed)
+      : recordings(short_flights(concealed, {"multisine", "lemniscate"}, 8.0, 100.0)) {
+    session.linearise(session.value(), session.all_columns());
+    session.learn_noise(6, session.biases());
+  }
+  const diagnosis::Group& group(ColumnFrom column) const {
+    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(column))];
+  }
+  diagnosis::Recordings recordings;
+  diagnosis::Session session = session_of(recordings);
+};
+
+}  // namespace gustlab::test
