@@ -261,8 +261,8 @@ class WrongInput(InFolder):
             (changed(("--hover", "1.5"), drop=["--thrust-to-weight"]), "1.5 is no hover throttle"),
             (changed(("--throttle-curve", "3")), "--throttle-curve"),
             (changed(("--layout", "hex")), 'there is no layout "hex" (known: x, +, x-betaflight, x-crazyflie, hexa, hexa+, octo, octo+) did you mean "hexa"?'),
-            (changed(("--from-px4", "no.ulg")), "no.ulg: cannot read (No such file or directory)"),
-            (changed(("--from-px4", "file")), "file: not a PX4 log that can be read"),
+            (changed(("--from-px4", "no.ulg")), "no.ulg: cannot be read (No such file or directory)"),
+            (changed(("--from-px4", "file")), "file: byte 0: the file is empty"),
             (changed(("--out", "taken")), "taken/vehicle.toml: is there already"),
             (changed(("--out", "file/below")), "file"),
         ):
