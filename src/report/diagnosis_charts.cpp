@@ -104,14 +104,18 @@ std::string horizon_table(const Json& diagnosis) {
     const Json& errors = part(fit, quantity.key);
     if (errors.empty()) continue;
     for (std::size_t h = 0; h < horizons.size(); ++h) {
-      html += fmt::format("<tr><td>{}</td><td class=\"n\">{:g} s</td>", quantity.name, horizons[h]);
+      std::string cells;
+      bool any = false;
       for (const char* key : {"hold", "before", "after", "noise"}) {
         const std::vector<double> values = numbers(part(errors, key));
         const double value = h < values.size() ? values[h] : std::numeric_limits<double>::quiet_NaN();
-        html += std::isfinite(value) ? fmt::format("<td class=\"n\">{} {}</td>", figure(value), quantity.unit)
-                                     : "<td class=\"n\">–</td>";
+        any = any || std::isfinite(value);
+        cells += std::isfinite(value) ? fmt::format("<td class=\"n\">{} {}</td>", figure(value), quantity.unit)
+                                      : "<td class=\"n\">–</td>";
       }
-      html += "</tr>";
+      // what was not predicted at all has no row
+      if (any)
+        html += fmt::format("<tr><td>{}</td><td class=\"n\">{:g} s</td>{}</tr>", quantity.name, horizons[h], cells);
     }
   }
   return html + "</table></div></details>";

@@ -1,5 +1,6 @@
 #include "report/diagnosis_page.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -141,6 +142,46 @@ TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
               HasSubstr("<ul><li><strong>Filtered</strong>: 2 of 3 flights: px…wz it was smoothed.</li></ul>"));
 }
 
+TEST(DiagnosisPage, SaysOnceWhatIsSaidOfSeveralChannels) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["alarms"] = Json::array();
+  for (const char* name : {"position x", "roll rate", "specific force z"})
+    diagnosis["alarms"].push_back(
+        {{"kind", "whiteness"}, {"says", fmt::format("innovations of {} are correlated over 3 samples", name)}});
+  diagnosis["alarms"].push_back({{"kind", "omnibus"}, {"says", "the rest depends on velocity"}});
+  const std::string html = diagnosis_page(diagnosis, {});
+  EXPECT_THAT(html, HasSubstr("comes in runs of several samples in position x, roll rate and specific force z.</li>"));
+  EXPECT_THAT(html, AllOf(HasSubstr("the rest depends on velocity.</li>"), Not(HasSubstr("are correlated over"))));
+}
+
+TEST(DiagnosisPage, AnEffectThatWasAskedTwiceIsLookedAtOnce) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["rejected"] = {{{"effect", "steady_wind"}, {"why", "first"}, {"delta_score", 97.0}},
+                           {{"effect", "steady_wind"}, {"why", "second"}, {"delta_score", 13.0}}};
+  const std::string html = diagnosis_page(diagnosis, {});
+  EXPECT_THAT(html, AllOf(HasSubstr("<td>first</td>"), Not(HasSubstr("<td>second</td>"))));
+}
+
+// the page said of one log that torques are not known, and that roll torque is wrong everywhere
+TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["mismatch"] = {
+      {{"channel", "torque_x"}, {"significant", true}, {"rms", 2e-4}, {"noise_rms", 1e-4}, {"unit", "N m"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<td class=\"where\">everywhere</td>"));
+  diagnosis["not_identifiable"] = {{{"effect", "inertia"}, {"why", "these logs tell no torque"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+              AllOf(HasSubstr("not judged: these logs tell no torque"), Not(HasSubstr(">everywhere<"))));
+}
+
+TEST(DiagnosisPage, WhatWasNotPredictedHasNoRow) {
+  Json diagnosis = example_diagnosis();
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<td>Attitude</td>"));
+  for (auto& errors : diagnosis["fit"]["attitude_rad"])
+    for (auto& error : errors) error = nullptr;
+  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+              AllOf(Not(HasSubstr("<td>Attitude</td>")), HasSubstr("<td>Velocity</td>")));
+}
+
 TEST(DiagnosisPage, ShowsSuspectsWithTheReasonWhyTheyHaveNoName) {
   Json diagnosis = example_diagnosis();
   EXPECT_THAT(diagnosis_page(diagnosis, {}), Not(HasSubstr("Suspected")));
@@ -182,6 +223,9 @@ TEST(GainSentence, ClaimsNoGainThatItsDigitsDoNotShow) {
   EXPECT_EQ(report::gain_sentence(diagnosis), "");
   diagnosis["residual_model"] = {{"terms", {{{"term", "1"}}}}};
   EXPECT_THAT(report::gain_sentence(diagnosis), testing::StartsWith("With a model that has no name, the position"));
+  diagnosis["effects"] = example_diagnosis()["effects"];
+  EXPECT_THAT(report::gain_sentence(diagnosis),
+              testing::StartsWith("With what was found and a model of the rest that has no name, the position"));
   diagnosis["fit"]["position_m"]["before"] = diagnosis["fit"]["position_m"]["after"];
   EXPECT_EQ(report::gain_sentence(diagnosis), "");
 }
