@@ -173,10 +173,12 @@ std::string horizon_section(const nlohmann::ordered_json& diagnosis, const Diagn
          horizon_table(diagnosis) + "</section>";
 }
 
-std::string residual_section(const DiagnosisFigures& figures) {
+std::string residual_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
   std::string charts;
   std::vector<std::string> notes;
+  const bool torque_told = torque_is_told(diagnosis);
   for (const DiagnosisFigures::Residual& residual : figures.residuals) {
+    if (!torque_told && residual.channel.starts_with("torque")) continue;
     const std::string chart = residual_chart(residual);
     if (chart.empty()) continue;
     charts += chart;
@@ -305,8 +307,9 @@ std::string window_section(const nlohmann::ordered_json& diagnosis, const Diagno
     chart.series.push_back({"after", svg::Mark::line, trace.time_s, scaled(trace.after, display.factor), {}, {}});
     charts += svg::draw(chart);
   }
-  charts += error_chart(figures, "Roll and pitch: how far off", {"roll", "pitch"},
-                        noise_at(diagnosis, "attitude_rad", restart_s));
+  if (torque_is_told(diagnosis))
+    charts += error_chart(figures, "Roll and pitch: how far off", {"roll", "pitch"},
+                          noise_at(diagnosis, "attitude_rad", restart_s));
   charts += motor_chart(figures);
   if (charts.empty()) return "";
   std::size_t samples = 0;

@@ -92,9 +92,7 @@ std::string region(const Json& where) {
 }
 
 // what a channel shows, in words that its own numbers bear out: nothing, too little to matter, or where
-std::string shows(const Json& entry, bool torque_told) {
-  if (!torque_told && text(entry, "channel").starts_with("torque"))
-    return "<span class=\"soft\">not judged: these logs tell no torque</span>";
+std::string shows(const Json& entry) {
   const double above = number(entry, "rms") / number(entry, "noise_rms") - 1.0;
   if (entry.value("significant", false)) {
     std::vector<std::string> regions;
@@ -120,9 +118,7 @@ std::string times_noise(double above) {
 std::string where(const Json& diagnosis) {
   const Json& mismatch = part(diagnosis, "mismatch");
   if (mismatch.empty()) return "";
-  const Json& blind = part(diagnosis, "not_identifiable");
-  const bool torque_told = std::none_of(
-      blind.begin(), blind.end(), [](const Json& entry) { return text(entry, "why") == "these logs tell no torque"; });
+  const bool torque_told = torque_is_told(diagnosis);
   double full = 1.0;
   for (const Json& entry : mismatch)
     if (const double ratio = number(entry, "rms") / number(entry, "noise_rms"); std::isfinite(ratio))
@@ -131,12 +127,13 @@ std::string where(const Json& diagnosis) {
   for (const Json& entry : mismatch) {
     const double rms = number(entry, "rms"), noise = number(entry, "noise_rms"), above = rms / noise - 1.0;
     const Display display = display_of("", text(entry, "unit"), rms);
+    const bool judged = torque_told || !text(entry, "channel").starts_with("torque");
     rows += fmt::format(
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{} {}</td><td class=\"n\">{} {}</td><td class=\"n\">{}</td><td "
         "class=\"where\">{}</td></tr>",
         escape(plain_channel(text(entry, "channel"))), svg::bar(rms / noise, 1.0, full), figure(display.factor * rms),
-        escape(display.unit), figure(display.factor * noise), escape(display.unit), times_noise(above),
-        shows(entry, torque_told));
+        escape(display.unit), figure(display.factor * noise), escape(display.unit), judged ? times_noise(above) : "–",
+        judged ? shows(entry) : "<span class=\"soft\">not judged: these logs tell no torque</span>");
   }
   return "<p>The difference between simulation and recording, channel by channel, before anything was added. The dark "
          "tick is what noise and calm air alone would leave.</p><div "
@@ -278,11 +275,15 @@ std::string what(const Json& diagnosis, double weight_N) {
   const Json& model = part(diagnosis, "residual_model");
   if (!model.empty()) {
     std::string rows;
-    for (const Json& term : part(model, "terms"))
+    for (const Json& term : part(model, "terms")) {
+      // a term that is 1 has the unit of its channel
+      std::string unit = text(term, "unit");
+      if (text(term, "term") == "1") unit = unit.substr(0, unit.find(" per unit"));
       rows += fmt::format(
           "<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td>{}</td><td class=\"where\">{}</td></tr>",
           escape(plain_channel(text(term, "channel"))), escape(text(term, "term")), figure(number(term, "coefficient")),
-          escape(text(term, "unit")), escape(likeness(term, weight_N)));
+          escape(unit), escape(likeness(term, weight_N)));
+    }
     cards += "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
              paragraph(
                  "Nothing in the catalogue explains the rest. This sparse model describes it and can be flown, but it "
@@ -468,7 +469,7 @@ std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const Diagno
   for (const std::string& piece :
        {header(diagnosis), log_findings(diagnosis), window_section(diagnosis, figures),
         section("What was left out", what(diagnosis, figures.weight_N)), section("Where it differs", where(diagnosis)),
-        residual_section(figures), horizon_section(diagnosis, figures),
+        residual_section(diagnosis, figures), horizon_section(diagnosis, figures),
         section("Still not explained, and remarks", remarks(diagnosis)),
         section("What cannot be told", cannot_tell(diagnosis)), section("What to fly next", next_flight(diagnosis)),
         section("Unexplained disturbance", disturbance(diagnosis)), section("Calibration", calibration(diagnosis)),

@@ -302,6 +302,12 @@ std::string one_sentence(const Json& diagnosis) {
   return findings_in_words(diagnosis) + (verdict == "partly_explained" ? ". Something else remains." : ".");
 }
 
+bool torque_is_told(const Json& diagnosis) {
+  const Json& blind = part(diagnosis, "not_identifiable");
+  return std::none_of(blind.begin(), blind.end(),
+                      [](const Json& entry) { return text(entry, "why") == "these logs tell no torque"; });
+}
+
 std::string gain_sentence(const Json& diagnosis) {
   const std::string gain = gain_in_words(diagnosis);
   const bool named = !part(diagnosis, "effects").empty(), unnamed = !part(diagnosis, "residual_model").empty();

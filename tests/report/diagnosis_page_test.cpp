@@ -128,11 +128,14 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
   diagnosis["verdict"] = "unexplained";
   diagnosis["effects"] = Json::array();
   diagnosis["residual_model"] = {
-      {"terms", {{{"channel", "force_x"}, {"term", "vx |v|"}, {"coefficient", -0.012}, {"unit", "N s²/m²"}}}}};
+      {"terms",
+       {{{"channel", "force_x"}, {"term", "vx |v|"}, {"coefficient", -0.012}, {"unit", "N s²/m²"}},
+        {{"channel", "force_y"}, {"term", "1"}, {"coefficient", -0.2}, {"unit", "N per unit of the term"}}}}};
   const std::string html = diagnosis_page(diagnosis, {});
   expect_sound(html);
   EXPECT_THAT(html, HasSubstr("An unnamed effect"));
   EXPECT_THAT(html, HasSubstr("<code>vx |v|</code></td><td class=\"n\">−0.0120</td>"));
+  EXPECT_THAT(html, AllOf(HasSubstr("<td>N</td>"), Not(HasSubstr("per unit of the term"))));
 }
 
 TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
@@ -168,9 +171,14 @@ TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
   diagnosis["mismatch"] = {
       {{"channel", "torque_x"}, {"significant", true}, {"rms", 2e-4}, {"noise_rms", 1e-4}, {"unit", "N m"}}};
   EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<td class=\"where\">everywhere</td>"));
+  DiagnosisFigures figures = example_figures();
+  figures.residuals[0].channel = "torque_x";
+  EXPECT_THAT(diagnosis_page(diagnosis, figures),
+              AllOf(HasSubstr("Roll torque"), HasSubstr("Roll and pitch: how far off")));
   diagnosis["not_identifiable"] = {{{"effect", "inertia"}, {"why", "these logs tell no torque"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}),
-              AllOf(HasSubstr("not judged: these logs tell no torque"), Not(HasSubstr(">everywhere<"))));
+  EXPECT_THAT(diagnosis_page(diagnosis, figures),
+              AllOf(HasSubstr("not judged: these logs tell no torque"), Not(HasSubstr(">everywhere<")),
+                    Not(HasSubstr("Roll torque")), Not(HasSubstr("Roll and pitch: how far off"))));
 }
 
 TEST(DiagnosisPage, WhatWasNotPredictedHasNoRow) {
