@@ -202,8 +202,8 @@ class FitOnAThrustStand(InFolder):
 
 
 class FitOnFlights(InFolder):
-    def fit(self, truth, vehicle=""):
-        """(what is printed, the fitted vehicle) of flights of a vehicle that differs from its file by these effects"""
+    def fit(self, truth, vehicle="", change=lambda log: None):
+        """(what is printed, the fitted vehicle) of flights of a vehicle that differs from its file by these effects; change: of their logs"""
         self.write(LEAST + "coefficient = 1.5e-5\nmax_speed_radps = 800\n" + vehicle)
         effects = "".join("[[effect]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in effect.items()) for effect in truth)
         (self.folder / "e.toml").write_text(
@@ -213,6 +213,7 @@ class FitOnFlights(InFolder):
         for trajectory, out in (("multisine", "a"), ("lemniscate", "b")):
             done = gustlab("run", "e.toml", "--trajectory", trajectory, "--controller", "geometric", "--out", out, folder=self.folder)
             self.assertEqual(done.returncode, 0, done.stderr)
+            change(self.folder / out / "flight.csv")
         done = gustlab("vehicle", "fit", "a/flight.csv", "--holdout", "b/flight.csv", "--vehicle", "vehicle.toml", "--out", "fitted", folder=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout, tomllib.loads((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"))
@@ -244,6 +245,19 @@ class FitOnFlights(InFolder):
         # what is written flies, with a number of digits that a reader can take in
         self.assertNotRegex((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"), r"\d\.\d{8}")
         self.ok("vehicle", "check", "fitted/vehicle.toml")
+
+    def test_how_thrust_falls_with_the_battery_comes_back(self):
+        def with_voltage(log):
+            """the voltage whose power 1.5 is the thrust that the simulator takes away with time, in a log without the rotors' speeds"""
+            head, *rows = [line.split(",") for line in log.read_text(encoding="utf-8").splitlines()]
+            kept = [i for i, name in enumerate(head) if not name.startswith("rotor")]
+            lines = [",".join([*(head[i] for i in kept), "vbat"])]
+            lines += [",".join([*(row[i] for i in kept), f"{15.4 * (1 - 0.004 * float(row[0])) ** (1 / 1.5):.5f}"]) for row in rows]
+            log.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+        _, vehicle = self.fit([{"type": "battery_sag", "rate": 0.004}], "nominal_voltage_V = 15.4\n", with_voltage)
+        sag = next(effect for effect in vehicle["effect"] if effect["type"] == "battery_sag")
+        self.assertAlmostEqual(sag["exponent"], 1.5, delta=0.1)
 
 
 class WrongInput(InFolder):
