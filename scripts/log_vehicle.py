@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from gustlab_import.kinds import kind_of
 from gustlab_import.problems import ImportFailure
 from gustlab_import.read_mavlink import read_dataflash
 from gustlab_import.read_ulog import read_ulog
@@ -91,8 +92,6 @@ def torque_ratio(parameters):
 def of_px4(path):
     try:
         log = ULog(str(path), ["hover_thrust_estimate"], disable_str_exceptions=True)
-    except OSError as error:
-        sys.exit(f"{path}: cannot read ({error.strerror})")
     except Exception as error:  # noqa: BLE001 (pyulog raises whatever a broken file leads to)
         sys.exit(f"{path}: not a PX4 log that can be read ({type(error).__name__}: {error})")
     parameters = log.initial_parameters
@@ -109,8 +108,10 @@ def main():
     parser.add_argument("log", metavar="LOG", type=Path)
     path = parser.parse_args().log
     try:
-        dataflash = path.is_file() and path.read_bytes()[:4].startswith((b"\xa3\x95", b"FMT,"))
-        print(json.dumps(of_ardupilot(path) if dataflash else of_px4(path)))
+        of_kind = {"dataflash": of_ardupilot, "ulog": of_px4}.get(kind_of(path))
+        if of_kind is None:
+            sys.exit(f"{path}: a log of PX4 (.ulg) or ArduPilot (.bin) is needed; others do not say what vehicle flew")
+        print(json.dumps(of_kind(path)))
     except (ImportFailure, OSError) as failure:
         sys.exit(str(failure))
 

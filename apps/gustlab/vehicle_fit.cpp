@@ -90,18 +90,19 @@ void take(const diagnosis::EffectFinding& finding, const VehicleModel& vehicle, 
   drop_effect(text, finding.effect);
   text += fmt::format("\n[[effect]]\ntype = \"{}\"\n# {}\n", finding.effect, source);
   for (const auto& value : finding.parameters)
-    text += fmt::format("{} = {}  # {}, sd {:.2g}\n", value.name, config::shortest(value.value), value.unit,
-                        value.deviation);
+    text += fmt::format("{} = {:.5g}  # {}, sd {:.2g}\n", value.name, value.value, value.unit, value.deviation);
 }
 
-void print_errors(const nlohmann::ordered_json& fit) {
+// with_rest: the errors after are those of a model that holds more than the vehicle file gets
+void print_errors(const nlohmann::ordered_json& fit, bool with_rest) {
   if (!fit.is_object() || !fit.contains("position_m") || !fit["position_m"].contains("after")) return;
   const auto& horizon = fit["horizon_s"];
   const auto &before = fit["position_m"]["before"], &after = fit["position_m"]["after"];
   for (std::size_t h = 0; h < horizon.size(); ++h)
     if (before[h].is_number() && after[h].is_number())
-      fmt::print("position error {:.2g} s ahead on held-out flights: {:.3g} m before, {:.3g} m after\n",
-                 horizon[h].get<double>(), before[h].get<double>(), after[h].get<double>());
+      fmt::print("position error {:.2g} s ahead on held-out flights: {:.3g} m before, {:.3g} m after{}\n",
+                 horizon[h].get<double>(), before[h].get<double>(), after[h].get<double>(),
+                 with_rest ? ", with what is not a constant of the vehicle" : "");
 }
 
 void fit_flights(const FitArguments& options) {
@@ -119,10 +120,14 @@ void fit_flights(const FitArguments& options) {
   const diagnosis::Diagnosis found = diagnosis::diagnose(wanted);
   progress.end();
   std::string text = read_file<ConfigError>(vehicle.source_path);
+  bool with_rest = !found.residual_model.is_null();
   for (const auto* findings : {&found.effects, &found.calibration})
     for (const diagnosis::EffectFinding& finding : *findings) {
       const EffectRow* row = find_effect(finding.effect);
-      if (row == nullptr || !is_constant(*row) || finding.parameters.empty()) continue;
+      if (row == nullptr || !is_constant(*row) || finding.parameters.empty()) {
+        with_rest = true;
+        continue;
+      }
       take(finding, vehicle, source_of(finding, options.logs.size()), text);
       for (const auto& value : finding.parameters)
         fmt::print("{:<20} {} = {}{}\n", finding.effect, value.name, with_spread(value.value, value.deviation),
@@ -131,7 +136,7 @@ void fit_flights(const FitArguments& options) {
   for (const diagnosis::NotIdentifiable& unknown : found.not_identifiable)
     if (const EffectRow* row = find_effect(unknown.effect); row != nullptr && is_constant(*row))
       fmt::print("{:<20} stays unknown: {}\n", unknown.effect, unknown.why);
-  print_errors(found.fit);
+  print_errors(found.fit, with_rest);
   write_vehicle(options.out, vehicle, text);
 }
 

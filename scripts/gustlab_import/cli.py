@@ -23,7 +23,7 @@ FORMATS = ("PX4 ULog, ArduPilot DataFlash, MAVLink tlog, ROS 1 and 2 bag (.bag, 
 def arguments(argv: list) -> Namespace:
     parser = Options(prog="gustlab import", description="turns flight computers' logs into flight logs, or says "
                                      "what is in them", epilog="exit codes: 0 there is a flight, 2 usage, vehicle or map, 3 no "
-                                     "flight (with the reason), 4 a file cannot be read or written")
+                                     "flight (with the reason), or a file that cannot be read, 4 one that cannot be written")
     parser.add_argument("inputs", nargs="+", type=Path, metavar="LOG", help=FORMATS)
     parser.add_argument("--out", type=Path, metavar="DIR", help="where the flight logs and import.json go; without it nothing is written")
     parser.add_argument("--vehicle", metavar="NAME|PATH", help="vehicle of the flight logs (default: the map's, or vehicle.toml "

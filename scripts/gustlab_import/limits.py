@@ -45,7 +45,8 @@ def _of(flight: Flight) -> dict:
             out[effect] = ("only the total thrust is in the log, not the single motors", "rate")
     elif inputs < MOTOR_Hz:
         for effect in ("motor_lag", "actuation_delay"):
-            out[effect] = (f"motors are logged at {inputs:.0f} Hz", "rate")
+            # one lag or delay of more than a sample shows, but not which of the two it is
+            out[effect] = (f"motors are logged at {inputs:.0f} Hz, which shows no lag below {1e3 / inputs:.0f} ms, nor a lag from a delay", "rate")
     if not collective and min(inputs, rates) < TORQUE_Hz:
         slow = f"motors are logged at {inputs:.0f} Hz" if inputs <= rates else \
             f"body rates are logged at {rates:.0f} Hz" if rates else "there is no body rate"

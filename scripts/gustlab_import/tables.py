@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .problems import DATA, IO, ImportFailure
+from .problems import DATA, ImportFailure
 
 
 @dataclass
@@ -37,7 +37,7 @@ def read_bytes(path: Path) -> bytes:
     try:
         return Path(path).read_bytes()
     except OSError as error:
-        raise ImportFailure(f"{path}: cannot be read ({error.strerror})", IO) from error
+        raise ImportFailure(f"{path}: cannot be read ({error.strerror})") from error
 
 
 def first_bytes(path: Path, count: int) -> bytes:
@@ -45,7 +45,7 @@ def first_bytes(path: Path, count: int) -> bytes:
         with open(path, "rb") as file:
             return file.read(count)
     except OSError as error:
-        raise ImportFailure(f"{path}: cannot be read ({error.strerror})", IO) from error
+        raise ImportFailure(f"{path}: cannot be read ({error.strerror})") from error
 
 
 def read_csv(path: Path) -> Table:
@@ -60,8 +60,8 @@ def read_csv(path: Path) -> Table:
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ImportFailure(f"{path.name}:1:1: not a text file ({error.reason}); a binary log needs a map of "
-                            'kind = "usd"') from error
+        raise ImportFailure(f"{path.name}:1:1: not a text file ({error.reason}); a binary file needs a map of its kind "
+                            "(usd, parquet, ros)") from error
     rows = csv.reader(io.StringIO(text))
     header = [name.strip() for name in next(rows, [])]
     if not header or header == [""]:

@@ -104,14 +104,18 @@ std::string horizon_table(const Json& diagnosis) {
     const Json& errors = part(fit, quantity.key);
     if (errors.empty()) continue;
     for (std::size_t h = 0; h < horizons.size(); ++h) {
-      html += fmt::format("<tr><td>{}</td><td class=\"n\">{:g} s</td>", quantity.name, horizons[h]);
+      std::string cells;
+      bool any = false;
       for (const char* key : {"hold", "before", "after", "noise"}) {
         const std::vector<double> values = numbers(part(errors, key));
         const double value = h < values.size() ? values[h] : std::numeric_limits<double>::quiet_NaN();
-        html += std::isfinite(value) ? fmt::format("<td class=\"n\">{} {}</td>", figure(value), quantity.unit)
-                                     : "<td class=\"n\">–</td>";
+        any = any || std::isfinite(value);
+        cells += std::isfinite(value) ? fmt::format("<td class=\"n\">{} {}</td>", figure(value), quantity.unit)
+                                      : "<td class=\"n\">–</td>";
       }
-      html += "</tr>";
+      // what was not predicted at all has no row
+      if (any)
+        html += fmt::format("<tr><td>{}</td><td class=\"n\">{:g} s</td>{}</tr>", quantity.name, horizons[h], cells);
     }
   }
   return html + "</table></div></details>";
@@ -169,10 +173,12 @@ std::string horizon_section(const nlohmann::ordered_json& diagnosis, const Diagn
          horizon_table(diagnosis) + "</section>";
 }
 
-std::string residual_section(const DiagnosisFigures& figures) {
+std::string residual_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
   std::string charts;
   std::vector<std::string> notes;
+  const bool torque_told = torque_is_told(diagnosis);
   for (const DiagnosisFigures::Residual& residual : figures.residuals) {
+    if (!torque_told && residual.channel.starts_with("torque")) continue;
     const std::string chart = residual_chart(residual);
     if (chart.empty()) continue;
     charts += chart;
@@ -301,8 +307,9 @@ std::string window_section(const nlohmann::ordered_json& diagnosis, const Diagno
     chart.series.push_back({"after", svg::Mark::line, trace.time_s, scaled(trace.after, display.factor), {}, {}});
     charts += svg::draw(chart);
   }
-  charts += error_chart(figures, "Roll and pitch: how far off", {"roll", "pitch"},
-                        noise_at(diagnosis, "attitude_rad", restart_s));
+  if (torque_is_told(diagnosis))
+    charts += error_chart(figures, "Roll and pitch: how far off", {"roll", "pitch"},
+                          noise_at(diagnosis, "attitude_rad", restart_s));
   charts += motor_chart(figures);
   if (charts.empty()) return "";
   std::size_t samples = 0;

@@ -6,7 +6,7 @@
 namespace gustlab::report {
 
 std::string horizon_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures);
-std::string residual_section(const DiagnosisFigures& figures);
+std::string residual_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures);
 std::string window_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures);
 
 }  // namespace gustlab::report

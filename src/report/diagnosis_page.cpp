@@ -118,6 +118,7 @@ std::string times_noise(double above) {
 std::string where(const Json& diagnosis) {
   const Json& mismatch = part(diagnosis, "mismatch");
   if (mismatch.empty()) return "";
+  const bool torque_told = torque_is_told(diagnosis);
   double full = 1.0;
   for (const Json& entry : mismatch)
     if (const double ratio = number(entry, "rms") / number(entry, "noise_rms"); std::isfinite(ratio))
@@ -126,11 +127,13 @@ std::string where(const Json& diagnosis) {
   for (const Json& entry : mismatch) {
     const double rms = number(entry, "rms"), noise = number(entry, "noise_rms"), above = rms / noise - 1.0;
     const Display display = display_of("", text(entry, "unit"), rms);
+    const bool judged = torque_told || !text(entry, "channel").starts_with("torque");
     rows += fmt::format(
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{} {}</td><td class=\"n\">{} {}</td><td class=\"n\">{}</td><td "
         "class=\"where\">{}</td></tr>",
         escape(plain_channel(text(entry, "channel"))), svg::bar(rms / noise, 1.0, full), figure(display.factor * rms),
-        escape(display.unit), figure(display.factor * noise), escape(display.unit), times_noise(above), shows(entry));
+        escape(display.unit), figure(display.factor * noise), escape(display.unit), judged ? times_noise(above) : "–",
+        judged ? shows(entry) : "<span class=\"soft\">not judged: these logs tell no torque</span>");
   }
   return "<p>The difference between simulation and recording, channel by channel, before anything was added. The dark "
          "tick is what noise and calm air alone would leave.</p><div "
@@ -272,11 +275,15 @@ std::string what(const Json& diagnosis, double weight_N) {
   const Json& model = part(diagnosis, "residual_model");
   if (!model.empty()) {
     std::string rows;
-    for (const Json& term : part(model, "terms"))
+    for (const Json& term : part(model, "terms")) {
+      // a term that is 1 has the unit of its channel
+      std::string unit = text(term, "unit");
+      if (text(term, "term") == "1") unit = unit.substr(0, unit.find(" per unit"));
       rows += fmt::format(
           "<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td>{}</td><td class=\"where\">{}</td></tr>",
           escape(plain_channel(text(term, "channel"))), escape(text(term, "term")), figure(number(term, "coefficient")),
-          escape(text(term, "unit")), escape(likeness(term, weight_N)));
+          escape(unit), escape(likeness(term, weight_N)));
+    }
     cards += "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
              paragraph(
                  "Nothing in the catalogue explains the rest. This sparse model describes it and can be flown, but it "
@@ -330,12 +337,35 @@ std::string disturbance(const Json& diagnosis) {
          rows + "</table></div>";
 }
 
+// alarms in words, one line of those that say the same of several channels: "A of {} B" with another {} in each
+std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& alarms) {
+  constexpr std::string_view before = "innovations of ", after = " are correlated over ";
+  std::vector<std::pair<std::string, std::string>> lines;
+  std::vector<std::string> channels;
+  std::size_t at = 0;
+  for (const Json& alarm : alarms) {
+    const std::string says = text(alarm, "says");
+    const std::size_t end = says.find(after);
+    if (!says.starts_with(before) || end == std::string::npos) {
+      lines.emplace_back(plain_alarm(text(alarm, "kind")), in_plain_words(says));
+      continue;
+    }
+    if (channels.empty()) {
+      at = lines.size();
+      lines.emplace_back(plain_alarm(text(alarm, "kind")), "");
+    }
+    channels.push_back(in_plain_words(says.substr(before.size(), end - before.size())));
+  }
+  if (!channels.empty())
+    lines[at].second = "what the model does not predict comes in runs of several samples in " + list_in_words(channels);
+  return lines;
+}
+
 // what says that something is left, and other remarks
 std::string remarks(const Json& diagnosis) {
   std::string items;
-  for (const Json& alarm : part(diagnosis, "alarms"))
-    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(plain_alarm(text(alarm, "kind"))),
-                         escape(in_plain_words(text(alarm, "says"))));
+  for (const auto& [kind, says] : alarm_lines(part(diagnosis, "alarms")))
+    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(kind), escape(says));
   for (const Json& note : part(diagnosis, "notes"))
     if (note.is_string()) items += "<li>" + escape(capital(in_plain_words(note.get<std::string>()))) + ".</li>";
   return items.empty() ? "" : "<ul>" + items + "</ul>";
@@ -366,9 +396,15 @@ std::string cannot_tell(const Json& diagnosis) {
         "class=\"scroll\"><table class=\"wrap\"><tr><th>effect</th><th>why</th><th>what would tell it</th></tr>" +
         rows + "</table></div>";
   rows.clear();
-  for (const Json& entry : part(diagnosis, "rejected"))
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td></tr>", escape(plain_name(entry)),
+  std::vector<std::string> said;
+  for (const Json& entry : part(diagnosis, "rejected")) {
+    // of one that was asked several times, the most that it gained comes first
+    const std::string name = plain_name(entry);
+    if (std::find(said.begin(), said.end(), name) != said.end()) continue;
+    said.push_back(name);
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td></tr>", escape(name),
                         escape(text(entry, "why")), figure(number(entry, "delta_score")));
+  }
   if (!rows.empty())
     html +=
         "<details><summary>Looked at and not named</summary><div class=\"scroll\"><table><tr><th>effect</th><th>why "
@@ -433,7 +469,7 @@ std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const Diagno
   for (const std::string& piece :
        {header(diagnosis), log_findings(diagnosis), window_section(diagnosis, figures),
         section("What was left out", what(diagnosis, figures.weight_N)), section("Where it differs", where(diagnosis)),
-        residual_section(figures), horizon_section(diagnosis, figures),
+        residual_section(diagnosis, figures), horizon_section(diagnosis, figures),
         section("Still not explained, and remarks", remarks(diagnosis)),
         section("What cannot be told", cannot_tell(diagnosis)), section("What to fly next", next_flight(diagnosis)),
         section("Unexplained disturbance", disturbance(diagnosis)), section("Calibration", calibration(diagnosis)),

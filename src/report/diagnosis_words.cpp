@@ -302,11 +302,20 @@ std::string one_sentence(const Json& diagnosis) {
   return findings_in_words(diagnosis) + (verdict == "partly_explained" ? ". Something else remains." : ".");
 }
 
+bool torque_is_told(const Json& diagnosis) {
+  const Json& blind = part(diagnosis, "not_identifiable");
+  return std::none_of(blind.begin(), blind.end(),
+                      [](const Json& entry) { return text(entry, "why") == "these logs tell no torque"; });
+}
+
 std::string gain_sentence(const Json& diagnosis) {
   const std::string gain = gain_in_words(diagnosis);
-  const bool named = !part(diagnosis, "effects").empty();
-  if (gain.empty() || (!named && part(diagnosis, "residual_model").empty())) return "";
-  return fmt::format("With {}, {}.", named ? "what was found" : "a model that has no name", gain);
+  const bool named = !part(diagnosis, "effects").empty(), unnamed = !part(diagnosis, "residual_model").empty();
+  if (gain.empty() || (!named && !unnamed)) return "";
+  const char* what = !unnamed ? "what was found"
+                     : !named ? "a model that has no name"
+                              : "what was found and a model of the rest that has no name";
+  return fmt::format("With {}, {}.", what, gain);
 }
 
 }  // namespace gustlab::report

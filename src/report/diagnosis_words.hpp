@@ -31,6 +31,9 @@ struct Variable {
 Variable plain_variable(const std::string& variable);
 std::string plain_place(const std::string& place);
 std::string capital(std::string words);
+// false where only forces were judged: the recorded attitude was followed
+bool torque_is_told(const nlohmann::ordered_json& diagnosis);
+
 std::string list_in_words(const std::vector<std::string>& items, const char* last = "and");
 
 // How a number is shown: multiplied by factor, in unit.

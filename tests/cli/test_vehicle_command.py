@@ -202,9 +202,9 @@ class FitOnAThrustStand(InFolder):
 
 
 class FitOnFlights(InFolder):
-    def test_an_imported_vehicle_gets_its_mass_or_thrust_lag_and_torque_ratio(self):
-        self.write(LEAST + "coefficient = 1.5e-5\nradius_m = 0.127\nmax_speed_radps = 800\n")
-        truth = [{"type": "thrust_scale", "delta": -0.1}, {"type": "motor_lag", "time_constant": 0.05}, {"type": "yaw_torque_ratio", "delta": 0.5}]
+    def fit(self, truth, vehicle="", change=lambda log: None):
+        """(what is printed, the fitted vehicle) of flights of a vehicle that differs from its file by these effects; change: of their logs"""
+        self.write(LEAST + "coefficient = 1.5e-5\nmax_speed_radps = 800\n" + vehicle)
         effects = "".join("[[effect]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in effect.items()) for effect in truth)
         (self.folder / "e.toml").write_text(
             'format = "gustlab-experiment/1"\nname = "e"\nvehicle = "vehicle.toml"\ntrajectories = ["multisine", "lemniscate"]\ncontrollers = ["geometric"]\n'
@@ -213,15 +213,51 @@ class FitOnFlights(InFolder):
         for trajectory, out in (("multisine", "a"), ("lemniscate", "b")):
             done = gustlab("run", "e.toml", "--trajectory", trajectory, "--controller", "geometric", "--out", out, folder=self.folder)
             self.assertEqual(done.returncode, 0, done.stderr)
+            change(self.folder / out / "flight.csv")
         done = gustlab("vehicle", "fit", "a/flight.csv", "--holdout", "b/flight.csv", "--vehicle", "vehicle.toml", "--out", "fitted", folder=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
-        vehicle = tomllib.loads((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"))
+        return done.stdout, tomllib.loads((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"))
+
+    def test_an_imported_vehicle_gets_its_mass_or_thrust_lag_and_torque_ratio(self):
+        said, vehicle = self.fit([{"type": "thrust_scale", "delta": -0.1}, {"type": "motor_lag", "time_constant": 0.05},
+                                  {"type": "yaw_torque_ratio", "delta": 0.5}], "radius_m = 0.127\n")
         self.assertAlmostEqual(vehicle["thrust"]["coefficient"], 0.9 * 1.5e-5, delta=0.03e-5)
         # estimated from the propeller: 0.07 diameters
         self.assertAlmostEqual(vehicle["thrust"]["torque_ratio"], 1.5 * 0.07 * 0.254, delta=0.1 * 1.5 * 0.07 * 0.254)
         lag = next(effect for effect in vehicle["effect"] if effect["type"] == "motor_lag")
         self.assertAlmostEqual(lag["time_constant"], 0.05, delta=0.005)
-        self.assertIn("ceiling_effect       stays unknown: no ceiling height", done.stdout)
+        self.assertIn("ceiling_effect       stays unknown: no ceiling height", said)
+
+    def test_inertia_and_the_curve_of_thrust_come_back_and_what_the_file_lacks_stays_unknown(self):
+        said, vehicle = self.fit([{"type": "inertia", "delta_x": 0.3, "delta_y": 0.2, "delta_z": -0.3}, {"type": "thrust_curve", "curvature": -0.15},
+                                  {"type": "steady_wind", "x": 2.0, "y": 0.0}, {"type": "rotor_drag", "at_hover": 0.3}])
+        found = {effect["type"]: effect for effect in vehicle["effect"]}
+        for axis, wanted in (("x", 0.3), ("y", 0.2), ("z", -0.3)):
+            self.assertAlmostEqual(found["inertia"][f"delta_{axis}"], wanted, delta=0.03)
+        self.assertAlmostEqual(found["thrust_curve"]["curvature"], -0.15, delta=0.015)
+        self.assertAlmostEqual(found["rotor_drag"]["at_hover"], 0.3, delta=0.03)
+        self.assertEqual(vehicle["thrust"]["coefficient"], 1.5e-5)
+        # the wind is of one day: it is taken into account, and is no constant of the vehicle
+        self.assertNotIn("steady_wind", found)
+        self.assertIn("after, with what is not a constant of the vehicle", said)
+        self.assertIn("yaw_torque_ratio     stays unknown: the vehicle file has no torque ratio", said)
+        self.assertIn("ground_effect        stays unknown: no ground height", said)
+        # what is written flies, with a number of digits that a reader can take in
+        self.assertNotRegex((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"), r"\d\.\d{8}")
+        self.ok("vehicle", "check", "fitted/vehicle.toml")
+
+    def test_how_thrust_falls_with_the_battery_comes_back(self):
+        def with_voltage(log):
+            """the voltage whose power 1.5 is the thrust that the simulator takes away with time, in a log without the rotors' speeds"""
+            head, *rows = [line.split(",") for line in log.read_text(encoding="utf-8").splitlines()]
+            kept = [i for i, name in enumerate(head) if not name.startswith("rotor")]
+            lines = [",".join([*(head[i] for i in kept), "vbat"])]
+            lines += [",".join([*(row[i] for i in kept), f"{15.4 * (1 - 0.004 * float(row[0])) ** (1 / 1.5):.5f}"]) for row in rows]
+            log.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+        _, vehicle = self.fit([{"type": "battery_sag", "rate": 0.004}], "nominal_voltage_V = 15.4\n", with_voltage)
+        sag = next(effect for effect in vehicle["effect"] if effect["type"] == "battery_sag")
+        self.assertAlmostEqual(sag["exponent"], 1.5, delta=0.1)
 
 
 class WrongInput(InFolder):
@@ -261,8 +297,8 @@ class WrongInput(InFolder):
             (changed(("--hover", "1.5"), drop=["--thrust-to-weight"]), "1.5 is no hover throttle"),
             (changed(("--throttle-curve", "3")), "--throttle-curve"),
             (changed(("--layout", "hex")), 'there is no layout "hex" (known: x, +, x-betaflight, x-crazyflie, hexa, hexa+, octo, octo+) did you mean "hexa"?'),
-            (changed(("--from-px4", "no.ulg")), "no.ulg: cannot read (No such file or directory)"),
-            (changed(("--from-px4", "file")), "file: not a PX4 log that can be read"),
+            (changed(("--from-px4", "no.ulg")), "no.ulg: cannot be read (No such file or directory)"),
+            (changed(("--from-px4", "file")), "file: byte 0: the file is empty"),
             (changed(("--out", "taken")), "taken/vehicle.toml: is there already"),
             (changed(("--out", "file/below")), "file"),
         ):

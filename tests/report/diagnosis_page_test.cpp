@@ -1,5 +1,6 @@
 #include "report/diagnosis_page.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -127,11 +128,14 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
   diagnosis["verdict"] = "unexplained";
   diagnosis["effects"] = Json::array();
   diagnosis["residual_model"] = {
-      {"terms", {{{"channel", "force_x"}, {"term", "vx |v|"}, {"coefficient", -0.012}, {"unit", "N s²/m²"}}}}};
+      {"terms",
+       {{{"channel", "force_x"}, {"term", "vx |v|"}, {"coefficient", -0.012}, {"unit", "N s²/m²"}},
+        {{"channel", "force_y"}, {"term", "1"}, {"coefficient", -0.2}, {"unit", "N per unit of the term"}}}}};
   const std::string html = diagnosis_page(diagnosis, {});
   expect_sound(html);
   EXPECT_THAT(html, HasSubstr("An unnamed effect"));
   EXPECT_THAT(html, HasSubstr("<code>vx |v|</code></td><td class=\"n\">−0.0120</td>"));
+  EXPECT_THAT(html, AllOf(HasSubstr("<td>N</td>"), Not(HasSubstr("per unit of the term"))));
 }
 
 TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
@@ -139,6 +143,51 @@ TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
   diagnosis["log_findings_in_short"] = {{{"kind", "filtered"}, {"says", "2 of 3 flights: px…wz it was smoothed"}}};
   EXPECT_THAT(diagnosis_page(diagnosis, {}),
               HasSubstr("<ul><li><strong>Filtered</strong>: 2 of 3 flights: px…wz it was smoothed.</li></ul>"));
+}
+
+TEST(DiagnosisPage, SaysOnceWhatIsSaidOfSeveralChannels) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["alarms"] = Json::array();
+  for (const char* name : {"position x", "roll rate", "specific force z"})
+    diagnosis["alarms"].push_back(
+        {{"kind", "whiteness"}, {"says", fmt::format("innovations of {} are correlated over 3 samples", name)}});
+  diagnosis["alarms"].push_back({{"kind", "omnibus"}, {"says", "the rest depends on velocity"}});
+  const std::string html = diagnosis_page(diagnosis, {});
+  EXPECT_THAT(html, HasSubstr("comes in runs of several samples in position x, roll rate and specific force z.</li>"));
+  EXPECT_THAT(html, AllOf(HasSubstr("the rest depends on velocity.</li>"), Not(HasSubstr("are correlated over"))));
+}
+
+TEST(DiagnosisPage, AnEffectThatWasAskedTwiceIsLookedAtOnce) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["rejected"] = {{{"effect", "steady_wind"}, {"why", "first"}, {"delta_score", 97.0}},
+                           {{"effect", "steady_wind"}, {"why", "second"}, {"delta_score", 13.0}}};
+  const std::string html = diagnosis_page(diagnosis, {});
+  EXPECT_THAT(html, AllOf(HasSubstr("<td>first</td>"), Not(HasSubstr("<td>second</td>"))));
+}
+
+// the page said of one log that torques are not known, and that roll torque is wrong everywhere
+TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["mismatch"] = {
+      {{"channel", "torque_x"}, {"significant", true}, {"rms", 2e-4}, {"noise_rms", 1e-4}, {"unit", "N m"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<td class=\"where\">everywhere</td>"));
+  DiagnosisFigures figures = example_figures();
+  figures.residuals[0].channel = "torque_x";
+  EXPECT_THAT(diagnosis_page(diagnosis, figures),
+              AllOf(HasSubstr("Roll torque"), HasSubstr("Roll and pitch: how far off")));
+  diagnosis["not_identifiable"] = {{{"effect", "inertia"}, {"why", "these logs tell no torque"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, figures),
+              AllOf(HasSubstr("not judged: these logs tell no torque"), Not(HasSubstr(">everywhere<")),
+                    Not(HasSubstr("Roll torque")), Not(HasSubstr("Roll and pitch: how far off"))));
+}
+
+TEST(DiagnosisPage, WhatWasNotPredictedHasNoRow) {
+  Json diagnosis = example_diagnosis();
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<td>Attitude</td>"));
+  for (auto& errors : diagnosis["fit"]["attitude_rad"])
+    for (auto& error : errors) error = nullptr;
+  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+              AllOf(Not(HasSubstr("<td>Attitude</td>")), HasSubstr("<td>Velocity</td>")));
 }
 
 TEST(DiagnosisPage, ShowsSuspectsWithTheReasonWhyTheyHaveNoName) {
@@ -182,6 +231,9 @@ TEST(GainSentence, ClaimsNoGainThatItsDigitsDoNotShow) {
   EXPECT_EQ(report::gain_sentence(diagnosis), "");
   diagnosis["residual_model"] = {{"terms", {{{"term", "1"}}}}};
   EXPECT_THAT(report::gain_sentence(diagnosis), testing::StartsWith("With a model that has no name, the position"));
+  diagnosis["effects"] = example_diagnosis()["effects"];
+  EXPECT_THAT(report::gain_sentence(diagnosis),
+              testing::StartsWith("With what was found and a model of the rest that has no name, the position"));
   diagnosis["fit"]["position_m"]["before"] = diagnosis["fit"]["position_m"]["after"];
   EXPECT_EQ(report::gain_sentence(diagnosis), "");
 }

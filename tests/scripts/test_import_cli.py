@@ -123,7 +123,7 @@ class BadInput(ImportCase):
         self.fails(2, "built in: arpl, crazypad, nanobench, nanodrone", self.log("t\n1\n"), "--map", "nothing", "--out", self.out)
 
     def test_missing_file(self):
-        self.fails(4, "cannot be read", self.folder / "nothing.csv", "--map", self.map, "--out", self.out)
+        self.fails(3, "cannot be read", self.folder / "nothing.csv", "--map", self.map, "--out", self.out)
 
     def test_empty_section(self):
         self.fails(2, "no sample between 50 and 60 s", self.log(csv(flight(2.0))), "--map", self.map, "--out", self.out,

@@ -497,7 +497,7 @@ class WrongMaps(FormatCase):
         for words, arguments in cases.items():
             with self.subTest(words):
                 code, _, err = self.run_import(*arguments, *([] if "--out" in arguments else ["--out", self.out]))
-                self.assertEqual((code in (2, 4), words in err, len(err.strip().splitlines())), (True, True, 1), err)
+                self.assertEqual((code in (2, 3), words in err, len(err.strip().splitlines())), (True, True, 1), err)
                 self.assertFalse(self.out.exists())
 
 

@@ -1,0 +1,203 @@
+"""More than forty kinds of wrong input to `gustlab import` and `gustlab vehicle`: for each one message, exit 2 or 3, and no file."""
+
+import gzip
+import os
+import shutil
+import sqlite3
+import subprocess
+import unittest
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from import_fixture import MAP, csv, flight, usd
+from test_import_px4 import synthetic
+from ulog_fixture import px4_flight
+
+PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+NONSENSE = bytes(range(7, 256, 3)) * 40
+NEW = ["vehicle", "new", "--mass", "1.2kg", "--arm", "0.25m", "--hover", "0.5", "--out", "out"]
+BODY = """<mujoco><worldbody><body><freejoint/><inertial pos="0 0 0" mass="1.2" diaginertia="0.018 0.018 0.03"/>
+<geom type="box" size="0.1 0.1 0.03"/>
+<site name="a" pos="0.17 -0.17 0"/><site name="b" pos="-0.17 0.17 0"/><site name="c" pos="0.17 0.17 0"/><site name="d" pos="-0.17 -0.17 0"/>
+</body></worldbody></mujoco>"""
+VEHICLE = 'format = "gustlab-vehicle/1"\nmjcf = "body.xml"\n' + "".join(
+    f'[[rotor]]\nsite = "{site}"\ndirection = "{turn}"\n' for site, turn in zip("abcd", ("ccw", "ccw", "cw", "cw"))) + "[thrust]\nhover = 0.5\n"
+
+
+def quad(**options):
+    return px4_flight(synthetic(), **options).bytes()
+
+
+def changed(name, function):
+    """the good table with one column changed"""
+    columns = flight(5.0)
+    columns[name] = function(columns[name])
+    return csv(columns)
+
+
+def files():
+    """name -> contents"""
+    ulog, table = quad(), csv(flight(5.0))
+    lines = table.splitlines()
+    made = {"good.ulg": ulog, "good.csv": table, "good.toml": MAP, "other/good.csv": table, "body.xml": BODY, "vehicle.toml": VEHICLE,
+            "empty.ulg": b"", "unknown.xyz": NONSENSE, "folder/log.ulg": ulog, "bare/notes.txt": b"nothing",
+            "wing.ulg": quad(mav_type=1), "vtol.ulg": quad(mav_type=22), "disarmed.ulg": quad(armed=(90.0, 91.0), flying=(90.0, 91.0)),
+            "hop.ulg": quad(flying=(3.0, 4.0)), "no_motors.ulg": quad(motors_logged=False), "cut.ulg": ulog[:300], "cut.bin": b"\xa3\x95\x80\x80\x59FMT",
+            "cut.usd": usd(2, [(k, 0.0, 0.0, 1, 2, 3, 4) for k in range(100)])[:60],
+            "cut.bfl": b"H Product:Blackbox flight data recorder by Nicholas Sherlock\nH Data version:2\n", "cut.bag": b"#ROSBAG V2.0\nE",
+            "cut.mcap": b"\x89MCAP0\r\n", "words.csv": "three words here\n", "header.csv": lines[0] + "\n",
+            "ragged.csv": "\n".join(lines[:9] + ["1,2,3"]), "word.csv": table.replace(lines[5].split(",")[2], "north"),
+            "twice.csv": table.replace(",y,", ",x,", 1), "cut.csv.gz": gzip.compress(table.encode())[:-200],
+            "still.csv": changed("t", lambda t: 0.0 * t), "years.csv": changed("t", lambda t: 1e9 * t), "large.csv": changed("m2", lambda m: 5.0 * m),
+            "broken.toml": MAP.replace('"crazyflie"', "crazyflie"), "typo.toml": MAP.replace("[position]", "[positon]"),
+            "parquet.toml": MAP.replace('"csv"', '"parquet"'),
+            "unit.toml": MAP.replace('"rad/s"', '"deg"'), "short.toml": MAP.replace('"qz", "qw"', '"qz"'), "lost.toml": MAP.replace('"gx"', '"roll_rate"'),
+            "old.toml": MAP.replace("map/1", "map/9"), "less.toml": VEHICLE.split("[[rotor]]")[0],
+            "site.toml": VEHICLE.replace('"a"', '"z"'), "hover.toml": VEHICLE.replace("0.5", "-0.5"), "key.toml": VEHICLE + "radius = 0.1\n",
+            "body.toml": VEHICLE.replace("body.xml", "words.csv"), "taken/vehicle.toml": b"", "theirs/import.json": b"[]",
+            "stand.csv": "thrust_N,throttle\n" + "".join(f"{k},{k}\n" for k in range(9)), "few.csv": "thrust_N,speed_radps\n1,100\n"}
+    made |= {f"nonsense{kind}": NONSENSE for kind in (".ulg", ".bin", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".parquet", ".csv", ".toml")}
+    return {name: text.encode() if isinstance(text, str) else text for name, text in made.items()}
+
+
+def table(name, column_map="good.toml"):
+    return ["import", name, "--map", column_map, "--out", "out"]
+
+
+def log(name, *more):
+    return ["import", name, "--out", "out", *more]
+
+
+def stand(name):
+    return ["vehicle", "fit", "--thrust-stand", name, "--vehicle", "vehicle.toml", "--out", "out"]
+
+
+def new(**options):
+    """`vehicle new` with options changed or left out"""
+    words = dict(zip(NEW[2::2], NEW[3::2])) | {f"--{key.replace('_', '-')}": value for key, value in options.items()}
+    return ["vehicle", "new", *(word for key, value in words.items() if value is not None for word in (key, value))]
+
+
+# command line, exit code, what the message says
+WRONG = (
+    # what is asked of import
+    (["import"], 2, "gustlab: the following arguments are required: LOG"),
+    (["import", "--owt", "out", "good.ulg"], 2, "gustlab: unrecognized arguments: --owt"),
+    (log("good.ulg", "--format", "xml"), 2, "invalid choice: 'xml'"),
+    (log("good.ulg", "--from", "soon"), 2, "invalid float value: 'soon'"),
+    (log("good.ulg", "--from", "9", "--to", "5"), 2, "no flight between 9 and 5 s"),
+    (log("good.ulg", "--vehicle", "crazyfly"), 2, "no vehicle of this name"),
+    (log("good.ulg", "--vehicle", "nonsense.toml"), 2, "nonsense.toml:1:1: "),
+    (log("good.ulg", "--map", "nothing"), 2, "no built-in map"),
+    (["import", "good.ulg", "--out", "theirs"], 2, "no import wrote it; give another --out"),
+    (["import", "good.csv", "other/good.csv", "--map", "good.toml", "--out", "out"], 2, "use two --out"),
+    # which file
+    (log("missing.ulg"), 3, "missing.ulg: cannot be read (No such file or directory)"),
+    (log("bare"), 2, "bare: a folder without a log"),
+    (log("folder"), 2, "folder: a folder; give the log in it: folder/log.ulg"),
+    (log("empty.ulg"), 3, "empty.ulg: byte 0: the file is empty; fetch it again"),
+    (log("unknown.xyz"), 2, "no log format that is known begins like this"),
+    *((log(f"nonsense{kind}"), 3, f"nonsense{kind}: ") for kind in (".ulg", ".bin", ".tlog", ".bag", ".db3", ".mcap", ".bfl")),
+    (log("nonsense.csv"), 2, "a csv file needs a column map"),
+    (table("nonsense.parquet", "parquet.toml"), 3, "nonsense.parquet: the Parquet file cannot be read"),
+    (table("nonsense.parquet"), 3, "not a text file (invalid start byte); a binary file needs a map of its kind"),
+    *((log(f"cut{kind}"), 3, f"cut{kind}: ") for kind in (".ulg", ".bin", ".bag", ".db3", ".mcap", ".bfl", ".usd")),
+    # what flew: import.json says what was refused, and there is no flight
+    (log("wing.ulg"), 3, "a fixed-wing aircraft"),
+    (log("vtol.ulg"), 3, "a VTOL"),
+    (log("disarmed.ulg"), 3, "never armed"),
+    (log("hop.ulg"), 3, "too short"),
+    (log("no_motors.ulg"), 3, "no_motors.ulg: no flight: "),
+    # tables
+    (table("words.csv"), 3, "words.csv:"),
+    (table("nonsense.csv"), 3, "not a text file"),
+    (table("header.csv"), 3, "header.csv:2:1: the file has a header and no samples"),
+    (table("ragged.csv"), 3, "ragged.csv:10:4: 3 cells where the header has 22"),
+    (table("word.csv"), 3, "word.csv:6:3: `north` in column `y` is not a number"),
+    (table("twice.csv"), 3, "column `x` occurs twice"),
+    (table("cut.csv.gz"), 3, "the gzip stream is broken"),
+    (table("still.csv"), 3, "still.csv"),
+    (table("years.csv"), 3, "[time] unit is too large"),
+    (table("large.csv"), 3, "large.csv: not usable"),
+    # column maps
+    (table("good.csv", "broken.toml"), 2, "broken.toml:3:"),
+    (table("good.csv", "typo.toml"), 2, "did you mean `position`?"),
+    (table("good.csv", "unit.toml"), 2, 'unit = "deg" is not a unit of rate'),
+    (table("good.csv", "short.toml"), 2, "[attitude] needs 4 columns, not 3"),
+    (table("good.csv", "lost.toml"), 3, "no column `roll_rate`"),
+    (table("good.csv", "old.toml"), 2, 'format is "gustlab-column-map/9"'),
+    # vehicle new
+    (new(mass="1.2"), 2, '"1.2" is not a number with a unit'),
+    (new(mass="-1kg"), 2, '"-1kg" is not above zero'),
+    (new(arm=None), 2, "--arm is missing"),
+    (new(hover=None), 2, "--thrust-to-weight or --hover is missing"),
+    (new(layout="hex"), 2, 'did you mean "hexa"?'),
+    (new(prop="40in"), 2, "overlap"),
+    (new(out="taken"), 2, "is there already"),
+    (new(from_log="missing.ulg"), 3, "missing.ulg: cannot"),
+    (new(from_log="wing.ulg"), 3, "not of a multicopter"),
+    (new(from_log="cut.ulg"), 3, "cut.ulg: "),
+    (new(from_log="cut.bfl"), 3, "cut.bfl: a log of PX4 (.ulg) or ArduPilot (.bin) is needed"),
+    (new(from_log="folder"), 3, "folder: a folder; give the log in it"),
+    # vehicle check and vehicle fit
+    (["vehicle", "check", "crazyfly"], 2, 'did you mean "crazyflie"?'),
+    (["vehicle", "check", "nonsense.toml"], 2, "nonsense.toml:1:1: not TOML"),
+    (["vehicle", "check", "less.toml"], 2, "less.toml: 2 required keys are missing:"),
+    (["vehicle", "check", "site.toml"], 2, 'there is no site "z"'),
+    (["vehicle", "check", "hover.toml"], 2, '"hover" must be positive'),
+    (["vehicle", "check", "key.toml"], 2, 'unknown key "radius" did you mean "radius_m"?'),
+    (["vehicle", "check", "body.toml"], 2, "words.csv:1:"),
+    (["vehicle", "fit", "--out", "out"], 2, "flight logs or --thrust-stand FILE.csv, one of them"),
+    (["vehicle", "fit", "good.csv", "--vehicle", "vehicle.toml", "--out", "out"], 3, "a log needs its sidecar"),
+    (["vehicle", "fit", "missing.csv", "--out", "out"], 3, "missing.csv: cannot read"),
+    (stand("few.csv"), 3, "1 rows are too few"),
+    (stand("stand.csv"), 3, "throttle is from 0 to 1"),
+    (stand("nonsense.csv"), 3, "nonsense.csv:1:"),
+)
+
+
+class WrongInputs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        place = TemporaryDirectory(prefix="gustlab_test_")
+        cls.addClassCleanup(place.cleanup)
+        cls.folder = Path(place.name)
+        for name, contents in files().items():
+            (cls.folder / name).parent.mkdir(exist_ok=True)
+            (cls.folder / name).write_bytes(contents)
+        with sqlite3.connect(cls.folder / "whole.db3") as database:
+            database.execute("CREATE TABLE topics (name TEXT)")
+        database.close()
+        (cls.folder / "cut.db3").write_bytes((cls.folder / "whole.db3").read_bytes()[:3000])
+
+    def state(self):
+        return {path: path.read_bytes() if path.is_file() else None for path in self.folder.rglob("*")}
+
+    def left(self, before):
+        """what was written, but for a record of what import refused; the folder is as it was afterwards"""
+        after = self.state()
+        written = [path.relative_to(self.folder).as_posix() for path in after if after[path] != before.get(path, "nothing")]
+        shutil.rmtree(self.folder / "out", ignore_errors=True)
+        self.assertEqual(self.state(), before)
+        return [] if written == ["out", "out/import.json"] else written
+
+    def test_one_message_each(self):
+        self.assertGreaterEqual(len(WRONG), 40)
+        before = self.state()
+        for arguments, code, says in WRONG:
+            with self.subTest(" ".join(arguments)):
+                done = subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, text=True, check=False, timeout=120)
+                # a list of keys that are missing goes on in indented lines
+                first, *more = done.stderr.rstrip("\n").split("\n")
+                self.assertEqual(done.returncode, code, done.stderr)
+                self.assertIn(says, first)
+                self.assertTrue(all(line.startswith(("  ", "(")) for line in more), done.stderr)
+                self.assertRegex(first, "^(gustlab: |--[a-z-]+[ :,]|[^ ]+: |vehicle fit takes |unknown vehicle )")
+                self.assertNotRegex(done.stderr, r"Traceback|terminate|Error\b.*Error\b|0x[0-9a-f]{6}")
+                self.assertLess(len(first), 300)
+                self.assertTrue(first.isprintable(), first)
+                self.assertEqual(self.left(before), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
