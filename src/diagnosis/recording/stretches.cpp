@@ -53,29 +53,27 @@ struct Excitation {
 
 Excitation excitation_of(const std::string& csv_path) {
   Excitation log;
-  std::vector<double> zero;  // values are counted from the first of their column, so that squares do not cancel
+  const std::vector<std::string> columns = columns_read();
+  log.whole.resize(columns.size() - first_signal);
   double first_s = 0.0, last_s = -std::numeric_limits<double>::infinity();
-  for_each_row(csv_path, columns_read(), [&](const std::vector<double>& cells) {
+  for_each_row(csv_path, columns, [&](const std::vector<double>& cells) {
     const double time_s = cells[0];
     if (!(time_s > last_s)) return;  // what is wrong there is said by whoever reads these rows
-    if (log.blocks.empty()) first_s = time_s, zero.assign(cells.size() - first_signal, NAN);
+    if (log.blocks.empty()) first_s = time_s;
     else log.lasts_s += std::min(time_s - last_s, block_s);  // a gap is no flight time
     const auto number = [&](double at_s) { return std::floor((at_s - first_s) / block_s); };
     if (log.blocks.empty() || number(time_s) > number(last_s))
-      log.blocks.push_back({time_s, time_s, std::vector<Sums>(zero.size())});
+      log.blocks.push_back({time_s, time_s, std::vector<Sums>(log.whole.size())});
     log.blocks.back().last_s = last_s = time_s;
     log.turns = log.turns || !std::isnan(cells[1]) || !std::isnan(cells[first_signal + body_rate]);
-    for (std::size_t s = 0; s < zero.size(); ++s) {
+    for (std::size_t s = 0; s < log.whole.size(); ++s) {
       const double cell = cells[s + first_signal];
       if (std::isnan(cell)) continue;
-      if (std::isnan(zero[s])) zero[s] = s < first_rotor ? cell : 0.0;  // of commands the means are needed
-      const double value = cell - zero[s];
-      log.blocks.back().signals[s].add({1.0, value, value * value});
+      log.blocks.back().signals[s].add({1.0, cell, cell * cell});
     }
   });
-  log.whole.resize(zero.size());
   for (const Block& block : log.blocks)
-    for (std::size_t s = 0; s < zero.size(); ++s) log.whole[s].add(block.signals[s]);
+    for (std::size_t s = 0; s < log.whole.size(); ++s) log.whole[s].add(block.signals[s]);
   return log;
 }
 
