@@ -28,7 +28,7 @@ class Lines {
     errno = 0;
     file_.reset(gzopen(path.c_str(), "rb"));
     if (!file_) throw DataError(fmt::format("{}: cannot read ({})", path, std::strerror(errno ? errno : ENOMEM)));
-    gzbuffer(file_.get(), block);
+    gzbuffer(file_.get(), 2 * block);
     read_block();
     if (text_.starts_with("\xEF\xBB\xBF")) end_ = 3;
   }
@@ -64,7 +64,7 @@ class Lines {
   }
 
  private:
-  static constexpr unsigned block = 1U << 17;
+  static constexpr unsigned block = 1U << 16;
 
   bool read_block() {
     const std::size_t size = text_.size();

@@ -161,10 +161,21 @@ class FullDisk(unittest.TestCase):
         self.sound("gate", "swept", "--baseline", "base.csv", "--update")
         self.at_each_write(("gate", "swept", "--baseline", "base.csv", "--summary", "out.md", "--junit", "out.xml"), self.leaves_nothing)
 
-    def test_searches_leave_nothing(self):
+    def test_calibration_goes_on_with_room(self):
         (self.folder / "c.toml").write_text(CALIBRATION)
+        arguments = ("calibrate", "e.toml", "--calibration", "c.toml", "--out", "out", "--jobs", "1")
+
+        def goes_on(number, code, err, before, wanted):
+            self.assertEqual(code, 4, err)
+            self.assertRegex(err, FULL)
+            self.assertLessEqual(set(self.files("out")) if (self.folder / "out").exists() else set(), {"flown.jsonl"})
+            self.sound(*arguments)
+            self.assertEqual(self.files("out"), wanted)
+
+        self.at_each_write(arguments, goes_on)
+
+    def test_tuning_leaves_nothing(self):
         (self.folder / "t.toml").write_text(TUNING)
-        self.at_each_write(("calibrate", "e.toml", "--calibration", "c.toml", "--out", "out", "--jobs", "1"), self.leaves_nothing)
         self.at_each_write(("tune", "e.toml", "--tuning", "t.toml", "--out", "out", "--jobs", "1"), self.leaves_nothing)
 
     def test_models_leave_nothing(self):

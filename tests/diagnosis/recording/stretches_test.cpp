@@ -27,20 +27,19 @@ constexpr double step_s = 0.1;
 struct LongLog {
   double lasts_s = 1000.0, gap_s = 0.0;
   double moves_from_s = 40.0, moves_to_s = 70.0, stands_to_s = 0.0;
-  const char* motion = "wx";
+  char motion = 'w';
 
   std::string write(const TemporaryFolder& folder) const {
     folder.write("long.meta.toml",
                  "format = \"gustlab-flight/1\"\nvehicle = \"crazyflie\"\nactuator = \"rotor_speed\"\n");
-    std::string text = fmt::format("time_s,{},u1,u2,u3,u4\n", motion);
+    std::string text = fmt::format("time_s,{0}x,{0}y,{0}z,u1,u2,u3,u4\n", motion);
     for (int k = 0; k * step_s <= lasts_s; ++k) {
       const double t = k * step_s, in_part_s = std::fmod(t, 100.0), noise = std::sin(1e4 * t);
       const bool moves = in_part_s >= moves_from_s && in_part_s < moves_to_s, stands = in_part_s < stands_to_s;
-      const double x = 7.0 + (moves ? 1.0 : 0.01) * noise;
+      const double x = stands ? 50.0 * noise : 7.0 + (moves ? 1.0 : 0.01) * noise;
       // what stands shakes more than anything flies: rotors start and stop
       const double u = stands ? 300.0 + 200.0 * noise : 2000.0 + (moves ? 100.0 : 1.0) * noise;
-      text += fmt::format("{},{:.6f},{},{},{},{}\n", t + (t > 50.0 ? gap_s : 0.0), stands ? 50.0 * noise : x, u,
-                          u, u, u);
+      text += fmt::format("{},{},{},{},{},{},{},{}\n", t + (t > 50.0 ? gap_s : 0.0), x, x, x, u, u, u, u);
     }
     return folder.write("long.csv", text);
   }
@@ -67,7 +66,7 @@ TEST(Stretches, FlyWhereAnyOfThePartFlies) {
 TEST(Stretches, AreNotMadeOfLogsThatTellNoTurning) {
   const TemporaryFolder folder;
   LongLog log;
-  log.motion = "px";
+  log.motion = 'p';
   EXPECT_THAT(telling_stretches(log.write(folder)), IsEmpty());
 }
 
