@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "diagnosis/recording/recordings.hpp"
+#include "diagnosis/result/diagnosis.hpp"
 #include "gustlab/errors.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -107,6 +108,15 @@ TEST(Stretches, AreSaidByTheDiagnosis) {
   EXPECT_THAT(read.stretches, Each(Field(&Stretch::file, "long.csv")));
   EXPECT_EQ(read.stretches[3].flight, label_of(read.fit[3].path));
   EXPECT_THAT(read.remarks.notes, ElementsAre(AllOf(HasSubstr("long.csv"), HasSubstr("longer than 300 s"))));
+}
+
+TEST(Stretches, StandInTheJsonWhereThereAreAny) {
+  Diagnosis said;
+  EXPECT_FALSE(to_json(said).contains("stretches"));
+  said.stretches = {{"long.csv (60 to 90 s)", "long.csv", 60.0, 89.9}};
+  EXPECT_EQ(to_json(said)["stretches"].dump(),
+            R"([{"flight":"long.csv (60 to 90 s)","file":"long.csv","from_s":60.0,"to_s":89.9
+}])");
 }
 
 TEST(Stretches, OfAClockThatIsSetBackAreAFaultOfTheLog) {
