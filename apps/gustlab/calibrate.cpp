@@ -91,10 +91,12 @@ void calibrate_command(const CalibrateArguments& options) {
   check_files_can_be_written(options.out, {"calibration.json", "calibration.md", "values.txt"});
 
   const std::atomic<bool>& stop = interrupted();
+  make_folder(options.out);
+  const std::string flown = (std::filesystem::path(options.out) / "flown.jsonl").string();
   Progress progress;
-  const std::vector<StageResult> results =
-      calibrate(path, options.set, calibration, published, options.jobs, stop,
-                [&](std::size_t done, std::size_t all) { progress.show(done, all); });
+  const std::vector<StageResult> results = calibrate(
+      path, options.set, calibration, published, options.jobs, stop,
+      [&](std::size_t done, std::size_t all) { progress.show(done, all); }, flown);
   progress.end();
   if (results.size() < calibration.stages.size()) throw ExitCode{130};
 
@@ -111,12 +113,12 @@ void calibrate_command(const CalibrateArguments& options) {
   }
   const std::string markdown = to_markdown(calibration.stages, results, json);
   write_together([&] {
-    make_folder(options.out);
     const std::filesystem::path out(options.out);
     write_file((out / "calibration.json").string(), json.dump(2) + "\n");
     write_file((out / "calibration.md").string(), markdown);
     write_file((out / "values.txt").string(), values);
   });
+  std::filesystem::remove(flown);
   std::fwrite(markdown.data(), 1, markdown.size(), stdout);
 }
 
@@ -137,7 +139,10 @@ void add_calibrate(CLI::App& app) {
                    "changes a key of the experiment: key=value with a dotted key, any number of them")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  command->add_option("--out", options->out, "folder of calibration.json, calibration.md and values.txt (for --set)")
+  command
+      ->add_option("--out", options->out,
+                   "folder of calibration.json, calibration.md and values.txt (for --set); a "
+                   "calibration that was interrupted goes on there")
       ->required();
   add_jobs(*command, options->jobs);
   command->callback([options] { calibrate_command(*options); });

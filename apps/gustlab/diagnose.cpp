@@ -9,6 +9,8 @@
 
 #include "commands.hpp"
 #include "diagnose.hpp"
+#include "diagnosis/recording/recordings.hpp"
+#include "diagnosis/recording/stretches.hpp"
 #include "diagnosis/result/finding_lines.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/flight_log.hpp"
@@ -107,9 +109,13 @@ void add_recorded(const diagnosis::DiagnoseOptions& wanted, DiagnosisFigures& fi
   std::string path = wanted.fit.back();
   for (const auto* paths : {&wanted.fit, &wanted.holdout})
     for (const std::string& one : *paths)
-      if (std::filesystem::path(one).filename() == figures.window.file) path = one;
+      if (diagnosis::is_flight_of(figures.window.file, std::filesystem::path(one).filename().string())) path = one;
   try {
-    const FlightLog log = read_flight_log(path);
+    const std::vector<FlightLog> flights = diagnosis::read_flights(path);
+    const auto shown = std::find_if(flights.begin(), flights.end(), [&](const FlightLog& flight) {
+      return diagnosis::label_of(flight.path) == figures.window.file;
+    });
+    const FlightLog& log = shown == flights.end() ? flights.front() : *shown;
     figures.weight_N =
         (wanted.vehicle ? read_vehicle(*wanted.vehicle) : read_vehicle(log.meta.vehicle, sidecar_path(path)))
             .weight_N();
@@ -213,7 +219,9 @@ void add_diagnose(CLI::App& app) {
   const auto options = std::make_shared<DiagnoseArguments>();
   CLI::App* command =
       app.add_subcommand("diagnose", "names the physics that the simulation of these flights leaves out");
-  command->add_option("FLIGHT", options->flights, "flight logs of one vehicle, NAME.csv or NAME.csv.gz");
+  command->add_option("FLIGHT", options->flights,
+                      "flight logs of one vehicle, NAME.csv or NAME.csv.gz; of one that lasts longer than five "
+                      "minutes, ten stretches of 30 s that excite most");
   command->add_option("--holdout", options->holdout, "flights to verify on (default: the last one)");
   command->add_option(
       "--reference", options->reference,

@@ -56,8 +56,14 @@ struct FlightLog {
   int count(std::string_view prefix) const;
 };
 
+// From one time, included, to another, not included.
+struct TimeRange {
+  double from_s, to_s;
+};
+
 // Reads NAME.csv or NAME.csv.gz and NAME.meta.toml. Throws DataError with file:line:col. Repairs only what needs no guess.
-FlightLog read_flight_log(const std::string& csv_path);
+// `only`: without the rows whose time lies in none of these; empty: all rows.
+FlightLog read_flight_log(const std::string& csv_path, const std::vector<TimeRange>& only = {});
 // NAME.meta.toml of NAME.csv or NAME.csv.gz. Throws DataError for any other name.
 std::string sidecar_path(const std::string& csv_path);
 // Writes both files, each whole or not at all; throws IoError. Numbers are the shortest text that reads back the same.

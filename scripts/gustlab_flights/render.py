@@ -159,6 +159,13 @@ def write_mp4(pictures: Pictures, path: Path, options: Namespace, progress: Prog
         film.send(np.ascontiguousarray(pictures.draw(k)))
         progress.show(k + 1, len(pictures))
     film.close()
+    # what ffmpeg could not write, it says on stderr, and nobody hears of it
+    try:
+        written = imageio_ffmpeg.count_frames_and_secs(str(path))[0]
+    except RuntimeError:
+        written = 0
+    if written != len(pictures):
+        raise OSError(f"the film has {written} of {len(pictures)} pictures")
 
 
 def write_gif(pictures: Pictures, path: Path, options: Namespace, progress: Progress) -> None:

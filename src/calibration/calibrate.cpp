@@ -6,11 +6,14 @@
 #include <nlopt.hpp>
 
 #include "calibration/calibration.hpp"
+#include "calibration/evaluations.hpp"
 #include "config/toml.hpp"
+#include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/random.hpp"
 #include "sweep/fresh_replicates.hpp"
 #include "sweep/sweep.hpp"
+#include "util/sha256.hpp"
 
 namespace gustlab {
 
@@ -48,8 +51,8 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
 class Objective {
  public:
   Objective(const std::string& path, const std::vector<std::string>& overrides, const Calibration& calibration,
-            const CalibrationStage& stage, const Published& published, int jobs)
-      : path_(path), overrides_(overrides), stage_(stage), jobs_(jobs) {
+            const CalibrationStage& stage, const Published& published, int jobs, Evaluations& flown)
+      : path_(path), overrides_(overrides), stage_(stage), jobs_(jobs), flown_(flown) {
     std::vector<std::string> trajectories, controllers;
     for (const Target& cell : stage.targets) {
       add_once(trajectories, cell.trajectory);
@@ -86,15 +89,15 @@ class Objective {
   double operator()(const std::vector<double>& unit) {
     const std::vector<double> at = values(unit);
     if (const auto known = known_.find(at); known != known_.end()) return known->second;
-    const double loss = fly(at);
-    known_.emplace(at, loss);
-    if (best.values.empty() || loss < best.loss) {
+    const Evaluation found = evaluate(at);
+    known_.emplace(at, found.loss);
+    if (best.values.empty() || found.loss < best.loss) {
       best.values = at;
-      best.loss = loss;
-      best.figures = figures_;
-      best_runs_ = runs_;
+      best.loss = found.loss;
+      best.figures = found.figures;
+      best_runs_ = found.runs;
     }
-    return loss;
+    return found.loss;
   }
 
   // the best one's StageResult::share_as_far
@@ -120,39 +123,55 @@ class Objective {
   StageResult best;
 
  private:
-  double fly(const std::vector<double>& at) {
+  // flies, or takes what was flown before
+  Evaluation evaluate(const std::vector<double>& at) {
     std::vector<std::string> overrides = overrides_;
     for (std::string& text : overrides_of(at)) overrides.push_back(std::move(text));
     const Experiment experiment = read_experiment(path_, overrides);
     const std::vector<RunSpec> runs = plan(experiment);
-    const std::vector<RunRecord> records = fly_all(experiment, runs, jobs_);
     best.flights += static_cast<std::int64_t>(runs.size());
+    std::string key(build_info().commit);
+    for (const RunSpec& run : runs) key += to_hex(run.key);
+    for (std::size_t i = 0; i < published_.size(); ++i) {
+      const Target& cell = stage_.targets[i];
+      key += fmt::format("\n{} {} {} {} {}", cell.trajectory, cell.controller, cell.metric,
+                         static_cast<int>(cell.statistic), published_[i]);
+    }
+    key = sha256(key);
+    if (const Evaluation* known = flown_.find(key)) return *known;
+    Evaluation found = fly(experiment, runs);
+    flown_.add(key, found);
+    return found;
+  }
 
+  Evaluation fly(const Experiment& experiment, const std::vector<RunSpec>& runs) const {
+    const std::vector<RunRecord> records = fly_all(experiment, runs, jobs_);
     const auto crashed = std::count_if(records.begin(), records.end(),
                                        [](const RunRecord& r) { return r.outcome != Outcome::completed; });
-    double loss = crash_loss * static_cast<double>(crashed) / static_cast<double>(records.size());
-    figures_.clear();
-    runs_.clear();
+    Evaluation found;
+    found.loss = crash_loss * static_cast<double>(crashed) / static_cast<double>(records.size());
     for (const Target& cell : stage_.targets) {
       std::vector<double> ours;
       for (const RunRecord& record : records)
         if (experiment.trajectories[record.spec.trajectory].name == cell.trajectory &&
             experiment.controllers[record.spec.controller].name == cell.controller)
           ours.push_back(published_figures(record.error.planar)[cell.metric]);
-      figures_.push_back(statistic_of(summarize(ours), cell.statistic));
-      runs_.push_back(std::move(ours));
+      found.figures.push_back(statistic_of(summarize(ours), cell.statistic));
+      found.runs.push_back(std::move(ours));
     }
-    loss += distance(figures_, published_);
-    return std::isfinite(loss) ? loss : 1e3;
+    found.loss += distance(found.figures, published_);
+    if (!std::isfinite(found.loss)) found.loss = 1e3;
+    return found;
   }
 
   std::string path_;
   std::vector<std::string> overrides_;
   const CalibrationStage& stage_;
   int jobs_;
-  std::vector<double> published_, figures_;            // of each target
-  std::vector<std::vector<double>> runs_, best_runs_;  // of each target, by replicate
-  std::size_t published_runs_ = 0;                     // in a row of the table
+  Evaluations& flown_;
+  std::vector<double> published_;               // of each target
+  std::vector<std::vector<double>> best_runs_;  // of each target, by replicate
+  std::size_t published_runs_ = 0;              // in a row of the table
   std::map<std::vector<double>, double> known_;
 };
 
@@ -192,7 +211,8 @@ void search_stage(Objective& objective, std::vector<double> at, std::int64_t eva
 std::vector<StageResult> calibrate(const std::string& experiment_path, const std::vector<std::string>& overrides,
                                    const Calibration& calibration, const Published& published, int jobs,
                                    const std::atomic<bool>& stop,
-                                   const std::function<void(std::size_t done, std::size_t all)>& progress) {
+                                   const std::function<void(std::size_t done, std::size_t all)>& progress,
+                                   const std::string& flown_file) {
   check_override(experiment_path, overrides, fmt::format("first_replicate={}", calibration.first_replicate),
                  calibration.first_where);
   check_override(experiment_path, overrides, fmt::format("replicates={}", calibration.replicates),
@@ -200,10 +220,11 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
   check_fresh({"calibrates", calibration.first_where, calibration.first_replicate, calibration.replicates},
               experiment_path, overrides);
   published.check_vehicle(calibration.table, read_experiment(experiment_path, overrides));
+  Evaluations flown(flown_file);
   std::size_t all = 0, before = 0;
   for (const CalibrationStage& stage : calibration.stages) {
     all += static_cast<std::size_t>(stage.evaluations);
-    const Objective checked(experiment_path, overrides, calibration, stage, published, jobs);
+    const Objective checked(experiment_path, overrides, calibration, stage, published, jobs, flown);
     for (const OpenParameter& parameter : stage.parameters)
       check_override(experiment_path, overrides, fmt::format("{}={}", parameter.key, config::shortest(parameter.start)),
                      parameter.where);
@@ -212,7 +233,7 @@ std::vector<StageResult> calibrate(const std::string& experiment_path, const std
   std::vector<std::string> held = overrides;
   std::vector<StageResult> results;
   for (const CalibrationStage& stage : calibration.stages) {
-    Objective objective(experiment_path, held, calibration, stage, published, jobs);
+    Objective objective(experiment_path, held, calibration, stage, published, jobs, flown);
     std::vector<double> start;
     for (const OpenParameter& parameter : stage.parameters) start.push_back(to_unit(parameter, parameter.start));
     const double start_loss = objective(start);

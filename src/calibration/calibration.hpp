@@ -85,10 +85,12 @@ struct StageResult {
 
 // Flies the stages; `overrides` are --set pairs that hold throughout. `progress` gets evaluations done and planned. Stops
 // early, with fewer results than stages, when `stop` becomes true. Throws ConfigError, before anything flies, when the
-// experiment reports a seed that is calibrated on, has no such key, or the paper no such cell.
+// experiment reports a seed that is calibrated on, has no such key, or the paper no such cell. What was flown is kept in `flown_file`
+// (evaluations.hpp), unless that is empty, and is not flown again.
 std::vector<StageResult> calibrate(const std::string& experiment_path, const std::vector<std::string>& overrides,
                                    const Calibration& calibration, const Published& published, int jobs,
                                    const std::atomic<bool>& stop,
-                                   const std::function<void(std::size_t done, std::size_t all)>& progress);
+                                   const std::function<void(std::size_t done, std::size_t all)>& progress,
+                                   const std::string& flown_file = {});
 
 }  // namespace gustlab

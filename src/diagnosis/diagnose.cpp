@@ -310,8 +310,11 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
 Diagnosis diagnose(const DiagnoseOptions& options) {
   tell(options, "reading the flights", 0.0);
   Recordings recordings = check(read_recordings(options.fit, options.holdout, options.reference, options.vehicle));
-  return is_recorded(recordings.fit, {"qw", "wx"}) ? diagnose_motion(std::move(recordings), options)
-                                                   : diagnose_hover(recordings);
+  std::vector<Stretch> stretches = std::move(recordings.stretches);
+  Diagnosis out = is_recorded(recordings.fit, {"qw", "wx"}) ? diagnose_motion(std::move(recordings), options)
+                                                            : diagnose_hover(recordings);
+  out.stretches = std::move(stretches);
+  return out;
 }
 
 }  // namespace gustlab::diagnosis

@@ -21,28 +21,72 @@ namespace {
 constexpr std::size_t most_bytes = std::size_t{4} << 30;
 constexpr double no_sample = std::numeric_limits<double>::quiet_NaN();
 
-// zlib reads plain files as they are
-std::string read_bytes(const std::string& path) {
-  errno = 0;
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose_r);
-  if (!file) throw DataError(fmt::format("{}: cannot read ({})", path, std::strerror(errno ? errno : ENOMEM)));
-  gzbuffer(file.get(), 1U << 17);
-  std::string text;
-  constexpr unsigned block = 1U << 16;
-  for (;;) {
-    const std::size_t size = text.size();
-    text.resize(size + block);
-    const int got = gzread(file.get(), text.data() + size, block);
-    text.resize(size + static_cast<std::size_t>(std::max(got, 0)));
-    if (text.size() > most_bytes)
-      throw DataError(fmt::format("{}: cannot read (it is larger than {} MiB, decompressed)", path, most_bytes >> 20));
-    int code = Z_OK;
-    const char* why = gzerror(file.get(), &code);
-    if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
-      throw DataError(fmt::format("{}: cannot read ({})", path, code == Z_ERRNO ? std::strerror(errno) : why));
-    if (got == 0) return text;
+// Lines of a file, one after the other; zlib reads plain files as they are. In memory is the longest line.
+class Lines {
+ public:
+  explicit Lines(const std::string& path) : path_(path), file_(nullptr, gzclose_r) {
+    errno = 0;
+    file_.reset(gzopen(path.c_str(), "rb"));
+    if (!file_) throw DataError(fmt::format("{}: cannot read ({})", path, std::strerror(errno ? errno : ENOMEM)));
+    gzbuffer(file_.get(), 2 * block);
+    read_block();
+    if (text_.starts_with("\xEF\xBB\xBF")) end_ = 3;
   }
-}
+
+  // The next line, which stays until the next call; false behind the last.
+  bool next(std::string_view& line) {
+    std::size_t searched = 0, end = std::string::npos;
+    begin_ = end_;
+    while ((end = text_.find('\n', begin_ + searched)) == std::string::npos) {
+      searched = text_.size() - begin_;
+      text_.erase(0, begin_);
+      before_ += begin_;
+      begin_ = 0;
+      if (!read_block()) break;
+    }
+    end = std::min(end, text_.size());
+    if (begin_ == text_.size()) return end_ = begin_, false;
+    line = std::string_view(text_).substr(begin_, end - begin_);
+    end_ = std::min(end + 1, text_.size());
+    ++number_;
+    return true;
+  }
+  // of that line, from 1; where it starts in the text
+  std::size_t number() const { return number_; }
+  std::size_t begin() const { return before_ + begin_; }
+
+  // goes on at a line's begin
+  void seek(std::size_t begin) {
+    if (gzseek(file_.get(), static_cast<z_off_t>(begin), SEEK_SET) < 0) throw DataError(path_ + ": cannot read again");
+    text_.clear();
+    begin_ = end_ = 0;
+    before_ = begin;
+  }
+
+ private:
+  static constexpr unsigned block = 1U << 16;
+
+  bool read_block() {
+    const std::size_t size = text_.size();
+    text_.resize(size + block);
+    const int got = gzread(file_.get(), text_.data() + size, block);
+    text_.resize(size + static_cast<std::size_t>(std::max(got, 0)));
+    if (before_ + text_.size() > most_bytes)
+      throw DataError(fmt::format("{}: cannot read (it is larger than {} MiB, decompressed)", path_, most_bytes >> 20));
+    int code = Z_OK;
+    const char* why = gzerror(file_.get(), &code);
+    if (got < 0 || (code != Z_OK && code != Z_STREAM_END))
+      throw DataError(fmt::format("{}: cannot read ({})", path_, code == Z_ERRNO ? std::strerror(errno) : why));
+    return got > 0;
+  }
+
+  std::string path_;
+  std::unique_ptr<gzFile_s, int (*)(gzFile)> file_;
+  std::string text_;
+  std::size_t before_ = 0;           // bytes of the file before this text
+  std::size_t begin_ = 0, end_ = 0;  // of the line; where the next begins
+  std::size_t number_ = 0;
+};
 
 constexpr std::size_t longest_cell = 40;  // of what a message shows
 
@@ -52,29 +96,60 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// the cell that starts at `begin`; npos behind the last
+// where the cell that starts at `begin` ends
 std::size_t cell_end(std::string_view line, std::size_t begin) { return std::min(line.find(',', begin), line.size()); }
+
+std::string_view cell_at(std::string_view line, std::size_t begin) {
+  std::string_view cell = trimmed(line.substr(begin, cell_end(line, begin) - begin));
+  if (cell.starts_with('+')) cell.remove_prefix(1);
+  return cell;
+}
+
+// whether all of the cell is a number
+bool read_number(std::string_view cell, double& value) {
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return error == std::errc() && end == cell.data() + cell.size();
+}
+
+// NaN: no finite number
+double number_of(std::string_view cell) {
+  double value = no_sample;
+  return read_number(cell, value) && std::isfinite(value) ? value : no_sample;
+}
+
+// NaN: there is no such cell
+double number_in(std::string_view line, std::size_t column) {
+  std::size_t begin = 0;
+  for (; column > 0 && begin <= line.size(); --column) begin = cell_end(line, begin) + 1;
+  return begin <= line.size() ? number_of(cell_at(line, begin)) : no_sample;
+}
 
 }  // namespace
 
-CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view))
-    : path_(path), text_(read_bytes(path)) {
-  std::size_t begin = text_.starts_with("\xEF\xBB\xBF") ? 3 : 0, number = 0;
+CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view), const std::vector<TimeRange>& only)
+    : path_(path) {
+  Lines lines(path);
+  std::string_view line;
   std::vector<bool> is_lenient;
-  while (begin < text_.size()) {
-    const std::size_t end = std::min(text_.find('\n', begin), text_.size());
-    const std::string_view line(text_.data() + begin, end - begin);
-    ++number;
-    if (number == 1) {
+  std::size_t time = 0;
+  const auto wanted = [&] {
+    if (only.empty()) return true;
+    const double time_s = number_in(line, time);
+    return std::any_of(only.begin(), only.end(),
+                       [=](const TimeRange& range) { return time_s >= range.from_s && time_s < range.to_s; });
+  };
+  while (lines.next(line)) {
+    if (lines.number() == 1) {
       const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r'; };
       if (const auto wrong = std::find_if(line.begin(), line.end(), is_control); wrong != line.end())
         throw DataError(fmt::format("{}:1:{}: not a text file (a CSV is needed)", path_, wrong - line.begin() + 1));
       read_header(line);
       for (const std::string& name : names_) is_lenient.push_back(lenient(name));
-    } else if (!trimmed(line).empty()) {
-      read_row(number, begin, line, is_lenient);
+      time = static_cast<std::size_t>(std::find(names_.begin(), names_.end(), "time_s") - names_.begin());
+    } else if (!trimmed(line).empty() && wanted()) {
+      lines_.push_back({lines.number(), lines.begin()});
+      read_row(line, is_lenient);
     }
-    begin = end + 1;
   }
   if (names_.empty())
     throw DataError(fmt::format("{}:1:1: the file is empty (a header line and samples are needed)", path_));
@@ -92,19 +167,17 @@ void CsvNumbers::read_header(std::string_view line) {
   columns_.resize(names_.size());
 }
 
-void CsvNumbers::read_row(std::size_t number, std::size_t line_begin, std::string_view line,
-                          const std::vector<bool>& lenient) {
+void CsvNumbers::read_row(std::string_view line, const std::vector<bool>& lenient) {
+  const std::size_t number = lines_.back().number;
   std::size_t column = 0;
   for (std::size_t begin = 0; begin <= line.size(); begin = cell_end(line, begin) + 1, ++column) {
     if (column == names_.size())
       throw DataError(fmt::format("{}:{}:{}: this row has more cells than the header's {}", path_, number, begin + 1,
                                   names_.size()));
-    std::string_view cell = trimmed(line.substr(begin, cell_end(line, begin) - begin));
-    if (cell.starts_with('+')) cell.remove_prefix(1);
+    const std::string_view cell = cell_at(line, begin);
     double value = no_sample;
     if (!cell.empty()) {
-      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-      const bool number_read = error == std::errc() && end == cell.data() + cell.size();
+      const bool number_read = read_number(cell, value);
       if (!number_read || !std::isfinite(value)) {
         if (!lenient[column])
           throw DataError(fmt::format(
@@ -118,7 +191,6 @@ void CsvNumbers::read_row(std::size_t number, std::size_t line_begin, std::strin
   if (column < names_.size())
     throw DataError(fmt::format("{}:{}:{}: this row has {} cells, the header {}", path_, number, line.size() + 1,
                                 column, names_.size()));
-  lines_.push_back({number, line_begin});
 }
 
 bool CsvNumbers::same(std::size_t row, std::size_t other) const {
@@ -127,17 +199,20 @@ bool CsvNumbers::same(std::size_t row, std::size_t other) const {
   });
 }
 
-std::string CsvNumbers::where(std::size_t number, std::size_t line_begin, std::size_t column) const {
-  std::size_t begin = line_begin;
-  for (std::size_t i = 0; i < column; ++i) begin = text_.find(',', begin) + 1;
-  return fmt::format("{}:{}:{}", path_, number, begin - line_begin + 1);
+// only a message asks for a column's place: the line is read again
+std::string CsvNumbers::where(const Line& line, std::size_t column) const {
+  Lines lines(path_);
+  lines.seek(line.begin);
+  std::string_view text;
+  lines.next(text);
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < column; ++i) begin = cell_end(text, begin) + 1;
+  return fmt::format("{}:{}:{}", path_, line.number, begin + 1);
 }
 
-std::string CsvNumbers::where(std::size_t row, std::size_t column) const {
-  return where(lines_[row].number, lines_[row].begin, column);
-}
+std::string CsvNumbers::where(std::size_t row, std::size_t column) const { return where(lines_[row], column); }
 
-std::string CsvNumbers::where_name(std::size_t column) const { return where(1, 0, column); }
+std::string CsvNumbers::where_name(std::size_t column) const { return where({1, 0}, column); }
 
 std::string CsvNumbers::where_row(std::size_t row) const { return fmt::format("{}:{}", path_, lines_[row].number); }
 
@@ -150,6 +225,27 @@ void CsvNumbers::keep(const std::vector<bool>& wanted) {
   };
   for (auto& values : columns_) filter(values);
   filter(lines_);
+}
+
+void for_each_row(const std::string& path, const std::vector<std::string>& columns,
+                  const std::function<void(const std::vector<double>& cells)>& row) {
+  Lines lines(path);
+  std::string_view line;
+  std::vector<std::size_t> slots;  // of each column of the file, where its cell goes
+  std::vector<double> cells;
+  while (lines.next(line)) {
+    cells.assign(columns.size(), no_sample);
+    std::size_t column = 0;
+    for (std::size_t begin = 0; begin <= line.size(); begin = cell_end(line, begin) + 1, ++column) {
+      const auto slot_of = [&](std::string_view name) {
+        return static_cast<std::size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin());
+      };
+      if (lines.number() == 1) slots.push_back(slot_of(cell_at(line, begin)));
+      else if (column < slots.size() && slots[column] < cells.size())
+        cells[slots[column]] = number_of(cell_at(line, begin));
+    }
+    if (lines.number() > 1) row(cells);
+  }
 }
 
 }  // namespace gustlab

@@ -1,17 +1,20 @@
-// A CSV of numbers, whole in memory, that remembers where each cell stands.
+// A CSV of numbers, plain or gzip-compressed: its rows in memory, with the place of each, or one after the other.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "gustlab/flight_log.hpp"
 
 namespace gustlab {
 
 class CsvNumbers {
  public:
-  // Reads a plain or gzip-compressed file. `lenient(name)`: a column in which a cell that is not a finite number counts as
-  // empty. Throws DataError at file:line:col of the cell.
-  CsvNumbers(const std::string& path, bool (*lenient)(std::string_view name));
+  // `lenient(name)`: a column in which a cell that is not a finite number counts as empty. `only`: without the rows whose time_s lies
+  // in none of these (empty: all rows). Throws DataError at file:line:col of the cell.
+  CsvNumbers(const std::string& path, bool (*lenient)(std::string_view name), const std::vector<TimeRange>& only = {});
 
   const std::vector<std::string>& names() const { return names_; }
   std::size_t rows() const { return lines_.size(); }
@@ -29,16 +32,21 @@ class CsvNumbers {
 
  private:
   void read_header(std::string_view line);
-  void read_row(std::size_t line_number, std::size_t begin, std::string_view line, const std::vector<bool>& lenient);
-  std::string where(std::size_t line_number, std::size_t line_begin, std::size_t column) const;
+  void read_row(std::string_view line, const std::vector<bool>& lenient);
 
   struct Line {
-    std::size_t number, begin;
+    std::size_t number, begin;  // from 1; where it starts in the text
   };
-  std::string path_, text_;
+  std::string where(const Line& line, std::size_t column) const;
+  std::string path_;
   std::vector<std::string> names_;
   std::vector<Line> lines_;
   std::vector<std::vector<double>> columns_;
 };
+
+// Calls `row` with the cells of these columns, row after row, and keeps nothing. A cell that is no finite number, or not there, is NaN.
+// Throws DataError when the file cannot be read.
+void for_each_row(const std::string& path, const std::vector<std::string>& columns,
+                  const std::function<void(const std::vector<double>& cells)>& row);
 
 }  // namespace gustlab

@@ -130,7 +130,7 @@ void check_attitude(CsvNumbers& csv, std::vector<LogRepair>& repairs) {
 
 }  // namespace
 
-FlightLog read_flight_log(const std::string& csv_path) {
+FlightLog read_flight_log(const std::string& csv_path, const std::vector<TimeRange>& only) {
   FlightLog log;
   log.path = csv_path;
   const std::string sidecar = sidecar_path(csv_path);
@@ -143,7 +143,8 @@ FlightLog read_flight_log(const std::string& csv_path) {
                     sidecar, why));
   log.meta = read_sidecar(sidecar);
   note_input(csv_path);
-  CsvNumbers csv(csv_path, [](std::string_view name) { return !is_known_column(name); });
+  CsvNumbers csv(
+      csv_path, [](std::string_view name) { return !is_known_column(name); }, only);
   check_required(csv, csv_path);
   check_sizes(csv);
   check_time(csv, log.repairs);

@@ -62,6 +62,32 @@ TEST(Calibration, FindsWhatATableWasMadeWith) {
   EXPECT_EQ(fit(path, target_m, 2)[0].values, results[0].values);
 }
 
+// GIVEN a calibration that was killed while it wrote WHEN it is begun again THEN only what it had not flown is flown, and the values are
+// the same; another target is flown anew
+TEST(Calibration, GoesOnFromWhatWasFlown) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("e.toml", experiment_text), flown = folder.file("flown.jsonl");
+  const std::atomic<bool> stop = false;
+  const auto fitted = [&](double target_m) {
+    return calibrate(
+        path, {}, calibration(1001), published(target_m), 1, stop, [](std::size_t, std::size_t) {}, flown)[0];
+  };
+  const StageResult whole = fitted(0.05);
+  const std::string all = read_text(flown);
+  ASSERT_GT(std::count(all.begin(), all.end(), '\n'), 5);
+  for (const std::size_t left : {all.size() / 2, all.size() - 1, all.size()}) {
+    folder.write("flown.jsonl", all.substr(0, left));
+    const StageResult again = fitted(0.05);
+    EXPECT_EQ(again.values, whole.values);
+    EXPECT_EQ(again.figures, whole.figures);
+    EXPECT_EQ(again.share_as_far, whole.share_as_far);
+    EXPECT_EQ(again.flights, whole.flights);
+    EXPECT_EQ(read_text(flown), all);
+  }
+  EXPECT_NE(fitted(0.1).loss, whole.loss);
+  EXPECT_GT(read_text(flown).size(), all.size());
+}
+
 // GIVEN a table made with gusts WHEN their strength is open THEN the spread of the runs finds it, and the table is one that such
 // flights give; where the paper's spread is zero, nothing flies
 TEST(Calibration, FindsGustsByTheSpreadOfTheRuns) {

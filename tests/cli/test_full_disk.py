@@ -95,6 +95,25 @@ class FullDisk(unittest.TestCase):
 
         self.at_each_write(arguments, goes_on)
 
+    def test_sweep_with_logs_goes_on_with_room(self):
+        arguments = ("sweep", "e.toml", "--set", "replicates=2", "--logs", "--out", "out", "--jobs", "1")
+
+        def goes_on(number, code, err, before, wanted):
+            self.assertEqual(code, 4, err)
+            self.assertRegex(err, FULL)
+            # each log is whole, with its sidecar, or not there
+            for name, content in self.files("out").items():
+                if not name.startswith("runs.sqlite"):
+                    self.assertEqual(content, wanted[name], name)
+                if name.endswith(".csv") and name != "runs.csv":
+                    self.assertIn(name.replace(".csv", ".meta.toml"), self.files("out"))
+            self.sound(*arguments, "--resume")
+            found = self.files("out")
+            self.assertEqual(set(found), set(wanted))
+            self.assertEqual({n: c for n, c in found.items() if n != "runs.sqlite"}, {n: c for n, c in wanted.items() if n != "runs.sqlite"})
+
+        self.at_each_write(arguments, goes_on)
+
     def test_merge_leaves_nothing(self):
         for part in ("1", "2"):
             self.sound("sweep", "e.toml", "--out", f"part{part}", "--shard", f"{part}/2")
@@ -112,10 +131,21 @@ class FullDisk(unittest.TestCase):
         self.sound("gate", "swept", "--baseline", "base.csv", "--update")
         self.at_each_write(("gate", "swept", "--baseline", "base.csv", "--summary", "out.md", "--junit", "out.xml"), self.leaves_nothing)
 
-    def test_searches_leave_nothing(self):
+    def test_calibration_goes_on_with_room(self):
         (self.folder / "c.toml").write_text(CALIBRATION)
+        arguments = ("calibrate", "e.toml", "--calibration", "c.toml", "--out", "out", "--jobs", "1")
+
+        def goes_on(number, code, err, before, wanted):
+            self.assertEqual(code, 4, err)
+            self.assertRegex(err, FULL)
+            self.assertLessEqual(set(self.files("out")) if (self.folder / "out").exists() else set(), {"flown.jsonl"})
+            self.sound(*arguments)
+            self.assertEqual(self.files("out"), wanted)
+
+        self.at_each_write(arguments, goes_on)
+
+    def test_tuning_leaves_nothing(self):
         (self.folder / "t.toml").write_text(TUNING)
-        self.at_each_write(("calibrate", "e.toml", "--calibration", "c.toml", "--out", "out", "--jobs", "1"), self.leaves_nothing)
         self.at_each_write(("tune", "e.toml", "--tuning", "t.toml", "--out", "out", "--jobs", "1"), self.leaves_nothing)
 
     def test_models_leave_nothing(self):
@@ -138,9 +168,30 @@ class FullDisk(unittest.TestCase):
         for more in (("--out", "out.parquet"), ("--out", "out.mcap"), ("--to", "csv", "--out", "out")):
             self.at_each_write(("export", "flown", *more), self.leaves_nothing, least=2)
 
+    def test_films_leave_nothing(self):
+        self.fly(1)
+        # ffmpeg writes the other films: tests/scripts/test_flight_exports.py
+        self.at_each_write(("render", "flown/flight.csv", "--size", "64x64", "--fps", "5", "--out", "out.gif"), self.leaves_nothing, least=1)
+
+    def test_reproduce_goes_on_with_room(self):
+        (self.folder / "e.toml").write_text(EXPERIMENT.replace("replicates = 6", "replicates = 2"))
+        arguments = ("reproduce", "table2", "--experiment", "e.toml", "--out", "out", "--jobs", "1")
+
+        def goes_on(number, code, err, before, wanted):
+            self.assertEqual(code, 4, err)
+            self.assertRegex(err, FULL)
+            for name in ("reproduction.json", "reproduction.md", "figures/ours_against_paper.svg"):
+                self.assertNotIn(name, self.files("out"))
+            self.sound(*arguments)
+            found = self.files("out")
+            self.assertEqual({n: c for n, c in found.items() if not n.endswith(".sqlite")}, {n: c for n, c in wanted.items() if not n.endswith(".sqlite")})
+
+        self.at_each_write(arguments, goes_on)
+
     def test_conceal_leaves_nothing(self):
         (self.folder / "t.toml").write_text(trials_toml("one", "two", duration_s=0.2))
-        self.at_each_write(("conceal", "t.toml", "--out", "out", "--answers", "out.jsonl", "--jobs", "1"), self.leaves_nothing)
+        for jobs in ("1", "2"):
+            self.at_each_write(("conceal", "t.toml", "--out", "out", "--answers", "out.jsonl", "--jobs", jobs), self.leaves_nothing)
 
     def test_diagnose_leaves_nothing(self):
         self.fly(2)

@@ -1,6 +1,7 @@
 // A CSV of numbers, and where its faults stand.
 #include "flight_log/csv.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,6 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::IsNan;
 
 bool strict(std::string_view) { return false; }
 bool notes(std::string_view name) { return name == "note"; }
@@ -63,7 +65,8 @@ TEST(Csv, LetsTextPassWhereItMay) {
 }
 
 TEST(Csv, KnowsItsRowsAfterSomeWent) {
-  CsvNumbers csv = read("a,bb\n1,\n\n1,\n2,3\n");
+  const TemporaryFolder folder;
+  CsvNumbers csv(folder.write("log.csv", "a,bb\n1,\n\n1,\n2,3\n"), strict);
   EXPECT_TRUE(csv.same(0, 1));
   EXPECT_FALSE(csv.same(0, 2));
   csv.keep({true, false, true});
@@ -72,6 +75,48 @@ TEST(Csv, KnowsItsRowsAfterSomeWent) {
   EXPECT_THAT(csv.where(1, 1), HasSubstr("log.csv:5:3"));
   EXPECT_THAT(csv.where_row(1), HasSubstr("log.csv:5"));
   EXPECT_THAT(csv.where_name(1), HasSubstr("log.csv:1:3"));
+}
+
+// longer than what is read at once
+std::string many_rows(int count) {
+  std::string text = "time_s,a,note\n";
+  for (int i = 0; i < count; ++i) text += fmt::format("{},{},row {}\n", 0.5 * i, i, i);
+  return text;
+}
+
+TEST(Csv, ReadsOnlyTheRowsOfSomeTimes) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("log.csv", many_rows(50000));
+  const CsvNumbers csv(path, notes, {{1.0, 2.0}, {20000.0, 20001.0}});
+  EXPECT_THAT(csv.column(1), ElementsAre(2.0, 3.0, 40000.0, 40001.0));
+  EXPECT_THAT(csv.where(3, 2), HasSubstr("log.csv:40003:15"));
+  EXPECT_EQ(CsvNumbers(path, notes).rows(), 50000u);
+  // a fault in other rows is none
+  folder.write("log.csv", "time_s,a\n0,x\n1,2\n");
+  EXPECT_THAT(CsvNumbers(path, strict, {{1.0, 2.0}}).column(1), ElementsAre(2.0));
+}
+
+TEST(Csv, ReadsALineThatIsLongerThanABlock) {
+  const CsvNumbers csv = read("a,note\n1," + std::string(300000, 'x') + "\n2,3", notes);
+  EXPECT_THAT(csv.column(0), ElementsAre(1.0, 2.0));
+  EXPECT_THAT(csv.column(1)[1], 3.0);
+}
+
+TEST(Csv, HandsItsRowsOverOneAfterTheOther) {
+  const TemporaryFolder folder;
+  std::vector<double> a;
+  const auto keep = [&](const std::vector<double>& cells) {
+    EXPECT_EQ(cells.size(), 2u);
+    EXPECT_TRUE(std::isnan(cells[0]));
+    a.push_back(cells[1]);
+  };
+  for_each_row(folder.write("log.csv", many_rows(50000)), {"not there", "a"}, keep);
+  ASSERT_EQ(a.size(), 50000u);
+  EXPECT_EQ(a[49999], 49999.0);
+  // what is no number, and a row that ends early
+  a.clear();
+  for_each_row(folder.write("other.csv", "b,a\n1,x\n\n1\n1, 4 ,9\n"), {"not there", "a"}, keep);
+  EXPECT_THAT(a, ElementsAre(IsNan(), IsNan(), IsNan(), 4.0));
 }
 
 TEST(Columns, HaveANameAndALargestValue) {

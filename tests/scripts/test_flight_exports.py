@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import resource
 import subprocess
 import sys
 import tempfile
@@ -247,6 +248,16 @@ class Films(WithFlight):
         from PIL import Image
         with Image.open(self.root / "film.gif") as film:
             self.assertEqual((film.n_frames, film.size), (10, (128, 96)))
+
+    def test_a_film_that_ffmpeg_could_not_write_is_none(self):
+        # ffmpeg is another program, which a full disk of ours does not reach: a limit of a file's size stands for it
+        out = self.root / "film.mp4"
+        done = subprocess.run([sys.executable, str(SCRIPTS / "render_flight.py"), str(self.log), "--out", str(out), "--size", "128x96", "--fps", "5"],
+                              capture_output=True, text=True, timeout=120,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)))
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertIn("film.mp4: cannot be written", done.stderr)
+        self.assertEqual([path.name for path in self.root.iterdir() if "film" in path.name or path.name.startswith(".")], [])
 
     def test_what_cannot_be_drawn_is_one_line(self):
         out = self.root / "x.mp4"

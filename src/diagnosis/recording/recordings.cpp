@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "diagnosis/recording/attitude_check.hpp"
 #include "diagnosis/recording/log_checks.hpp"
+#include "diagnosis/recording/stretches.hpp"
 #include "gustlab/errors.hpp"
 #include "vehicle/gaps.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -16,15 +18,13 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// rows of a log between two times
-FlightLog part_of(const FlightLog& log, double from_s, double to_s) {
-  FlightLog part = log;
-  const auto first = std::lower_bound(log.time_s.begin(), log.time_s.end(), from_s) - log.time_s.begin();
-  const auto last = std::lower_bound(log.time_s.begin(), log.time_s.end(), to_s) - log.time_s.begin();
-  part.time_s.assign(log.time_s.begin() + first, log.time_s.begin() + last);
-  for (std::size_t c = 0; c < log.columns.size(); ++c)
-    part.columns[c].values.assign(log.columns[c].values.begin() + first, log.columns[c].values.begin() + last);
-  return part;
+void note_stretches(const std::string& file, const std::vector<FlightLog>& flights, Recordings& out) {
+  for (const FlightLog& flight : flights)
+    out.stretches.push_back({label_of(flight.path), file, flight.time_s.front(), flight.time_s.back()});
+  out.remarks.notes.push_back(fmt::format(
+      "{} lasts longer than {:g} s: of each of its {} parts the {:g} s that excite most are diagnosed, each as a "
+      "flight of its own, and the rest is not",
+      file, most_flight_s, flights.size(), stretch_s));
 }
 
 // a log that cannot be read is set aside, and said
@@ -32,7 +32,9 @@ std::vector<FlightLog> read_all(const std::vector<std::string>& paths, Recording
   std::vector<FlightLog> logs;
   for (const std::string& path : paths) {
     try {
-      logs.push_back(read_flight_log(path));
+      std::vector<FlightLog> flights = read_flights(path);
+      if (flights.size() > 1) note_stretches(label_of(path), flights, out);
+      std::move(flights.begin(), flights.end(), std::back_inserter(logs));
     } catch (const DataError& error) {
       out.remarks.findings.push_back({label_of(path), "*", "inconsistent", 0.0, 0.0, error.what(), true, false});
       out.set_aside.push_back({label_of(path), "set_aside", 0.0, 0.0});
@@ -105,8 +107,8 @@ Recordings with_held_out_part(Recordings recordings) {
   const FlightLog whole = std::move(recordings.fit.front());
   const double first_s = whole.time_s.front(), last_s = whole.time_s.back(),
                cut_s = first_s + (last_s - first_s) * 2.0 / 3.0;
-  recordings.fit.front() = part_of(whole, first_s, cut_s);
-  recordings.holdout.push_back(part_of(whole, cut_s, last_s + 1.0));
+  recordings.fit.front() = part_of(whole, {first_s, cut_s});
+  recordings.holdout.push_back(part_of(whole, {cut_s, last_s + 1.0}));
   recordings.remarks.notes.emplace_back("there is one flight only: its last third is held out");
   return recordings;
 }

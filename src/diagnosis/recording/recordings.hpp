@@ -18,6 +18,7 @@ struct Recordings {
   VehicleModel vehicle;
   std::vector<FlightLog> fit, holdout, reference;
   std::vector<FlightUse> set_aside;
+  std::vector<Stretch> stretches;  // of logs that are too long
   Remarks remarks;
 };
 

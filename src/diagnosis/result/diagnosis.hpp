@@ -24,6 +24,12 @@ struct FlightUse {
   double duration_s = 0.0, time_offset_s = 0.0;
 };
 
+// A flight that is a part of a log which is too long to be diagnosed whole.
+struct Stretch {
+  std::string flight, file;
+  double from_s = 0.0, to_s = 0.0;
+};
+
 // A channel of the unexplained wrench against the variable that it depends on most, per half second, before and after.
 struct ResidualPlot {
   std::string channel, unit, variable;
@@ -41,6 +47,7 @@ struct Diagnosis {
   Verdict verdict = Verdict::insufficient_data;
   std::string vehicle;
   std::vector<FlightUse> flights;
+  std::vector<Stretch> stretches;  // empty: all logs are diagnosed whole
   std::vector<Mismatch> mismatch;
   std::vector<EffectFinding> effects;
   std::vector<EffectFinding> reference_effects;  // what the reference flights show against the vehicle file

@@ -117,6 +117,8 @@ ordered_json to_json(const Diagnosis& d) {
   for (const FlightUse& f : d.flights)
     out["flights"].push_back(
         {{"file", f.file}, {"role", f.role}, {"duration_s", f.duration_s}, {"time_offset_s", f.time_offset_s}});
+  for (const Stretch& s : d.stretches)
+    out["stretches"].push_back({{"flight", s.flight}, {"file", s.file}, {"from_s", s.from_s}, {"to_s", s.to_s}});
   out["mismatch"] = ordered_json::array();
   for (const Mismatch& m : d.mismatch) {
     ordered_json where = ordered_json::array();
