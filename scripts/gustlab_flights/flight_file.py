@@ -9,7 +9,7 @@ import numpy as np
 from gustlab_import.problems import ImportFailure
 from gustlab_import.tables import read_csv
 
-from .problems import DATA, IO, Refusal
+from .problems import DATA, Refusal
 
 # name of the group, its columns, unit, meaning
 VECTORS = (
@@ -77,7 +77,7 @@ class FlightFile:
         try:
             return self.sidecar_path.read_text(encoding="utf-8") if self.sidecar_path.is_file() else ""
         except (OSError, UnicodeDecodeError) as error:
-            raise Refusal(f"{self.sidecar_path}: cannot be read ({error})", IO) from None
+            raise Refusal(f"{self.sidecar_path}: cannot be read ({error})") from None
 
     def need(self, name: str) -> np.ndarray:
         if name not in self.columns:
@@ -125,4 +125,4 @@ def _csv_of(path: Path) -> Path:
     for name in ("flight.csv", "flight.csv.gz"):
         if (path / name).is_file():
             return path / name
-    raise Refusal(f"{path}: no flight.csv in this folder (name a flight log, or the --out of `gustlab run`)", IO)
+    raise Refusal(f"{path}: no flight.csv in this folder (name a flight log, or the --out of `gustlab run`)")

@@ -154,8 +154,8 @@ class Exports(WithFlight):
     def test_what_cannot_be_exported_is_one_line(self):
         self.assertIn("its ending names no kind", self.refused(2, "export_flight.py", self.log, "--out", self.root / "x.xyz"))
         self.assertIn("is read by the same command", self.refused(2, "export_flight.py", self.log, "--to", "mcap", "--out", self.log))
-        self.assertIn("cannot be read", self.refused(4, "export_flight.py", self.root / "no.csv", "--out", self.root / "x.mcap"))
-        self.assertIn("no flight.csv in this folder", self.refused(4, "export_flight.py", self.root, "--out", self.root / "x.mcap"))
+        self.assertIn("cannot be read", self.refused(3, "export_flight.py", self.root / "no.csv", "--out", self.root / "x.mcap"))
+        self.assertIn("no flight.csv in this folder", self.refused(3, "export_flight.py", self.root, "--out", self.root / "x.mcap"))
         self.log.write_text("a,b\n1,2\n")
         self.assertIn("no column time_s", self.refused(3, "export_flight.py", self.log, "--out", self.root / "x.mcap"))
         self.log.write_text("time_s,px\n1,2\n1,2\n")
