@@ -10,9 +10,12 @@ namespace {
 
 double unit(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, 0.0, 1.0); }
 
-// Of a statistic that this log or this effect does not have: most names are right, but what one flight alone shows nothing repeats. A
-// flight that was held out repeats it as well as one of the fit.
-double unsaid(const Evidence& e) { return e.flights_for() > 1 ? 0.75 : 0.5; }
+// Of a statistic that this log or this effect does not have: most names are right, but what one flight alone shows nothing repeats.
+double unsaid(const Evidence& e) {
+  const auto fitted =
+      std::count_if(e.flights.begin(), e.flights.end(), [](const FlightShare& f) { return !f.held_out; });
+  return fitted > 1 ? 0.75 : 0.5;
+}
 
 // flights for it less those against it
 double flights_speak(const Evidence& e) {

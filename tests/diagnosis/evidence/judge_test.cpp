@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <functional>
 #include <limits>
 
@@ -26,12 +25,6 @@ Evidence strong() {
 double probability(Evidence e) {
   judge(e);
   return e.probability;
-}
-
-double feature(Evidence e, std::string_view name) {
-  judge(e);
-  const auto found = std::ranges::find(e.features, name, [](const auto& f) { return f.first; });
-  return found == e.features.end() ? -1.0 : found->second;
 }
 
 TEST(Judge, NamesWhatEverythingSpeaksFor) { EXPECT_GT(probability(strong()), named_from); }
@@ -80,15 +73,6 @@ TEST(Judge, NumbersThatCannotBeSaidDoNotDecide) {
 }
 
 // a late pose stands or falls with gyro and attitudes, whatever the forces are
-TEST(Judge, AHeldOutFlightRepeatsWhatOneFlightShows) {
-  Evidence one = strong();
-  one.surrogates.movable = false;
-  one.flights = {{"fit", false, 1.0, 0.1}, {"held out", true, 0.1, 0.2}};
-  Evidence repeated = one;
-  repeated.flights.back().share = 1.0;
-  EXPECT_GT(feature(repeated, "surrogate"), feature(one, "surrogate"));
-}
-
 TEST(Judge, ALatePoseThatTheSensorsRefuteIsNotNamed) {
   Evidence e = strong();
   e.sensors_share = 0.0;
