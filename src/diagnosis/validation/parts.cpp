@@ -16,7 +16,7 @@ namespace {
 
 // A flight with further columns, named −1, −2, …: what each finding pushes, as it was found; then, where pushes to the side are
 // free, those to the side.
-LinearFlight with_pushes(LinearFlight flight, const Session& session, const Selection& selection,
+LinearFlight with_pushes(const LinearFlight& flight, const Session& session, const Selection& selection,
                          const std::vector<int>& beside, bool sideways_free) {
   const Catalogue& catalogue = session.catalogue();
   const auto tested = static_cast<Eigen::Index>(selection.findings.size()),
