@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "diagnosis/estimation/indices.hpp"
 #include "diagnosis/estimation/rotor_speeds.hpp"
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/linear_model.hpp"
@@ -444,23 +445,17 @@ void append_channels(const Whitened& rows, int channels, const std::vector<int>&
 
 RowSeries Session::row_series(const std::vector<int>& columns) const {
   const auto width = static_cast<Eigen::Index>(columns.size()) + 1;
-  const auto places = [&](const std::vector<int>& of_flight) {
-    std::vector<int> to;
-    for (const int c : of_flight)
-      to.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
-    return to;
-  };
   RowSeries series(flights_.size());
   for_each_flight([&](std::size_t f) {
     if (!shoots()) {
       const LinearFlight part = only(linear_[f], columns);
-      append_channels(whiten(flights_[f], part, noise), row_count, places(part.columns), width, series[f]);
-      append_channels(whiten_speeds(flights_[f], part, noise.speeds), vehicle_.rotor_count, places(part.columns), width,
-                      series[f]);
+      const std::vector<int> to = indices_of(part.columns, columns);
+      append_channels(whiten(flights_[f], part, noise), row_count, to, width, series[f]);
+      append_channels(whiten_speeds(flights_[f], part, noise.speeds), vehicle_.rotor_count, to, width, series[f]);
       return;
     }
     // every row of a window is a channel, which has one sample a window
-    const std::vector<int> to = places(shot_aside_[f].columns);
+    const std::vector<int> to = indices_of(shot_aside_[f].columns, columns);
     for (Eigen::Index row = 0; row < weights_.rows(); ++row) {
       Eigen::MatrixXd& of_row = series[f].emplace_back(Eigen::MatrixXd::Zero(std::ssize(shot_aside_[f].window), width));
       for (std::size_t w = 0; w < shot_aside_[f].window.size(); ++w) {

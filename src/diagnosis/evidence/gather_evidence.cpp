@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/estimation/indices.hpp"
 #include "diagnosis/estimation/surrogates.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/trims.hpp"
@@ -134,12 +135,6 @@ struct FittedRows {
   std::vector<int> columns;
   RowSeries series;
   Eigen::VectorXd coefficient;
-  std::vector<int> places_of(const std::vector<int>& some) const {
-    std::vector<int> places;
-    for (const int c : some)
-      places.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
-    return places;
-  }
 };
 
 FittedRows fitted_rows(const Session& session, const Selection& selection) {
@@ -166,8 +161,9 @@ FittedRows fitted_rows(const Session& session, const Selection& selection) {
 
 SurrogateTest moved_signatures(const Session& session, const Selection& selection, const FittedRows& rows,
                                const Finding& finding) {
-  const std::vector<int> known = rows.places_of(session.with_biases(groups_beside(selection, finding))),
-                         own = rows.places_of(own_columns(session.catalogue(), selection.groups(), finding.group));
+  const std::vector<int> known = indices_of(session.with_biases(groups_beside(selection, finding)), rows.columns),
+                         own = indices_of(own_columns(session.catalogue(), selection.groups(), finding.group),
+                                          rows.columns);
   std::vector<int> both = known;
   both.insert(both.end(), own.begin(), own.end());
   return surrogate_test(rows.series, known, own, rows.coefficient(both));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/estimation/indices.hpp"
+
 namespace gustlab::diagnosis {
 
 namespace {
@@ -171,9 +173,7 @@ Grams grams_with(const Session& session, const BasisFamily& family, const std::v
   std::vector<Grams> of_flight(session.flights().size());
   session.for_each_flight([&](std::size_t f) {
     const LinearFlight linear = only(session.linear()[f], columns);
-    std::vector<int> to;
-    for (const int c : linear.columns)
-      to.push_back(static_cast<int>(std::find(columns.begin(), columns.end(), c) - columns.begin()));
+    std::vector<int> to = indices_of(linear.columns, columns);
     for (int j = 0; j < family.size; ++j) to.push_back(static_cast<int>(columns.size()) + j);
     accumulate(whiten(session.flights()[f], linear, session.noise, &family.columns[f]), to, static_cast<int>(f),
                static_cast<int>(columns.size()) + family.size, of_flight[f]);

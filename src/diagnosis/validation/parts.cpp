@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/estimation/indices.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/trims.hpp"
 #include "diagnosis/validation/generic_bases.hpp"
@@ -65,15 +66,14 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   const std::vector<Trim> trims = trims_beside(session, beside, decisions::scatter_share);
   const std::size_t own = beside.size();
   for (const Trim& trim : trims) beside.push_back(trim.column);
+  std::vector<int> all = beside;
+  for (int i = 0; i < pushes; ++i) all.push_back(-1 - i);
   std::vector<Grams> of_flight(session.flights().size());
   session.for_each_flight([&](std::size_t f) {
     const LinearFlight linear = with_pushes(session.linear()[f], session, selection, beside, gusty);
-    std::vector<int> to;
-    for (const int c : linear.columns)
-      to.push_back(c < 0 ? static_cast<int>(beside.size()) - 1 - c
-                         : static_cast<int>(std::find(beside.begin(), beside.end(), c) - beside.begin()));
+    std::vector<int> to = indices_of(linear.columns, all);
     accumulate(whiten(session.flights()[f], linear, session.noise), to, static_cast<int>(f),
-               static_cast<int>(beside.size()) + static_cast<int>(pushes), of_flight[f]);
+               static_cast<int>(all.size()), of_flight[f]);
   });
   Grams grams;
   for (Grams& part : of_flight) append(std::move(part), grams);
