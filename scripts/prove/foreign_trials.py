@@ -283,8 +283,9 @@ def path_of(kind, craft, rng, steps):
             if kind == "steps":
                 spot = np.array([*rng.uniform(-0.8, 0.8, 2) * v, high + 0.25 * v * rng.uniform(-1, 1)])
             else:
-                spot = np.array([*rng.uniform(-0.25, 0.25, 2) * v, craft.radius * rng.choice([1.8, 2.4, 3.5, 5, 8])])
-            span = max(1.0, 1.9 * np.linalg.norm(spot - spots[-1]) / v)
+                spot = np.array([*rng.uniform(-0.25, 0.25, 2) * v, craft.radius * rng.choice([2.2, 3, 4, 6, 9])])
+            far = np.linalg.norm(spot - spots[-1])
+            span = max(1.2, 1.25 * math.sqrt(far), 1.9 * far / v)
             spots += [spot, spot]
             at += [now + span, now + span + 0.4]
             now = at[-1]
@@ -635,7 +636,7 @@ def fly(craft, reality, setting, rng):
         return "motors at their limits"
     if plant.top < craft.top and not 0.002 < clipped < 0.1:
         return "too little or too much of saturation"
-    return {**out, "voltage": voltage * craft.voltage, "p_wanted": p}
+    return {**out, "voltage": voltage * craft.voltage, "p_wanted": p[:steps]}
 
 
 # ---- records -------------------------------------------------------------------------------------------------------------------------
@@ -934,8 +935,8 @@ def main():
         for truth, row in pool.map(trial, numbers, [options] * len(numbers)):
             truths.append(truth)
             rows += [row] if row else []
-            for name, lines in (("truth", truths), ("results", rows)):
-                (options.out / f"{name}.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+            (options.out / "truth.jsonl").write_text("".join(path.read_text(encoding="utf-8") for path in sorted((options.out / "truths").glob("*.json"))), encoding="utf-8")
+            (options.out / "results.jsonl").write_text("".join(json.dumps(line) + "\n" for line in rows), encoding="utf-8")
             print(f"[{len(truths)}/{len(numbers)}] {truth['trial']} {', '.join(e['effect'] for e in truth['effects']) or 'nothing'}: {row['outcome'] if row else 'drawn'}",
                   file=sys.stderr, flush=True)
     sys.stdout.write(markdown(rows) if rows else "")
