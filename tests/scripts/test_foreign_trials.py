@@ -180,7 +180,7 @@ def test_gustlab_reads_every_style(style, tmp_path, short):
     assert done.returncode == 0 and not done.stderr, done.stderr
     fit = json.loads(done.stdout)
     fit = fit.get("fit", fit)
-    assert fit["windows"] > 5 and fit["position_m"]["before"][0] < 0.3 * fit["position_m"]["hold"][0]
+    assert fit["windows"] > 5 and fit["position_m"]["before"][0] < 0.1 * fit["position_m"]["hold"][0]
 
 
 # ---- scores -------------------------------------------------------------------------------------------------------------
