@@ -18,7 +18,7 @@ import math
 import sys
 import xml.etree.ElementTree as xml
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -476,7 +476,7 @@ class Plant:
         return total / mass, torque
 
     def step(self, k, command, voltage):
-        """One millisecond, by the midpoint; `voltage` over the nominal one."""
+        """One millisecond, by the midpoint; the specific force in it. `voltage`: over the nominal one."""
         real = self.real
         target = command * (voltage**(real.value("battery_sag", "exponent") / 2))[:, None]
         if "sticking_rotor" in self.outside:
@@ -499,7 +499,7 @@ class Plant:
             self.R = 1.5 * self.R - 0.5 * self.R @ self.R.transpose(0, 2, 1) @ self.R
         self.p = self.p + STEP_S * (self.v + half * self.acceleration)
         self.v, self.w, self.speed = self.v + STEP_S * self.acceleration, self.w + STEP_S * self.turn, after
-        return specific, target
+        return specific
 
 
 # ---- loops -------------------------------------------------------------------------------------------------------------------------
@@ -609,7 +609,7 @@ def fly(craft, reality, setting, rng):
     voltage = rng.uniform(0.98, 1.06, n) - drain * np.arange(steps)[:, None]
     noise = rng.standard_normal((steps, n, 3, 4)) * [setting.position_m, 0.01, setting.attitude_rad, setting.gyro_radps]
     late = round(reality.value("actuation_delay", "delay") / STEP_S)
-    shapes = {"p": (3,), "v": (3,), "R": (3, 3), "w": (3,), "f": (3,), "turn": (3,), "u": (craft.count,), "rotor": (craft.count,), "target": (craft.count,)}
+    shapes = {"p": (3,), "v": (3,), "R": (3, 3), "w": (3,), "f": (3,), "turn": (3,), "u": (craft.count,), "rotor": (craft.count,)}
     out = {name: np.empty((steps, n, *shape)) for name, shape in shapes.items()}
     offset, wm = small_turn(reality.vector("attitude_offset")[None]), np.zeros((n, 3))
     smooth = 1 - math.exp(-2 * math.pi * 70 * setting.period * STEP_S)
@@ -624,7 +624,7 @@ def fly(craft, reality, setting, rng):
         for name in ("p", "v", "R", "w"):
             out[name][k] = getattr(plant, name)
         out["rotor"][k], out["u"][k] = plant.speed, command
-        out["f"][k], out["target"][k] = plant.step(k, out["u"][max(0, k - late)], voltage[k])
+        out["f"][k] = plant.step(k, out["u"][max(0, k - late)], voltage[k])
         out["turn"][k] = plant.turn
         if k % 200 == 0 and not (np.abs(plant.p - p[k]).max() < 0.5 + 0.5 * craft.speed and plant.R[:, 2, 2].min() > 0.3 and plant.p[:, 2].min() > 0.5 * craft.radius):
             return f"{setting.kinds[int(np.argmax(np.abs(plant.p - p[k]).max(axis=1)))]} lost at {k * STEP_S:.1f} s"

@@ -37,7 +37,7 @@ def ideal(craft, **values):
 def test_hover_stands_still(craft):
     plant = Plant(craft, ideal(craft), np.array([[0, 0, 1.0]]))
     for k in range(200):
-        specific, _ = plant.step(k, plant.speed, np.ones(1))
+        specific = plant.step(k, plant.speed, np.ones(1))
     assert specific[0] == pytest.approx([0, 0, G], abs=1e-9)
     assert plant.p[0] == pytest.approx([0, 0, 1], abs=1e-9) and plant.R[0] == pytest.approx(np.eye(3), abs=1e-9)
 
@@ -47,7 +47,7 @@ def test_free_fall_is_weightless_and_falls(craft):
     plant = Plant(craft, ideal(craft), np.array([[0, 0, 100.0]]))
     plant.speed[:] = 0
     for k in range(500):
-        specific, _ = plant.step(k, 0 * plant.speed, np.ones(1))
+        specific = plant.step(k, 0 * plant.speed, np.ones(1))
     assert specific[0] == pytest.approx([0, 0, 0], abs=1e-12)
     assert plant.p[0, 2] == pytest.approx(100 - 0.5 * G * 0.5**2, abs=1e-9)
 
