@@ -854,7 +854,8 @@ def judge(truth, found, run):
     row |= {"verdict": found["verdict"], "named": [show(e) for e in found["effects"]], "suspected": [show(e) for e in suspected]}
     outside = truth["kind"] == "outside"
     fair = [(name, None) for name in FAIR.get(hidden[0]["effect"], ())] if outside else [(e["effect"], e["rotor"]) for e in hidden]
-    right = lambda finding: any(means(finding, *name) for name in fair)
+    # the air of such a trial is a gust, whether or not it is told from noise
+    right = lambda finding: any(means(finding, *name) for name in fair) or (truth["air"] != "calm" and finding["effect"] == "gust")
     row["wrong"] = [show(e) for e in found["effects"] if not right(e)]
     named = [any(means(finding, *name) for finding in found["effects"]) for name in fair]
     blind = {entry["effect"] for entry in found.get("not_identifiable", [])}
