@@ -16,7 +16,7 @@ NAME = re.compile(r"(\w+)\s*=")
 
 # numbers of a method, by file
 METHOD = {
-    "alignment/align.cpp": "filtered_rate_hz common_filter_s",  # how filtered logs are read
+    "alignment/align.cpp": "filtered_rate_hz common_filter_s coarse_rate_hz",  # how filtered and fast logs are read
     "estimation/innovation_filter.cpp": "cold",
     "estimation/innovations.hpp": "disturbance_groups noise_groups",
     "estimation/noise_model.hpp": "slowest_disturbance_s calm_memory_s",

@@ -91,8 +91,8 @@ struct Stream {
   bool can_fit(std::size_t least) const { return time_s.size() >= least; }
 };
 
-// every sampled column once more through one zero-phase Gaussian; quaternion signs are made continuous first
-FlightLog filtered_alike(FlightLog log, double sd_s) {
+// no quaternion has the other sign than the one before it
+void make_attitude_continuous(FlightLog& log) {
   std::array<std::vector<double>*, 4> q{};
   for (LogColumn& column : log.columns) {
     const std::string_view names[] = {"qw", "qx", "qy", "qz"};
@@ -107,6 +107,11 @@ FlightLog filtered_alike(FlightLog log, double sd_s) {
         for (auto* c : q) (*c)[k] *= -1.0;
       if (!std::isnan(dot) || !std::isfinite((*q[0])[last])) last = k;
     }
+}
+
+// every sampled column once more through one zero-phase Gaussian
+FlightLog filtered_alike(FlightLog log, double sd_s) {
+  make_attitude_continuous(log);
   const auto& time = log.time_s;
   std::vector<double> raw;
   for (LogColumn& column : log.columns) {
@@ -158,6 +163,26 @@ long stride_of(double step_s, const ReadingOptions& options) {
   if (!(step_s > 0.0)) return 1;
   if (options.coarse_rate_hz > 0.0 && at(options.coarse_rate_hz) >= 3) return at(options.coarse_rate_hz);
   return at(options.max_rate_hz);
+}
+
+// Each sample of a pose that is read at a third of its rate or less is the mean of it and its two neighbours.
+FlightLog with_mean_poses(FlightLog log, const ReadingOptions& options) {
+  make_attitude_continuous(log);
+  for (LogColumn& column : log.columns) {
+    if (column.name.size() != 2 || std::string_view("pvq").find(column.name.front()) == std::string_view::npos)
+      continue;
+    std::vector<std::size_t> rows;
+    for (std::size_t k = 0; k < log.rows(); ++k)
+      if (std::isfinite(column.values[k])) rows.push_back(k);
+    const double step_s =
+        interval_s(steps_between(log.time_s, [&](std::size_t row) { return std::isfinite(column.values[row]); }));
+    if (stride_of(step_s, options) < 3) continue;
+    const std::vector<double> raw = column.values;
+    for (std::size_t i = 1; i + 1 < rows.size(); ++i)
+      if (log.time_s[rows[i + 1]] - log.time_s[rows[i - 1]] < 2.5 * step_s)
+        column.values[rows[i]] = (raw[rows[i - 1]] + raw[rows[i]] + raw[rows[i + 1]]) / 3.0;
+  }
+  return log;
 }
 
 // Rows that are read: of every sensor at most so many samples a second, and each of a slower one's.
@@ -416,9 +441,11 @@ void find_saturation(FlightData& flight) {
 }  // namespace
 
 FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
-  const FlightLog smooth =
-      options.common_filter_s > 0.0 ? filtered_alike(original, options.common_filter_s) : FlightLog{};
-  const FlightLog& log = options.common_filter_s > 0.0 ? smooth : original;
+  const bool filters = options.common_filter_s > 0.0, averages = !filters && options.coarse_rate_hz > 0.0;
+  const FlightLog changed = filters    ? filtered_alike(original, options.common_filter_s)
+                            : averages ? with_mean_poses(original, options)
+                                       : FlightLog{};
+  const FlightLog& log = filters || averages ? changed : original;
   FlightData flight;
   flight.file = log.path;
   flight.label = log.path.substr(log.path.find_last_of('/') + 1);

@@ -131,9 +131,9 @@ inline constexpr double most_alike = 0.7;
 // named less surely.
 inline constexpr double level_share = 0.01;
 // Force against moment: a push that would be seen.
-// Statistic: χ² of the push, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), of whose
-// Δχ² the moment has less than a hundredth. Costs: what is not compared is not doubted.
-inline constexpr double least_push_seen = 25.0, least_push_share = 0.02;
+// Statistic: χ² of the push, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), whose moment
+// has between a fiftieth and a twentieth of its Δχ². Costs: what is not compared is not doubted.
+inline constexpr double least_push_seen = 25.0, least_push_share = 0.05;
 
 // ---- what is left
 

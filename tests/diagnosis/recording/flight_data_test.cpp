@@ -201,6 +201,23 @@ TEST(FlightData, AFastSensorIsReadCoarsely) {
   EXPECT_NEAR(rates(), 4000.0, 2.0);
 }
 
+// GIVEN noisy positions at 500 Hz WHEN read coarsely THEN each is the mean of three, which has less noise
+TEST(FlightData, AFastPoseIsReadInMeansOfThree) {
+  FlightLog log = slow_noisy_positions();
+  const RandomStream random(1, 0, "fast_position_noise");
+  std::vector<double>& x = test::column(log, "px");
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] = 1e-3 * random.normal4(k)[0];
+  for (std::size_t k = 0; k < x.size(); ++k) log.time_s[k] = 0.002 * static_cast<double>(k);
+  for (const char* name : {"py", "pz"}) test::column(log, name).assign(x.size(), 0.0);
+  ReadingOptions options;
+  options.coarse_rate_hz = 130.0;
+  double squares = 0.0, count = 0.0;
+  for (const Sample& s : prepare_flight(log, read_vehicle("crazyflie", ""), options).samples)
+    if (s.channels & has_position) squares += std::pow(s.position_W_m.x(), 2), count += 1.0;
+  EXPECT_NEAR(count, static_cast<double>(x.size()) / 4.0, 2.0);
+  EXPECT_NEAR(std::sqrt(squares / count), 1e-3 / std::sqrt(3.0), 4e-5);
+}
+
 // GIVEN noisy positions between the rows of a fast gyro WHEN smoothed THEN the velocity moves by little from row to row: what moves
 // quickly would be most of a column once it is whitened, and make what depends on velocity seem smaller than it is
 TEST(FlightData, NoiseOfASlowPositionIsSmooth) {
