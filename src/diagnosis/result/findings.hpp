@@ -86,6 +86,7 @@ struct Alarm {
   std::string says;
   double size = 0.0;                  // gain per degree of freedom, or ratio
   std::vector<std::string> channels;  // where
+  std::string sensor = {};            // whiteness: whose innovations
 };
 
 struct Disturbance {
