@@ -96,6 +96,12 @@ struct Disturbance {
   double correlation_time_s = 0.0;
 };
 
+// What a stage of a diagnosis says beside the value that it returns.
+struct Remarks {
+  std::vector<LogFinding> findings;
+  std::vector<std::string> notes;
+};
+
 enum class Verdict { consistent, explained, partly_explained, unexplained, insufficient_data };
 std::string_view to_string(Verdict verdict);
 
