@@ -337,27 +337,20 @@ std::string disturbance(const Json& diagnosis) {
          rows + "</table></div>";
 }
 
-// alarms in words, one line of those that say the same of several channels: "A of {} B" with another {} in each
+// alarms in words, one line for all sensors whose innovations are correlated
 std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& alarms) {
-  constexpr std::string_view before = "innovations of ", after = " are correlated over ";
   std::vector<std::pair<std::string, std::string>> lines;
-  std::vector<std::string> channels;
+  std::vector<std::string> sensors;
   std::size_t at = 0;
   for (const Json& alarm : alarms) {
-    const std::string says = text(alarm, "says");
-    const std::size_t end = says.find(after);
-    if (!says.starts_with(before) || end == std::string::npos) {
-      lines.emplace_back(plain_alarm(text(alarm, "kind")), in_plain_words(says));
-      continue;
-    }
-    if (channels.empty()) {
-      at = lines.size();
-      lines.emplace_back(plain_alarm(text(alarm, "kind")), "");
-    }
-    channels.push_back(in_plain_words(says.substr(before.size(), end - before.size())));
+    const std::string sensor = text(alarm, "sensor");
+    if (sensors.empty()) at = lines.size();
+    if (sensor.empty() || sensors.empty())
+      lines.emplace_back(plain_alarm(text(alarm, "kind")), in_plain_words(text(alarm, "says")));
+    if (!sensor.empty()) sensors.push_back(in_plain_words(sensor));
   }
-  if (!channels.empty())
-    lines[at].second = "what the model does not predict comes in runs of several samples in " + list_in_words(channels);
+  if (!sensors.empty())
+    lines[at].second = "what the model does not predict comes in runs of several samples in " + list_in_words(sensors);
   return lines;
 }
 

@@ -303,9 +303,8 @@ std::string one_sentence(const Json& diagnosis) {
 }
 
 bool torque_is_told(const Json& diagnosis) {
-  const Json& blind = part(diagnosis, "not_identifiable");
-  return std::none_of(blind.begin(), blind.end(),
-                      [](const Json& entry) { return text(entry, "why") == "these logs tell no torque"; });
+  const auto told = diagnosis.find("torque_told");
+  return told == diagnosis.end() || !told->is_boolean() || told->get<bool>();
 }
 
 std::string gain_sentence(const Json& diagnosis) {

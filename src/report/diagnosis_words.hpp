@@ -31,7 +31,7 @@ struct Variable {
 Variable plain_variable(const std::string& variable);
 std::string plain_place(const std::string& place);
 std::string capital(std::string words);
-// false where only forces were judged: the recorded attitude was followed
+// false where only forces were judged: the recorded attitude was followed; a diagnosis that does not say judged both
 bool torque_is_told(const nlohmann::ordered_json& diagnosis);
 
 std::string list_in_words(const std::vector<std::string>& items, const char* last = "and");

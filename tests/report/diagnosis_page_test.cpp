@@ -150,11 +150,15 @@ TEST(DiagnosisPage, SaysOnceWhatIsSaidOfSeveralChannels) {
   diagnosis["alarms"] = Json::array();
   for (const char* name : {"position x", "roll rate", "specific force z"})
     diagnosis["alarms"].push_back(
-        {{"kind", "whiteness"}, {"says", fmt::format("innovations of {} are correlated over 3 samples", name)}});
+        {{"kind", "whiteness"}, {"says", fmt::format("{} is not white", name)}, {"sensor", name}});
   diagnosis["alarms"].push_back({{"kind", "omnibus"}, {"says", "the rest depends on velocity"}});
   const std::string html = diagnosis_page(diagnosis, {});
   EXPECT_THAT(html, HasSubstr("comes in runs of several samples in position x, roll rate and specific force z.</li>"));
-  EXPECT_THAT(html, AllOf(HasSubstr("the rest depends on velocity.</li>"), Not(HasSubstr("are correlated over"))));
+  EXPECT_THAT(html, AllOf(HasSubstr("the rest depends on velocity.</li>"), Not(HasSubstr("is not white"))));
+  // a diagnosis of before that key says each by itself
+  for (Json& alarm : diagnosis["alarms"]) alarm.erase("sensor");
+  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+              AllOf(HasSubstr("position x is not white.</li>"), HasSubstr("roll rate is not white.</li>")));
 }
 
 TEST(DiagnosisPage, AnEffectThatWasAskedTwiceIsLookedAtOnce) {
@@ -175,7 +179,9 @@ TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
   figures.residuals[0].channel = "torque_x";
   EXPECT_THAT(diagnosis_page(diagnosis, figures),
               AllOf(HasSubstr("Roll torque"), HasSubstr("Roll and pitch: how far off")));
-  diagnosis["not_identifiable"] = {{{"effect", "inertia"}, {"why", "these logs tell no torque"}}};
+  diagnosis["torque_told"] = true;
+  EXPECT_THAT(diagnosis_page(diagnosis, figures), HasSubstr("Roll torque"));
+  diagnosis["torque_told"] = false;
   EXPECT_THAT(diagnosis_page(diagnosis, figures),
               AllOf(HasSubstr("not judged: these logs tell no torque"), Not(HasSubstr(">everywhere<")),
                     Not(HasSubstr("Roll torque")), Not(HasSubstr("Roll and pitch: how far off"))));

@@ -18,6 +18,12 @@ def commands(page):
     return re.findall(r"^```sh\n(.*?)^```", (ROOT / "docs" / "tutorials" / page).read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
 
 
+def drawn(page):
+    """The commands in the text of a page that draw what its blocks have flown."""
+    text = (ROOT / "docs" / "tutorials" / page).read_text(encoding="utf-8")
+    return [command.replace("scripts/", f"{ROOT}/scripts/") for command in re.findall(r"`(scripts/plot_[^`]+ [^`]+|gustlab render [^`]+)`", text)]
+
+
 class Tutorials(unittest.TestCase):
     def setUp(self):
         folder = TemporaryDirectory()
@@ -30,7 +36,8 @@ class Tutorials(unittest.TestCase):
         """What the blocks print, run one after the other in one folder."""
         environment = os.environ | {"PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}"}
         printed = []
-        for block in commands(page):
+        self.assertTrue(drawn(page))
+        for block in commands(page) + drawn(page):
             done = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=self.folder, env=environment, capture_output=True, text=True, check=False,
                                   timeout=900)
             self.assertEqual(done.returncode, 0, block + done.stderr)

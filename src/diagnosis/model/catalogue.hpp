@@ -99,6 +99,7 @@ class Catalogue {
   bool filter_looks_like_lag() const { return seen_.smoothing; }
   // the torque per command was taken out of all columns
   bool loop_answers() const { return loop_answers_; }
+  bool tells(Need need) const { return seen_.tells(need); }
   // what the loop did between two of them is a nuisance (command_innovation.hpp)
   bool commands_are_slow() const { return seen_.slow_commands && !seen_.trims && seen_.tells(Need::torque); }
   // why an effect of the registry is not among the candidates; empty when it is

@@ -192,6 +192,7 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
 // what these logs, or these flights, do not tell
 void list_not_identifiable(const Session& session, const Selection& selection, Diagnosis& out) {
   const Catalogue& catalogue = session.catalogue();
+  out.torque_told = catalogue.tells(Need::torque);
   for (const EffectRow& row : effect_registry())
     if (const std::string why = catalogue.why_left_out(row); row.diagnosable && !why.empty())
       out.not_identifiable.push_back({std::string(row.name), why});

@@ -7,7 +7,7 @@
 
 namespace gustlab::diagnosis {
 
-// Fills effects, calibration, rejected and not_identifiable of a diagnosis.
+// Fills effects, calibration, rejected, not_identifiable and torque_told of a diagnosis.
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out);
 // Names `gust` when the flight says so; per axis strength, correlation time and a spectral line.
 void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out);

@@ -24,15 +24,28 @@ std::vector<Vector3> triple(const FlightLog& log, const std::array<const char*, 
   return result;
 }
 
-// mean over the axes of what third differences say of a series of vectors
-double noise_of(const std::vector<Vector3>& series) {
-  double sum = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> one;
-    for (const Vector3& value : series) one.push_back(value[axis]);
-    sum += std::pow(third_difference_noise(one), 2);
+// White noise per axis, from what a parabola through three of four neighbouring samples says of the other one (robust): with even
+// intervals third differences. at(row, of): sample `row` as seen from sample `of`.
+template <class At>
+double white_noise(const std::vector<double>& time_s, At at) {
+  std::array<std::vector<double>, 3> left;
+  for (std::size_t row = 3; row < time_s.size(); ++row) {
+    Vector3 sum = Vector3::Zero();
+    double square = 0.0;
+    for (std::size_t i = row - 3; i <= row; ++i) {
+      double weight = 1.0;
+      for (std::size_t j = row - 3; j <= row; ++j)
+        if (j != i) weight /= time_s[i] - time_s[j];
+      sum += weight * at(i, row);
+      square += weight * weight;
+    }
+    sum /= std::sqrt(square);
+    if (!sum.allFinite()) continue;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) left[static_cast<std::size_t>(axis)].push_back(std::abs(sum[axis]));
   }
-  return std::sqrt(sum / 3.0);
+  double square = 0.0;
+  for (std::vector<double>& axis : left) square += std::pow(median(std::move(axis)) / 0.6745, 2) / 3.0;
+  return std::sqrt(square);
 }
 
 // samples of one column: the rows that hold one, and how far apart they usually are
@@ -96,21 +109,13 @@ void make_continuous(FlightLog& log) {
 }  // namespace
 
 FlightLog with_shared_rows(const FlightLog& log) {
-  constexpr double nearly_all = 0.9;
   std::vector<Samples> motion;
   for (const char* name : {"px", "vx", "qw", "wx"})
     if (const auto* column = log.find(name)) motion.push_back(samples_of(log.time_s, *column));
   std::erase_if(motion, [](const Samples& s) { return s.rows.empty(); });
   const auto fewer = [](const Samples& a, const Samples& b) { return a.rows.size() < b.rows.size(); };
   const auto slowest = std::min_element(motion.begin(), motion.end(), fewer);
-  const auto fastest = std::max_element(motion.begin(), motion.end(), fewer);
-  const auto whole = [&](std::size_t row) {
-    return std::all_of(motion.begin(), motion.end(),
-                       [row](const Samples& s) { return std::isfinite((*s.column)[row]); });
-  };
-  if (motion.empty() || static_cast<double>(std::count_if(fastest->rows.begin(), fastest->rows.end(), whole)) >=
-                            nearly_all * static_cast<double>(fastest->rows.size()))
-    return log;
+  if (motion.empty() || slowest->rows.size() == log.rows()) return log;
 
   FlightLog continuous = log;
   make_continuous(continuous);
@@ -150,24 +155,18 @@ RecordedMotion::RecordedMotion(const FlightLog& log)
   for (std::size_t row = 1; row < rows(); ++row)
     stretch_[row] = follows(row - 1) && complete_[row - 1] ? stretch_[row - 1] : row;
 
-  // increments of the attitude are first differences already: two more make the third
-  std::vector<double> turns[3];
-  for (std::size_t row = 3; row < rows(); ++row) {
-    const Vector3 a = turn_between(attitude_[row - 3], attitude_[row - 2]),
-                  b = turn_between(attitude_[row - 2], attitude_[row - 1]),
-                  c = turn_between(attitude_[row - 1], attitude_[row]);
-    const Vector3 third = c - 2.0 * b + a;
-    for (int axis = 0; axis < 3; ++axis)
-      if (third.allFinite()) turns[axis].push_back(std::abs(third[axis]));
-  }
-  double attitude_square = 0.0;
-  for (std::vector<double>& one : turns) {
-    attitude_square += std::pow(median(std::move(one)) / (0.6745 * std::sqrt(20.0)), 2) / 3.0;
-  }
-  noise_ = {noise_of(position_), noise_of(velocity_), std::sqrt(attitude_square), noise_of(rate_)};
-  const double gain = slope(rows() - 1, [](std::size_t) { return Vector3::Zero(); }).noise_gain;
-  if (!has_velocity()) noise_[1] = gain * noise_[0];
-  if (!has_body_rate()) noise_[3] = gain * noise_[2];
+  const auto noise_of = [&](const std::vector<Vector3>& series) {
+    return series.empty() ? 0.0 : white_noise(time_s_, [&](std::size_t k, std::size_t) { return series[k]; });
+  };
+  const double attitude_noise =
+      white_noise(time_s_, [&](std::size_t k, std::size_t of) { return turn_between(attitude_[of], attitude_[k]); });
+  noise_ = {noise_of(position_), noise_of(velocity_), attitude_noise, noise_of(rate_)};
+  if ((!has_position() || has_velocity()) && has_body_rate()) return;
+  for (std::size_t row = 0; row < rows(); ++row)
+    noise_gain_.push_back(slope(row, [](std::size_t) { return Vector3::Zero(); }).noise_gain);
+  usual_gain_ = median(noise_gain_);
+  if (!has_velocity()) noise_[1] = usual_gain_ * noise_[0];
+  if (!has_body_rate()) noise_[3] = usual_gain_ * noise_[2];
 }
 
 std::size_t RecordedMotion::nearest(double time_s) const {
@@ -203,8 +202,9 @@ RecordedMotion::Slope RecordedMotion::slope(std::size_t row, Value value) const 
 }
 
 bool RecordedMotion::can_start(std::size_t row) const {
-  const bool estimates = (has_position() && !has_velocity()) || !has_body_rate();
-  return complete_[row] && (!estimates || time_s_[row] - time_s_[stretch_[row]] >= slope_window_s - 1e-9);
+  constexpr double most_gain = 2.0;  // of the usual
+  return complete_[row] && (noise_gain_.empty() || (time_s_[row] - time_s_[stretch_[row]] >= slope_window_s - 1e-9 &&
+                                                    noise_gain_[row] <= most_gain * usual_gain_));
 }
 
 Vector3 RecordedMotion::velocity_W_mps(std::size_t row) const {

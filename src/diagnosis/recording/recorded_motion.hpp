@@ -1,6 +1,7 @@
 // The states of a recording as they were written, and what can be told of a missing one from the samples before it.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "gustlab/flight_log.hpp"
@@ -9,7 +10,7 @@
 namespace gustlab::diagnosis {
 
 // Of quantities with rates or rows of their own: the rows of the slowest, with all else between its neighbours. A log whose rows
-// hold everything as it is.
+// all hold everything as it is.
 FlightLog with_shared_rows(const FlightLog& log);
 
 class RecordedMotion {
@@ -25,10 +26,13 @@ class RecordedMotion {
   double time_s(std::size_t row) const { return time_s_[row] - time_s_.front(); }
   // median interval
   double sample_s() const { return sample_s_; }
-  // Whether row and row + 1 belong together, and whether all that the log has is there in a row.
-  bool follows(std::size_t row) const { return time_s_[row + 1] - time_s_[row] <= 1.6 * sample_s_; }
+  // Whether row and row + 1 belong together: an open-loop rollout needs no sample between its ends, and commands hold through a short
+  // gap. And whether all that the log has is there in a row.
+  bool follows(std::size_t row) const {
+    return time_s_[row + 1] - time_s_[row] <= std::max(shortest_gap_s, 1.6 * sample_s_);
+  }
   bool complete(std::size_t row) const { return complete_[row]; }
-  // Whether the state at a row is recorded, or can be told from the samples before it.
+  // Whether the state at a row is recorded, or can be told from the samples before it about as well as at other rows.
   bool can_start(std::size_t row) const;
   // first row of the unbroken stretch that a row belongs to
   std::size_t stretch(std::size_t row) const { return stretch_[row]; }
@@ -48,6 +52,7 @@ class RecordedMotion {
   std::array<double, 4> noise() const { return noise_; }
 
  private:
+  static constexpr double shortest_gap_s = 0.1;
   struct Slope {
     Vector3 value = Vector3::Zero();
     double noise_gain = 0.0;  // deviation of the slope per deviation of a sample
@@ -59,8 +64,9 @@ class RecordedMotion {
   std::vector<Vector3> position_, velocity_, rate_;
   std::vector<Quaternion> attitude_;
   std::vector<bool> complete_;
+  std::vector<double> noise_gain_;  // of the slope at a row; empty: nothing is estimated by one
   std::vector<std::size_t> stretch_;
-  double sample_s_ = 0.0;
+  double sample_s_ = 0.0, usual_gain_ = 0.0;
   std::array<double, 4> noise_{};
 };
 

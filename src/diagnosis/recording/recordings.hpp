@@ -8,7 +8,6 @@
 
 #include "diagnosis/recording/flight_data.hpp"
 #include "diagnosis/result/diagnosis.hpp"
-#include "diagnosis/result/remarks.hpp"
 #include "gustlab/flight_log.hpp"
 #include "gustlab/vehicle.hpp"
 

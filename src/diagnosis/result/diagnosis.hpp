@@ -59,6 +59,7 @@ struct Diagnosis {
   std::vector<LogFinding> log_findings;
   std::vector<Rejected> rejected;
   std::vector<NotIdentifiable> not_identifiable;
+  bool torque_told = true;  // false: only forces were judged
   std::vector<Alarm> alarms;
   double unexplained_share = 0.0;  // of all structure, what a generic test still finds
   std::vector<std::string> notes;

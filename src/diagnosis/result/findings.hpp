@@ -86,6 +86,7 @@ struct Alarm {
   std::string says;
   double size = 0.0;                  // gain per degree of freedom, or ratio
   std::vector<std::string> channels;  // where
+  std::string sensor = {};            // whiteness: whose innovations
 };
 
 struct Disturbance {
@@ -93,6 +94,12 @@ struct Disturbance {
   double before = 0.0, after = 0.0;
   std::string unit;
   double correlation_time_s = 0.0;
+};
+
+// What a stage of a diagnosis says beside the value that it returns.
+struct Remarks {
+  std::vector<LogFinding> findings;
+  std::vector<std::string> notes;
 };
 
 enum class Verdict { consistent, explained, partly_explained, unexplained, insufficient_data };

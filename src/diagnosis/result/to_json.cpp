@@ -168,9 +168,12 @@ ordered_json to_json(const Diagnosis& d) {
   out["not_identifiable"] = ordered_json::array();
   for (const NotIdentifiable& n : d.not_identifiable)
     out["not_identifiable"].push_back({{"effect", n.effect}, {"why", n.why}});
+  out["torque_told"] = d.torque_told;
   out["alarms"] = ordered_json::array();
-  for (const Alarm& a : d.alarms)
+  for (const Alarm& a : d.alarms) {
     out["alarms"].push_back({{"kind", a.kind}, {"says", a.says}, {"size", number(a.size)}, {"channels", a.channels}});
+    if (!a.sensor.empty()) out["alarms"].back()["sensor"] = a.sensor;
+  }
   out["unexplained_share"] = number(d.unexplained_share);
   out["notes"] = d.notes;
   out["fit"] = d.fit;

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "diagnosis/rollout/replay_options.hpp"
+#include "diagnosis/rollout/rollout.hpp"
 #include "gustlab/flight_log.hpp"
 #include "gustlab/vehicle.hpp"
 

@@ -133,7 +133,8 @@ void ask_whiteness(const Session& session, const NoiseModel& noise, const std::v
       result.alarms.push_back({"whiteness",
                                fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], lag),
                                0.01 * r,
-                               {channel_name[c % 3 + (c < 3 || c > 8 ? 0 : 3)]}});
+                               {channel_name[c % 3 + (c < 3 || c > 8 ? 0 : 3)]},
+                               sensor_name[c]});
   }
 }
 

@@ -54,13 +54,16 @@ TEST(AugmentedVehicle, HoldsTotalsAndWhatTheReferenceFlightsShowedUnlessItChange
 
 class Explained : public ::testing::Test {
  protected:
-  static FlightData flight() {
+  static FlightData flight(bool collective_only) {
     const VehicleModel vehicle = test::crazyflie();
-    return test::flight_of(
+    FlightData flight = test::flight_of(
         vehicle, 20.0, 0.02, [](double) { return Motion{}; },
         [&](double) { return test::all_at(vehicle.hover_speed_radps()); });
+    flight.collective_only = collective_only;
+    return flight;
   }
-  Explained() {
+  explicit Explained(bool collective_only = false)
+      : session({flight(collective_only), flight(collective_only)}, test::crazyflie(), 1) {
     selection.value = session.value();
     selection.deviation = Eigen::VectorXd::Zero(session.catalogue().size());
     selection.noise_selected = session.noise;
@@ -87,7 +90,7 @@ class Explained : public ::testing::Test {
     explain(session, selection, challenge, d);
     return d;
   }
-  Session session{{flight(), flight()}, test::crazyflie(), 1};
+  Session session;
   Selection selection;
   Challenge challenge;
 };
@@ -104,6 +107,15 @@ TEST_F(Explained, IsNamedSuspectedOrCalibrationByItsProbabilityAndItsSize) {
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.05, 1e-15);
   EXPECT_EQ(d.effects[0].confidence, 0.97);
 }
+
+TEST_F(Explained, ADiagnosisSaysThatTorquesWereJudged) { EXPECT_EQ(to_json(explained())["torque_told"], true); }
+
+// the logs tell the thrust of all rotors together
+struct ExplainedThrust : Explained {
+  ExplainedThrust() : Explained(true) {}
+};
+
+TEST_F(ExplainedThrust, ADiagnosisSaysThatNoTorqueWasJudged) { EXPECT_EQ(to_json(explained())["torque_told"], false); }
 
 TEST_F(Explained, BesideReferenceFlightsTheChangeIsSaidAndTheTotalKept) {
   session.compare_with({});

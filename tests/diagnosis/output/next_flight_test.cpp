@@ -1,7 +1,11 @@
 // What to fly next, and whether it then does what was promised.
+#include "diagnosis/output/next_flight.hpp"
+
 #include <gmock/gmock.h>
 
+#include "support/flight_data.hpp"
 #include "support/trials.hpp"
+#include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
@@ -60,6 +64,35 @@ TEST(NextFlightTrials, IsSizedByTheVehicle) {
   // five times the arm, five times the path
   const auto next = to_json(d)["next_flight"]["parameters"];
   EXPECT_GT(next.contains("amplitude_m") ? next["amplitude_m"][0].get<double>() : next["radius_m"].get<double>(), 1.5);
+}
+
+// a hover after which these effects were not told
+Diagnosis next_after_hover(const std::vector<NotIdentifiable>& unseen) {
+  const VehicleModel vehicle = test::crazyflie();
+  const Session session({test::flight_of(
+                            vehicle, 4.0, 0.02, [](double) { return Motion{}; },
+                            [&](double) { return test::all_at(vehicle.hover_speed_radps()); })},
+                        vehicle, 1);
+  Selection selection;
+  selection.value = session.value();
+  selection.noise_selected = session.noise;
+  Diagnosis d;
+  d.not_identifiable = unseen;
+  suggest_flight(session, selection, 1, d);
+  return d;
+}
+
+TEST(NextFlight, WouldShowADragThatHoverHides) {
+  const Diagnosis d = next_after_hover({{"quadratic_drag", "too slow"}});
+  // the fastest of the library: 1.8 m/s on a radius of 0.8 m, for an arm of 4.4 cm
+  EXPECT_EQ(d.next_trajectory, "circle") << d.next_why;
+  EXPECT_EQ(d.next_why, "would show quadratic_drag (flown fast)");
+}
+
+TEST(NextFlight, IsNotSuggestedWhereNothingIsOpenOrNoFlightWouldTellIt) {
+  EXPECT_EQ(next_after_hover({}).next_trajectory, "");
+  // the log knows of no ground
+  EXPECT_EQ(next_after_hover({{"ground_effect", "no ground height"}}).next_trajectory, "");
 }
 
 }  // namespace

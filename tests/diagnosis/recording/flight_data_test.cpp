@@ -144,6 +144,34 @@ TEST(FlightData, ASlowAttitudeGivesTheRows) {
   EXPECT_EQ(motion.stretch(799), 0u);
 }
 
+// GIVEN poses at uneven intervals on a quick circle WHEN read THEN their noise is what was added, and nothing of the motion
+TEST(FlightData, NoiseIsToldAtUnevenIntervals) {
+  constexpr double position_sd_m = 3e-4, attitude_sd_rad = 2e-3;
+  FlightLog log;
+  for (const char* name : {"px", "py", "pz", "qw", "qx", "qy", "qz"}) log.columns.push_back({name, {}});
+  const RandomStream random(2, 0, "uneven_noise");
+  double t = 0.0;
+  for (std::uint64_t k = 0; k < 2000; ++k) {
+    t += 0.01 * static_cast<double>(1 + k % 3);
+    const auto p = random.normal4(k, 0), q = random.normal4(k, 1);
+    const Quaternion turned =
+        Quaternion(Eigen::AngleAxisd(0.5 * std::sin(3.0 * t), Vector3::UnitX())) *
+        Quaternion(1.0, 0.5 * attitude_sd_rad * q[0], 0.5 * attitude_sd_rad * q[1], 0.5 * attitude_sd_rad * q[2]);
+    const double row[] = {0.5 * std::cos(3.0 * t) + position_sd_m * p[0],
+                          0.5 * std::sin(3.0 * t) + position_sd_m * p[1],
+                          position_sd_m * p[2],
+                          turned.w(),
+                          turned.x(),
+                          turned.y(),
+                          turned.z()};
+    log.time_s.push_back(t);
+    for (std::size_t c = 0; c < log.columns.size(); ++c) log.columns[c].values.push_back(row[c]);
+  }
+  const RecordedMotion motion(log);
+  EXPECT_NEAR(motion.noise()[0], position_sd_m, 0.1 * position_sd_m);
+  EXPECT_NEAR(motion.noise()[2], attitude_sd_rad, 0.1 * attitude_sd_rad);
+}
+
 // GIVEN a log whose rows hold everything WHEN its motion is read THEN it is left as it is
 TEST(FlightData, SharedRowsStay) {
   FlightLog log = spin();

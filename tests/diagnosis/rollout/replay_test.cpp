@@ -17,6 +17,11 @@
 namespace gustlab::diagnosis {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Not;
+
 std::vector<EffectSpec> specs(const std::string& text) {
   config::Table document = config::Table::parse(text, "test");
   return config::read_effects(document);
@@ -278,12 +283,53 @@ TEST_F(Replay, WhatComesAfterAWindowsStartTellsNothing) {
   EXPECT_NE(told(changed, vehicle, still, 2.1), before);
 }
 
-// keeps every so many rows of some columns and leaves the cells between empty
-void make_slow(FlightLog& log, std::initializer_list<std::string_view> names, std::size_t every) {
+// keeps some rows of some columns and leaves the other cells empty
+template <class Kept>
+void keep_rows(FlightLog& log, std::initializer_list<std::string_view> names, Kept kept) {
   for (LogColumn& column : log.columns)
     if (std::find(names.begin(), names.end(), column.name) != names.end())
       for (std::size_t row = 0; row < log.rows(); ++row)
-        if (row % every != 0) column.values[row] = std::nan("");
+        if (!kept(row)) column.values[row] = std::nan("");
+}
+
+void make_slow(FlightLog& log, std::initializer_list<std::string_view> names, std::size_t every) {
+  keep_rows(log, names, [every](std::size_t row) { return row % every == 0; });
+}
+
+// GIVEN gyro and commands in every row, poses in three of five, and none for 80 ms WHEN replayed THEN windows go on across what is missing
+TEST_F(Replay, MissingPosesBreakNoWindow) {
+  FlightLog poses = log;
+  keep_rows(poses, {"px", "py", "pz", "vx", "vy", "vz", "qw", "qx", "qy", "qz"},
+            [](std::size_t row) { return row % 5 < 3 && (row < 153 || row >= 160); });
+  const FitErrors errors = replay(poses, vehicle, vehicle.effects, {});
+  EXPECT_EQ(errors.windows(), 2u);
+  for (std::size_t h = 0; h < 3; ++h) EXPECT_LT(model_error(errors, FitQuantity::position_m, h), 1e-9);
+
+  // a velocity that must be estimated from few positions is no start: 162 has two beside it, and those before the gap
+  drop(poses, {"vx", "vy", "vz"});
+  ReplayOptions options;
+  options.stride = 1;
+  const FitErrors estimated = replay(poses, vehicle, vehicle.effects, options);
+  EXPECT_THAT(estimated.start_row, AllOf(Contains(94u), Not(Contains(95u))));
+  EXPECT_LT(model_error(estimated, FitQuantity::position_m, 0), 0.01);
+}
+
+// GIVEN some empty cells in a log whose rows hold everything else WHEN replayed THEN they break no window
+TEST_F(Replay, EmptyCellsBreakNoWindow) {
+  FlightLog holes = log;
+  keep_rows(holes, {"px", "py", "pz"}, [](std::size_t row) { return row % 40 != 20; });
+  EXPECT_EQ(replay(holes, vehicle, vehicle.effects, {}).windows(), 2u);
+}
+
+// GIVEN rows that are lost for 50 ms, commands too WHEN replayed THEN the last commands hold until there are others
+TEST_F(Replay, CommandsHoldThroughAShortGap) {
+  FlightLog gap = log;
+  const auto lost = [](auto& values) { values.erase(values.begin() + 150, values.begin() + 154); };
+  lost(gap.time_s);
+  for (LogColumn& column : gap.columns) lost(column.values);
+  const FitErrors errors = replay(gap, vehicle, vehicle.effects, {});
+  EXPECT_THAT(errors.start_row, ElementsAre(0u, 104u));  // across the gap; of 100 to 103 an end is lost
+  EXPECT_LT(model_error(errors, FitQuantity::position_m, 2), 0.1 * mean(errors[FitQuantity::position_m].hold, 2, 3));
 }
 
 // as flight computers log: attitude at half, position at a fifth of the rate of the gyro

@@ -1,5 +1,6 @@
 // Where a vehicle and its simulation differ: by hand for the means of half seconds, and for a vehicle that is heavier than its file.
 #include "diagnosis/validation/locate.hpp"
+#include "diagnosis/result/diagnosis.hpp"
 
 #include <gmock/gmock.h>
 
@@ -14,6 +15,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::Each;
+using ::testing::HasSubstr;
 
 constexpr double sample_s = 0.02, pace_radps = 2.0;
 
@@ -67,6 +69,12 @@ FlightData wandering(const VehicleModel& vehicle, double thrust_share, double fo
                     replicate);
 }
 
+// its positions have an error along y that lasts
+FlightData waving(FlightData flight, double error_y_m) {
+  for (Sample& s : flight.samples) s.position_W_m.y() += error_y_m * std::sin(5.0 * s.time_s);
+  return flight;
+}
+
 VehicleModel vehicle() {
   VehicleModel model = test::crazyflie();
   model.effects.clear();
@@ -75,8 +83,9 @@ VehicleModel vehicle() {
 
 // two flights of which nothing was chosen, so that before and after are the same, under the noise of calm air or their own
 struct NothingChosen {
-  explicit NothingChosen(double thrust_share, double force_mps2 = 0.0)
-      : session({wandering(vehicle(), thrust_share, force_mps2, 1), wandering(vehicle(), thrust_share, force_mps2, 2)},
+  explicit NothingChosen(double thrust_share, double force_mps2 = 0.0, double error_y_m = 0.0)
+      : session({waving(wandering(vehicle(), thrust_share, force_mps2, 1), error_y_m),
+                 waving(wandering(vehicle(), thrust_share, force_mps2, 2), error_y_m)},
                 vehicle(), 1) {
     static const NoiseModel calm = noise_of_calm();
     session.noise = calm;
@@ -168,6 +177,24 @@ TEST(RemainderOfFlights, IsQuietWhereNothingIsLeft) {
   for (const Alarm& alarm : rest.alarms) ADD_FAILURE() << alarm.says << " " << alarm.size;
   EXPECT_FALSE(rest.gust_like || rest.names_gust);
   EXPECT_EQ(rest.omnibus_share, 0.0);
+}
+
+// an error of a position that lasts 0.2 s is no white noise: the alarm says of which sensor
+TEST(RemainderOfFlights, SaysOfWhichSensorTheInnovationsAreCorrelated) {
+  const NothingChosen waving(1.0, 0.0, 0.01);
+  const Remainder rest = remainder(waving.session, waving.selection, false);
+  std::vector<std::string> sensors;
+  for (const Alarm& alarm : rest.alarms) {
+    EXPECT_EQ(alarm.sensor.empty(), alarm.kind != "whiteness") << alarm.says;
+    if (alarm.kind != "whiteness") continue;
+    sensors.push_back(alarm.sensor);
+    EXPECT_THAT(alarm.says, HasSubstr(alarm.sensor));
+  }
+  EXPECT_THAT(sensors, Contains("position y"));
+  Diagnosis d;
+  d.alarms = {{"whiteness", "", 0.0, {"force_y"}, "position y"}, {"omnibus", "", 0.0, {}}};
+  EXPECT_EQ(to_json(d)["alarms"][0]["sensor"], "position y");
+  EXPECT_FALSE(to_json(d)["alarms"][1].contains("sensor"));
 }
 
 // thrust that is a fifth short shows in the generic bases, in the channel of the vertical force, and is no gust

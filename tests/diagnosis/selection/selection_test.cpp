@@ -1,0 +1,24 @@
+#include "diagnosis/selection/selection.hpp"
+
+#include <gmock/gmock.h>
+
+namespace gustlab::diagnosis {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Selection, FindsAFindingByItsGroup) {
+  Selection selection;
+  for (const auto& [group, gain] : {std::pair{4, 30.0}, {11, 20.0}}) {
+    Finding& finding = selection.findings.emplace_back();
+    finding.group = group;
+    finding.gain = gain;
+  }
+  EXPECT_THAT(selection.groups(), ElementsAre(4, 11));
+  ASSERT_NE(selection.find(11), nullptr);
+  EXPECT_EQ(selection.find(11)->gain, 20.0);
+  EXPECT_EQ(selection.find(5), nullptr);
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
