@@ -488,6 +488,23 @@ void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value
   if (std::abs(value[c] - start_s) > sample_s()) value[c] = start_s;
 }
 
+void Session::start_latency(Eigen::VectorXd& value) const {
+  if (linear_.front().predicted.empty()) return;
+  double least_radps = decisions::latency_shows * speeds_left_radps(flights_, catalogue_, value);
+  const Eigen::VectorXd prompt = value;
+  for (const Latency kind : {Latency::lag, Latency::delay}) {
+    const int late = catalogue_.find(Place::actuation, kind);
+    if (late < 0) continue;
+    for (const double later_s : {0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06, 0.08, 0.12}) {
+      Eigen::VectorXd trial = prompt;
+      for (const int c : columns_of(catalogue_, {late})) trial[c] += later_s;
+      catalogue_.clamp(trial);
+      const double left_radps = speeds_left_radps(flights_, catalogue_, trial);
+      if (left_radps < least_radps) least_radps = left_radps, value = trial;
+    }
+  }
+}
+
 bool Session::seen_in_speeds(int group) const {
   for (const LinearFlight& flight : linear_)
     for (std::size_t j = 0; j < flight.columns.size(); ++j)

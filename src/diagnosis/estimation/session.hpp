@@ -64,6 +64,9 @@ class Session {
 
   // Where rotor speeds are measured and a delay is among the groups, it starts from where speeds and commands match.
   void start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const;
+  // Where rotor speeds are measured, the lag or the delay of the rotors starts from where commands predict them best: linearised at
+  // none, commands that jitter say next to nothing of it.
+  void start_latency(Eigen::VectorXd& value) const;
   // Whether a group was last linearised in how measured rotor speeds follow their commands.
   bool seen_in_speeds(int group) const;
 

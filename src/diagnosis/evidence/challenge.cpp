@@ -27,7 +27,8 @@ void ask_sensors(const Session& session, const Selection& selection,
 }
 
 // Candidates that do not stand: the weakest, and with it those that are as hopeless and that do not stand in for each other. Two names
-// of one thing each gain little beside the other, and much when the other goes.
+// of one thing each gain little beside the other, and much when the other goes. Of one effect of several rotors one goes at a time: they speak
+// against each other, and the last of them stands alone.
 std::vector<std::size_t> weakest(const Session& session, const Selection& selection,
                                  const std::vector<Evidence>& records, const std::vector<int>& means) {
   std::vector<std::size_t> failed;
@@ -48,8 +49,13 @@ std::vector<std::size_t> weakest(const Session& session, const Selection& select
   const double loss = selection.loss_selected;
   double gains = 0.0;
   for (const std::size_t i : failed) gains += records[i].gain;
+  const auto has_alike = [&](std::size_t i) {
+    return records[i].alike > 0 &&
+           std::ranges::any_of(failed, [&](std::size_t other) { return records[other].effect == records[i].effect; });
+  };
   for (const std::size_t i : order) {
     if (!failed.empty() && records[i].probability >= decisions::hopeless) break;
+    if (has_alike(i)) continue;
     failed.push_back(i);
     gains += records[i].gain;
     if (failed.size() > 1 && loss_without(failed) - loss > decisions::most_joint_gain * gains) {

@@ -169,6 +169,16 @@ SurrogateTest moved_signatures(const Session& session, const Selection& selectio
   return surrogate_test(rows.series, known, own, rows.coefficient(both));
 }
 
+// rms over all samples of what a finding's own values push, m/s²
+double push_mps2(const Session& session, const Selection& selection, const Finding& finding) {
+  const Eigen::VectorXd weights = own_weights(session.catalogue(), selection, finding);
+  double squares = 0.0, samples = 0.0;
+  for (const LinearFlight& flight : session.linear())
+    for (std::size_t k = 0; k < flight.B.size(); ++k, samples += 1.0)
+      squares += (flight.B[k].middleRows<3>(3) * weights(flight.columns) / flight.interval_s[k]).squaredNorm();
+  return std::sqrt(squares / std::max(1.0, samples));
+}
+
 bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
   const auto& columns = catalogue.groups()[static_cast<std::size_t>(group)].columns;
   return std::any_of(columns.begin(), columns.end(), [&](int c) {
@@ -235,7 +245,10 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
       record.flights.push_back({"held out", true, 0.5 * (1.0 + record.held_out_gain / record.held_out_expected),
                                 std::sqrt(std::max(1.0, record.clustered_inflation) / record.held_out_expected)});
     record.spread_regimes = most_astray(regimes[i]);
-    record.size_in_tolerances = size_in_tolerances(session, selection.value, finding.group);
+    // a force that every flight has for itself is at least as large as what a frame that is not level leaves
+    record.size_in_tolerances = group.row->per_flight ? push_mps2(session, selection, finding) /
+                                                            (decisions::level_share * session.vehicle().gravity_mps2)
+                                                      : size_in_tolerances(session, selection.value, finding.group);
     record.inclusion = finding.inclusion;
     for (const Rival& rival : finding.rivals)
       if (rival.z >= decisions::equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain))

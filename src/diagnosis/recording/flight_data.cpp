@@ -153,8 +153,16 @@ std::vector<double> fastest_steps(const FlightLog& log) {
   return fastest;
 }
 
+// samples of a log or a sensor between two that are read, itself counted
+long stride_of(double step_s, const ReadingOptions& options) {
+  const auto at = [step_s](double rate_hz) { return std::max(1L, std::lround(1.0 / (step_s * rate_hz))); };
+  if (!(step_s > 0.0)) return 1;
+  if (options.coarse_rate_hz > 0.0 && at(options.coarse_rate_hz) >= 3) return at(options.coarse_rate_hz);
+  return at(options.max_rate_hz);
+}
+
 // Rows that are read: of every sensor at most so many samples a second, and each of a slower one's.
-std::vector<std::size_t> rows_read(const FlightLog& log, double max_rate_hz) {
+std::vector<std::size_t> rows_read(const FlightLog& log, const ReadingOptions& options) {
   struct Sensor {
     std::vector<const std::vector<double>*> columns;
     double least_s = 0.0;                                      // between samples that are read
@@ -168,7 +176,7 @@ std::vector<std::size_t> rows_read(const FlightLog& log, double max_rate_hz) {
                                 Sensor{{log.find("wx"), log.find("ax")}}};
   for (Sensor& sensor : sensors) {
     const double step_s = interval_s(steps_between(log.time_s, [&sensor](std::size_t row) { return sensor.has(row); }));
-    const long stride = step_s > 0.0 ? std::lround(1.0 / (step_s * max_rate_hz)) : 1;
+    const long stride = stride_of(step_s, options);
     if (stride > 1) sensor.least_s = (static_cast<double>(stride) - 0.5) * step_s;
   }
   std::vector<std::size_t> rows;
@@ -318,10 +326,10 @@ struct Groups {
 Groups groups_read(const FlightLog& log, double log_step_s, const ReadingOptions& options) {
   const bool grouped = options.common_filter_s == 0.0 && log_step_s <= 0.0016 && log_step_s * options.max_rate_hz < 0.7;
   Groups groups;
-  groups.stride = static_cast<std::size_t>(
-      std::max(1L, std::lround(grouped ? grouped_s / log_step_s : 1.0 / (log_step_s * options.max_rate_hz))));
+  groups.stride = static_cast<std::size_t>(grouped ? std::max(1L, std::lround(grouped_s / log_step_s))
+                                                   : stride_of(log_step_s, options));
   if (!grouped) {
-    groups.first = rows_read(log, options.max_rate_hz);
+    groups.first = rows_read(log, options);
     return groups;
   }
   // an odd number of rows, so that the middle of a group is a row and substeps begin where commands change

@@ -84,6 +84,9 @@ inline constexpr double unknown_hold_samples = 0.7;
 // A lag or delay up to here may be a filter's, in logs that were low-pass filtered while their commands were not.
 // Statistic: difference from the vehicle file, s. From: up to 30 ms were named on filtered flights without any. Costs: lags up to there on such logs.
 inline constexpr double filter_lag_s = 0.03;
+// Where rotor speeds are measured, the search begins at a lag or a delay with which commands predict them so much better.
+// Statistic: rms of what is not predicted, over that without. From: 0.3 for a lag of 67 ms (imrc, brushed); no derivation. Costs: it is a beginning only.
+inline constexpr double latency_shows = 0.8;
 // Trims beside everything imitate an effect: how much they scatter, and what that may cost; beside the omnibus bases they scatter more.
 // Statistic: standard deviation in reporting tolerances; Δχ². From: no derivation for the shares; three standard deviations for the cost. Costs: effects
 // that scatter of everything else could be.
@@ -123,9 +126,14 @@ inline constexpr double most_joint_gain = 1.2;
 // Statistic: mean square correlation of a signature with itself, moved. From: no derivation. Costs: effects that are alike everywhere have no
 // such null.
 inline constexpr double most_alike = 0.7;
+// A force of every flight's own counts in units of what a frame that is not level leaves of gravity.
+// Statistic: rms of its acceleration over g. From: 0.6 degrees; no derivation. Costs: winds and forces below two to four hundredths of the weight are
+// named less surely.
+inline constexpr double level_share = 0.01;
 // Force against moment: a push that would be seen.
-// Statistic: χ² of the push. From: five standard deviations. Costs: what is not compared is not doubted.
-inline constexpr double least_push_seen = 25.0;
+// Statistic: χ² of the push, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), of whose
+// Δχ² the moment has less than a hundredth. Costs: what is not compared is not doubted.
+inline constexpr double least_push_seen = 25.0, least_push_share = 0.02;
 
 // ---- what is left
 

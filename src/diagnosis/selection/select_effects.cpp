@@ -41,6 +41,8 @@ class Selector {
     s_.learn_noise(6, s_.biases());
     result.nominal_from(s_);
     suspect_histories(s_, value, {});
+    s_.start_latency(value);
+    if (value != s_.value()) s_.linearise(value, s_.all_columns());
     // what nothing explains yet is no noise to begin with
     s_.noise = calm;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "diagnosis/estimation/rotor_speeds.hpp"
+#include "diagnosis/estimation/session.hpp"
 #include "gustlab/random.hpp"
 #include "support/flight_data.hpp"
 #include "support/vehicles.hpp"
@@ -157,6 +158,50 @@ TEST(WhitenedSpeeds, LatencyThatWasPlantedIsFound) {
     }
     EXPECT_NEAR(speed_latency_s({s.data}, {s.linear}), late_s, 1e-9) << quarters;
   }
+}
+
+// The search's first lag and delay, s, where speeds follow commands that jitter from sample to sample so much later.
+struct Latencies {
+  double lag_s, delay_s;
+};
+Latencies start_of(const Latencies& flown) {
+  const RandomStream random(3, 0, "start_latency");
+  FlightData flight = test::flight_of(
+      vehicle, 6.0, 0.01, [](double) { return Motion{}; },
+      [&](double t) {
+        RotorArray speeds = commanded(t);
+        const auto jitter = random.normal4(static_cast<std::uint64_t>(std::lround(t / 0.01)), 0);
+        for (std::size_t i = 0; i < 4; ++i) speeds[i] += 0.02 * hover_radps * jitter[i];
+        return speeds;
+      });
+  const double gain = flown.lag_s > 0.0 ? 1.0 - std::exp(-0.01 / flown.lag_s) : 1.0;
+  RotorArray speed = flight.commands.speed_radps().front();
+  const auto followed = [&](double t) {
+    const RotorArray command = flight.commands.mean(t - 0.01 - flown.delay_s, t - flown.delay_s);
+    for (std::size_t i = 0; i < 4; ++i) speed[i] += gain * (command[i] - speed[i]);
+    return speed;
+  };
+  flight.measured_speed = test::record_of(followed, 6.0, 0.01, true);
+  Session session({flight}, vehicle, 1);
+  session.linearise(session.value(), session.all_columns());
+  Eigen::VectorXd value = session.value();
+  session.start_latency(value);
+  const auto later_s = [&](Latency kind) {
+    const int group = session.catalogue().find(Place::actuation, kind);
+    const int c = session.catalogue().groups()[static_cast<std::size_t>(group)].columns.front();
+    return value[c] - session.catalogue().nominal()[c];
+  };
+  return {later_s(Latency::lag), later_s(Latency::delay)};
+}
+
+TEST(StartLatency, IsNearALagADelayOrNoneThatWasPlanted) {
+  const Latencies lag = start_of({0.06, 0.0}), delay = start_of({0.0, 0.03}), none = start_of({0.0, 0.0});
+  EXPECT_NEAR(lag.lag_s, 0.06, 0.025);
+  EXPECT_EQ(lag.delay_s, 0.0);
+  EXPECT_EQ(delay.lag_s, 0.0);
+  EXPECT_NEAR(delay.delay_s, 0.03, 0.011);
+  EXPECT_EQ(none.lag_s, 0.0);
+  EXPECT_EQ(none.delay_s, 0.0);
 }
 
 }  // namespace

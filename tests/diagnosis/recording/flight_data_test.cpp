@@ -185,6 +185,22 @@ TEST(FlightData, ASlowSensorIsReadWhole) {
   EXPECT_NEAR(static_cast<double>(with(has_rate)), 2000.0, 2.0);
 }
 
+// GIVEN a gyro at 500 Hz, and the same at 250 Hz WHEN what is three times as fast as some 130 Hz is read at that THEN every fourth sample of the
+// first is read, and of the second every one
+TEST(FlightData, AFastSensorIsReadCoarsely) {
+  FlightLog log = slow_noisy_positions();
+  ReadingOptions options;
+  options.coarse_rate_hz = 130.0;
+  const auto rates = [&] {
+    const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), options);
+    return static_cast<double>(
+        std::ranges::count_if(flight.samples, [](const Sample& s) { return (s.channels & has_rate) != 0; }));
+  };
+  EXPECT_NEAR(rates(), 1000.0, 2.0);
+  for (double& t : log.time_s) t *= 2.0;
+  EXPECT_NEAR(rates(), 4000.0, 2.0);
+}
+
 // GIVEN noisy positions between the rows of a fast gyro WHEN smoothed THEN the velocity moves by little from row to row: what moves
 // quickly would be most of a column once it is whitened, and make what depends on velocity seem smaller than it is
 TEST(FlightData, NoiseOfASlowPositionIsSmooth) {
