@@ -75,9 +75,8 @@ std::string key_of(const FlightSet& set) {
       const std::string sidecar = sidecar_path(path);
       const VehicleModel vehicle =
           set.wanted.vehicle ? read_vehicle(*set.wanted.vehicle) : read_vehicle(read_sidecar(sidecar).vehicle, sidecar);
-      for (const std::string& bytes : {fs::path(path).filename().string(), read_file<DataError>(path, most_log_bytes),
-                                       read_file<DataError>(sidecar), vehicle.source_bytes})
-        all += sha256(bytes) + '\n';
+      all += sha256(fs::path(path).filename().string()) + '\n' + sha256_of_file(path, most_log_bytes) + '\n' +
+             sha256(read_file<DataError>(sidecar)) + '\n' + sha256(vehicle.source_bytes) + '\n';
     }
   }
   return sha256(all);

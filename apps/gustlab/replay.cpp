@@ -4,9 +4,11 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "commands.hpp"
 #include "config/toml.hpp"
+#include "diagnosis/recording/stretches.hpp"
 #include "diagnosis/rollout/replay.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
@@ -74,22 +76,37 @@ void run(const ReplayArguments& options) {
 
   std::vector<diagnosis::FitErrors> before, after;
   double assumed_V = 0.0;
+  std::set<std::string> warned;
   Progress progress;
-  for (const std::string& path : options.flights) {
-    const FlightLog log = read_flight_log(path);
-    for (const LogRepair& repair : log.repairs) spdlog::warn(repair.says);
-    if (!named && log.meta.vehicle.empty())
-      throw DataError(fmt::format("{}: \"vehicle\" is missing (whose flight is this?) name it here or with --vehicle",
-                                  sidecar_path(path)));
-    VehicleModel vehicle = named ? *named : read_vehicle(log.meta.vehicle, sidecar_path(path));
-    if (vehicle.nominal_voltage_V == 0.0) vehicle.nominal_voltage_V = assumed_V;
-    assume_nominal_voltage(vehicle, log);
-    assumed_V = vehicle.nominal_voltage_V;
-    wanted.with_noise = true;
-    before.push_back(diagnosis::replay(log, vehicle, vehicle.effects, wanted));
-    wanted.with_noise = false;
-    if (with) after.push_back(diagnosis::replay(log, vehicle, config::merge_effects(vehicle.effects, *with), wanted));
-    progress.show(before.size(), options.flights.size(), "flights");
+  for (std::size_t i = 0; i < options.flights.size(); ++i) {
+    const std::string& path = options.flights[i];
+    const std::size_t replayed = before.size();
+    std::optional<DataError> nothing;  // to replay in a part
+    for (const std::vector<TimeRange>& part : diagnosis::parts_of(path)) {
+      const FlightLog log = read_flight_log(path, part);
+      for (const LogRepair& repair : log.repairs)
+        if (warned.insert(repair.says).second) spdlog::warn(repair.says);
+      if (!named && log.meta.vehicle.empty())
+        throw DataError(fmt::format("{}: \"vehicle\" is missing (whose flight is this?) name it here or with --vehicle",
+                                    sidecar_path(path)));
+      VehicleModel vehicle = named ? *named : read_vehicle(log.meta.vehicle, sidecar_path(path));
+      if (vehicle.nominal_voltage_V == 0.0) vehicle.nominal_voltage_V = assumed_V;
+      assume_nominal_voltage(vehicle, log);
+      assumed_V = vehicle.nominal_voltage_V;
+      try {
+        wanted.with_noise = true;
+        diagnosis::FitErrors errors = diagnosis::replay(log, vehicle, vehicle.effects, wanted);
+        wanted.with_noise = false;
+        if (with)
+          after.push_back(diagnosis::replay(log, vehicle, config::merge_effects(vehicle.effects, *with), wanted));
+        before.push_back(std::move(errors));
+      } catch (const DataError& error) {
+        nothing = error;
+      }
+    }
+    if (before.size() == replayed) throw *nothing;
+    if (nothing) spdlog::warn("a part is left out: {}", nothing->what());
+    progress.show(i + 1, options.flights.size(), "flights");
   }
   progress.end();
   const nlohmann::ordered_json block = diagnosis::fit_block(before, after);

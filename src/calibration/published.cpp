@@ -16,12 +16,6 @@ constexpr std::string_view published_format = "gustlab-published/1";
 
 using config::Table;
 
-std::vector<std::string> need_texts(Table& table, std::string_view key) {
-  const auto texts = table.texts(key);
-  if (!texts || texts->empty()) table.fail(key, fmt::format("\"{}\" is missing", key), "a list of names", "");
-  return *texts;
-}
-
 std::size_t need_metric(Table& table, std::string_view key) {
   return find_published_metric(table.need_text(key), table.where(key));
 }
@@ -43,8 +37,8 @@ PublishedRow read_row(Table& table) {
 void read_orders(Table& document, std::vector<Claim>& claims) {
   for (Table& table : document.tables("orders")) {
     const std::string name = table.need_text("table"), trajectory = table.need_text("trajectory");
-    const std::vector<std::string> controllers = need_texts(table, "controllers");
-    for (const std::string& metric : need_texts(table, "metrics"))
+    const std::vector<std::string> controllers = table.need_texts("controllers");
+    for (const std::string& metric : table.need_texts("metrics"))
       for (std::size_t k = 0; k < controllers.size(); ++k)
         for (std::size_t more = k + 1; more < controllers.size(); ++more)
           claims.push_back({ClaimKind::less,
@@ -58,7 +52,7 @@ void read_orders(Table& document, std::vector<Claim>& claims) {
   }
   for (Table& table : document.tables("trajectory_orders")) {
     const std::string name = table.need_text("table"), controller = table.need_text("controller");
-    const std::vector<std::string> trajectories = need_texts(table, "trajectories");
+    const std::vector<std::string> trajectories = table.need_texts("trajectories");
     const std::size_t metric = need_metric(table, "metric");
     for (std::size_t k = 0; k < trajectories.size(); ++k)
       for (std::size_t more = k + 1; more < trajectories.size(); ++more)

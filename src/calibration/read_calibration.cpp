@@ -14,12 +14,6 @@ using config::Table;
 
 constexpr std::string_view calibration_format = "gustlab-calibration/1";
 
-std::vector<std::string> need_texts(Table& table, std::string_view key) {
-  const auto texts = table.texts(key);
-  if (!texts || texts->empty()) table.fail(key, fmt::format("\"{}\" is missing", key), "a list of names", "");
-  return *texts;
-}
-
 OpenParameter read_parameter(Table& table) {
   OpenParameter parameter{
       table.need_text("key"),     table.need_number("min"),          table.need_number("max"),
@@ -52,9 +46,9 @@ CalibrationStage read_stage(Table& table) {
     table.fail("evaluations", "\"evaluations\" is out of range", "from 1 to 1000000", "");
   for (Table& target : table.tables("targets")) {
     const std::vector<Statistic> statistics = read_statistics(target);
-    for (const std::string& trajectory : need_texts(target, "trajectories"))
-      for (const std::string& controller : need_texts(target, "controllers"))
-        for (const std::string& metric : need_texts(target, "metrics"))
+    for (const std::string& trajectory : target.need_texts("trajectories"))
+      for (const std::string& controller : target.need_texts("controllers"))
+        for (const std::string& metric : target.need_texts("metrics"))
           for (const Statistic statistic : statistics)
             stage.targets.push_back({trajectory, controller, find_published_metric(metric, target.where("metrics")),
                                      statistic, target.where("controllers")});
@@ -72,9 +66,9 @@ void read_known(Table& table, std::vector<KnownCell>& known) {
   if (because != "by construction" && because != "chosen after seeing")
     table.fail("because", fmt::format("\"{}\" is no reason", because), "",
                "write \"by construction\" or \"chosen after seeing\"");
-  for (const std::string& trajectory : need_texts(table, "trajectories"))
-    for (const std::string& controller : need_texts(table, "controllers"))
-      for (const std::string& metric : need_texts(table, "metrics"))
+  for (const std::string& trajectory : table.need_texts("trajectories"))
+    for (const std::string& controller : table.need_texts("controllers"))
+      for (const std::string& metric : table.need_texts("metrics"))
         known.push_back({trajectory, controller, find_published_metric(metric, table.where("metrics")),
                          because == "by construction"});
 }

@@ -406,6 +406,12 @@ std::string Table::need_text(std::string_view key) {
   return *value;
 }
 
+std::vector<std::string> Table::need_texts(std::string_view key) {
+  const auto value = texts(key);
+  if (!value || value->empty()) fail(key, fmt::format("\"{}\" is missing", key), "a list of names", "");
+  return *value;
+}
+
 void Table::finish() const {
   for (const std::string& key : keys()) {
     if (node_->asked.contains(key)) continue;

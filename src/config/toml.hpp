@@ -50,6 +50,7 @@ class Table {
   // as above, with a message when absent
   double need_number(std::string_view key);
   std::string need_text(std::string_view key);
+  std::vector<std::string> need_texts(std::string_view key);
 
   // Throws ConfigError at a key: where(key): problem (why) suggestion.
   [[noreturn]] void fail(std::string_view key, const std::string& problem, const std::string& why,

@@ -234,6 +234,7 @@ void for_each_row(const std::string& path, const std::vector<std::string>& colum
   std::vector<std::size_t> slots;  // of each column of the file, where its cell goes
   std::vector<double> cells;
   while (lines.next(line)) {
+    if (lines.number() > 1 && trimmed(line).empty()) continue;
     cells.assign(columns.size(), no_sample);
     std::size_t column = 0;
     for (std::size_t begin = 0; begin <= line.size(); begin = cell_end(line, begin) + 1, ++column) {

@@ -8,16 +8,16 @@ namespace gustlab {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 double root_mean(const std::vector<double>& squares) {
   double sum = 0.0;
   for (const double square : squares) sum += square;
-  return squares.empty() ? nan : std::sqrt(sum / static_cast<double>(squares.size()));
+  return squares.empty() ? nothing : std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
 ErrorFigures error_figures(const std::vector<double>& squares) {
-  if (squares.empty()) return {nan, nan, nan, nan};
+  if (squares.empty()) return {nothing, nothing, nothing, nothing};
   std::vector<double> norms(squares.size());
   double sum = 0.0;
   for (std::size_t i = 0; i < squares.size(); ++i) sum += norms[i] = std::sqrt(squares[i]);
@@ -49,7 +49,7 @@ TrackingFigures TrackingError::figures() const {
 }
 
 double quantile(std::vector<double>& values, double q) {
-  if (values.empty()) return nan;
+  if (values.empty()) return nothing;
   const double place = q * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::ptrdiff_t>(place);
   const double part = place - static_cast<double>(below);

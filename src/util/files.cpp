@@ -226,16 +226,20 @@ void check_files_can_be_written(const std::string& folder, std::initializer_list
 }
 
 std::string read_into(const std::string& path, std::string& bytes, std::size_t most_bytes) {
+  bytes.clear();
+  return read_blocks(path, most_bytes, [&](std::string_view block) { bytes += block; });
+}
+
+std::string read_blocks(const std::string& path, std::size_t most_bytes,
+                        const std::function<void(std::string_view)>& block) {
   errno = 0;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"), std::fclose);
   if (!file) return std::strerror(errno ? errno : EIO);
-  std::size_t got = 0;
-  do {
-    bytes.resize(got + 65536);
-    got += std::fread(bytes.data() + got, 1, bytes.size() - got, file.get());
-    if (got > most_bytes) return fmt::format("it is larger than {} MiB", most_bytes >> 20);
-  } while (got == bytes.size());
-  bytes.resize(got);
+  std::string bytes(65536, '\0');
+  for (std::size_t got = 0, all = 0; (got = std::fread(bytes.data(), 1, bytes.size(), file.get())) > 0;) {
+    if ((all += got) > most_bytes) return fmt::format("it is larger than {} MiB", most_bytes >> 20);
+    block({bytes.data(), got});
+  }
   if (std::ferror(file.get())) return std::strerror(errno ? errno : EIO);
   note_input(path);
   return {};

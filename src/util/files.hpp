@@ -45,6 +45,9 @@ void check_files_can_be_written(const std::string& folder, std::initializer_list
 inline constexpr std::size_t most_text_bytes = std::size_t{64} << 20;
 std::string read_into(const std::string& path, std::string& bytes,
                       std::size_t most_bytes = most_text_bytes);  // why not; empty: it is read
+// The same, block after block.
+std::string read_blocks(const std::string& path, std::size_t most_bytes,
+                        const std::function<void(std::string_view)>& block);
 template <class Error>
 std::string read_file(const std::string& path, std::size_t most_bytes = most_text_bytes) {
   std::string bytes;

@@ -1,9 +1,10 @@
 #include "util/sha256.hpp"
 
-#include <array>
 #include <bit>
 #include <cmath>
-#include <cstdint>
+
+#include "gustlab/errors.hpp"
+#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -29,7 +30,7 @@ struct Constants {
   }
 };
 
-void digest(const unsigned char* block, const Constants& constants, std::array<Word, 8>& hash) {
+void add_block(const unsigned char* block, const Constants& constants, std::array<Word, 8>& hash) {
   std::array<Word, 64> w;
   for (std::size_t t = 0; t < 16; ++t)
     w[t] =
@@ -51,24 +52,51 @@ void digest(const unsigned char* block, const Constants& constants, std::array<W
   for (std::size_t i = 0; i < hash.size(); ++i) hash[i] += step[i];
 }
 
+const Constants& constants() {
+  static const Constants all;
+  return all;
+}
+
+constexpr std::size_t block_bytes = 64;
+
 }  // namespace
 
-std::string sha256(std::string_view bytes) {
-  static const Constants constants;
-  // padding: a one, zeros, the length in bits
-  std::string message(bytes);
-  message += static_cast<char>(0x80);
-  while (message.size() % 64 != 56) message += '\0';
-  const std::uint64_t bits = 8 * static_cast<std::uint64_t>(bytes.size());
-  for (int shift = 56; shift >= 0; shift -= 8) message += static_cast<char>(bits >> shift & 0xff);
+Sha256::Sha256() : hash_(constants().initial) {}
 
-  std::array<Word, 8> hash = constants.initial;
-  for (std::size_t at = 0; at < message.size(); at += 64)
-    digest(reinterpret_cast<const unsigned char*>(message.data()) + at, constants, hash);
+void Sha256::add(std::string_view bytes) {
+  bytes_ += bytes.size();
+  rest_ += bytes;
+  std::size_t at = 0;
+  for (; at + block_bytes <= rest_.size(); at += block_bytes)
+    add_block(reinterpret_cast<const unsigned char*>(rest_.data()) + at, constants(), hash_);
+  rest_.erase(0, at);
+}
+
+std::string Sha256::digest() {
+  // padding: a one, zeros, the length in bits
+  const std::uint64_t bits = 8 * bytes_;
+  std::string end(1, static_cast<char>(0x80));
+  while ((rest_.size() + end.size()) % block_bytes != block_bytes - 8) end += '\0';
+  for (int shift = 56; shift >= 0; shift -= 8) end += static_cast<char>(bits >> shift & 0xff);
+  add(end);
   std::string text;
-  for (const Word word : hash)
+  for (const Word word : hash_)
     for (int shift = 28; shift >= 0; shift -= 4) text += "0123456789abcdef"[word >> shift & 0xf];
   return text;
+}
+
+std::string sha256(std::string_view bytes) {
+  Sha256 hash;
+  hash.add(bytes);
+  return hash.digest();
+}
+
+std::string sha256_of_file(const std::string& path, std::size_t most_bytes) {
+  Sha256 hash;
+  if (const std::string why = read_blocks(path, most_bytes, [&](std::string_view bytes) { hash.add(bytes); });
+      !why.empty())
+    throw DataError(path + ": cannot read (" + why + ")");
+  return hash.digest();
 }
 
 }  // namespace gustlab

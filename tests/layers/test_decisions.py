@@ -31,7 +31,7 @@ METHOD = {
     "model/catalogue.hpp": "torque_trim_sd command_clock_sd command_smoothing_sd",  # natural sizes of nuisances
     "model/command_innovation.cpp": "lags fewest_samples memory_s ridge slower_commands",
     "model/linear_flight.hpp": "error_size state_size row_count first_force_row",
-    "output/habit.cpp": "ahead_s between_starts_s checks slowest_sample_s terms unknowns usual_size",
+    "output/habit.cpp": "ahead_s between_starts_s checks slowest_sample_s term_count unknowns usual_size",
     "output/next_flight.cpp": "crazyflie_arm_m flight_s",
     "rollout/per_flight.cpp": "rollout_s step_share prior",
     "rollout/replay.cpp": "windows_per_task",
@@ -42,7 +42,7 @@ METHOD = {
     "validation/dependence.cpp": "ridge",
     "validation/generic_bases.hpp": "near_ground",
     "validation/gust_parts.cpp": "slowest_periods fastest_radps bins_apart bins_beside",
-    "validation/regimes.cpp": "parts few untold",
+    "validation/regimes.cpp": "thirds few untold",
 }
 
 

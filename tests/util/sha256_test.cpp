@@ -18,5 +18,14 @@ TEST(Sha256, KnownAnswers) {
   EXPECT_TRUE(sha256(std::string(64, 'a')).starts_with("ffe054fe7ae0cb6d"));
 }
 
+TEST(Sha256, PiecesAreTheWhole) {
+  const std::string bytes = std::string(100, 'a') + std::string(200, 'b');
+  for (const std::size_t piece : {1u, 63u, 64u, 65u, 299u}) {
+    Sha256 hash;
+    for (std::size_t at = 0; at < bytes.size(); at += piece) hash.add(std::string_view(bytes).substr(at, piece));
+    EXPECT_EQ(hash.digest(), sha256(bytes)) << piece;
+  }
+}
+
 }  // namespace
 }  // namespace gustlab

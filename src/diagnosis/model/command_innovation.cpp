@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t lags = 3, fewest_samples = 200;
 constexpr double memory_s = 0.2, ridge = 1e-6;
 constexpr double slower_commands = 1.5;  // an interval that is so many samples long is no jitter of one sample
-constexpr Eigen::Index per_lag = 4 + 3 + 3 + 3 + 3, width = per_lag * static_cast<Eigen::Index>(lags) + 1;
+constexpr Eigen::Index per_lag = 4 + 3 + 3 + 3 + 3, inputs = per_lag * static_cast<Eigen::Index>(lags) + 1;
 
 // what a controller could know at a sample: each channel as it was last measured
 std::vector<Sample> as_known(const FlightData& flight) {
@@ -86,9 +86,9 @@ std::vector<CommandInnovation> command_innovation(const FlightData& flight) {
     run = known[first[i]].starts_segment ? 0 : run + 1;
     if (run > lags) row.push_back(i);
   }
-  Eigen::MatrixXd X(static_cast<Eigen::Index>(row.size()), width), Y(static_cast<Eigen::Index>(row.size()), 4);
+  Eigen::MatrixXd X(static_cast<Eigen::Index>(row.size()), inputs), Y(static_cast<Eigen::Index>(row.size()), 4);
   for (std::size_t i = 0; i < row.size(); ++i) {
-    Eigen::Matrix<double, 1, width> x;
+    Eigen::Matrix<double, 1, inputs> x;
     Eigen::Index at = 0;
     for (std::size_t lag = 0; lag < lags; ++lag) {
       const Sample& s = known[first[row[i] - lag]];
@@ -109,9 +109,9 @@ std::vector<CommandInnovation> command_innovation(const FlightData& flight) {
   X.rightCols<1>().setOnes();
   const Eigen::RowVectorXd scale =
       (X.colwise().squaredNorm() / static_cast<double>(X.rows())).cwiseSqrt().array() + 1e-12;
-  for (Eigen::Index c = 0; c < width; ++c) X.col(c) /= scale[c];
+  for (Eigen::Index c = 0; c < inputs; ++c) X.col(c) /= scale[c];
   Eigen::MatrixXd gram = X.transpose() * X;
-  gram.diagonal().head<width - 1>().array() += ridge * static_cast<double>(X.rows());  // the mean is free
+  gram.diagonal().head<inputs - 1>().array() += ridge * static_cast<double>(X.rows());  // the mean is free
   const Eigen::MatrixXd left = Y - X * gram.ldlt().solve(X.transpose() * Y);
   std::vector<CommandInnovation> innovation(each.size(), CommandInnovation::Zero());
   for (std::size_t i = 0; i < row.size(); ++i)

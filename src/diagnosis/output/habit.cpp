@@ -25,7 +25,7 @@ namespace {
 constexpr double ahead_s = 0.5, between_starts_s = 0.41;
 constexpr int checks = 5;  // body rates along a window that are compared
 constexpr double slowest_sample_s = 0.05;
-constexpr int terms = 8, unknowns = 3 * terms;
+constexpr int term_count = 8, unknowns = 3 * term_count;
 constexpr double usual_size = 1.0 / 3.0;  // an error this share of what holding leaves counts in full
 
 struct Window {
@@ -34,7 +34,7 @@ struct Window {
   std::array<std::size_t, checks> check{};
 };
 
-using Terms = Eigen::Matrix<double, terms, 1>;
+using Terms = Eigen::Matrix<double, term_count, 1>;
 Terms terms_of(const Matrix3& R_WB, const Vector3& velocity_W_mps, const Vector3& rate_B_radps) {
   const Vector3 velocity = R_WB.transpose() * velocity_W_mps;
   Terms t;
@@ -142,8 +142,8 @@ class Rollouts final : public ceres::EvaluationCallback {
     r.missed = missed(r.window, habit_) / r.unit_radps;
     for (int j = 0; with_slopes && j < unknowns; ++j) {
       Habit moved = habit_;
-      const double delta = 1e-4 / scale_[j % terms];
-      moved(j % terms, j / terms) += delta;
+      const double delta = 1e-4 / scale_[j % term_count];
+      moved(j % term_count, j / term_count) += delta;
       r.slopes.col(j) = (missed(r.window, moved) / r.unit_radps - r.missed) / delta;
     }
   }
@@ -209,7 +209,7 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
   constexpr std::array<const char*, 3> axis = {"roll", "pitch", "yaw"};
   for (int a = 0; a < 3; ++a) {
     std::vector<std::string> numbers;
-    for (int i = 0; i < terms; ++i) numbers.push_back(config::shortest(habit(i, a)));
+    for (int i = 0; i < term_count; ++i) numbers.push_back(config::shortest(habit(i, a)));
     toml += fmt::format("{} = [{}]\n", axis[static_cast<std::size_t>(a)], fmt::join(numbers, ", "));
   }
   config::Table found = config::Table::parse(augmented_toml(out) + toml, "augmented.toml");

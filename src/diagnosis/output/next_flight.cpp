@@ -185,12 +185,12 @@ std::string in_words(const std::vector<std::string>& names, std::size_t most) {
 }
 
 // the library, flown with what was found: those of its flights that a controller can fly
-struct Library {
+struct FlownLibrary {
   std::vector<FlightData> flights;
   std::vector<Candidate> of;
 };
 
-Library fly_library(const Session& session, const Diagnosis& out, int jobs) {
+FlownLibrary fly_library(const Session& session, const Diagnosis& out, int jobs) {
   const FlightData& like = session.flights().front();
   config::Table found = config::Table::parse(augmented_toml(out), "augmented.toml");
   std::vector<EffectSpec> effects = config::merge_effects(like.vehicle.effects, config::read_effects(found));
@@ -201,7 +201,7 @@ Library fly_library(const Session& session, const Diagnosis& out, int jobs) {
   parallel_for(static_cast<std::int64_t>(candidates.size()), jobs, [&](std::int64_t i) {
     flown[static_cast<std::size_t>(i)] = simulate(candidates[static_cast<std::size_t>(i)], like, effects);
   });
-  Library result;
+  FlownLibrary result;
   for (std::size_t i = 0; i < flown.size(); ++i)
     if (flown[i]) {
       result.flights.push_back(std::move(*flown[i]));
@@ -312,7 +312,7 @@ void suggest_flight(const Session& session, const Selection& selection, int jobs
   for (const NotIdentifiable& n : out.not_identifiable)
     if (can_show(*find_effect(n.effect), session.catalogue())) unseen.push_back(n.effect);
   if (!ambiguous && unseen.empty()) return;
-  Library flown = fly_library(session, out, jobs);
+  FlownLibrary flown = fly_library(session, out, jobs);
   if (flown.flights.empty()) return;
 
   Session next(std::move(flown.flights), session.vehicle(), jobs);

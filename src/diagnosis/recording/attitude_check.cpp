@@ -15,7 +15,7 @@ namespace {
 
 using Vector2 = Eigen::Vector2d;
 
-constexpr double gravity_mps2 = 9.81;
+constexpr double usual_gravity_mps2 = 9.81;
 constexpr double window_s = 0.4;
 constexpr std::size_t least_windows = 20;
 constexpr double least_acceleration_mps2 = 0.05;  // rms: less is drift and noise
@@ -58,7 +58,7 @@ ActuatorKind inputs_of(const FlightLog& log, const VehicleModel& vehicle,
 // Thrust per mass that a row's inputs ask for; NaN where it has none, gravity where no input says.
 double push_mps2(const VehicleModel& vehicle, const std::vector<const std::vector<double>*>& inputs, ActuatorKind kind,
                  std::size_t row) {
-  if (inputs.empty()) return gravity_mps2;
+  if (inputs.empty()) return usual_gravity_mps2;
   double thrust = 0.0;
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
     const Rotor& rotor = vehicle.rotors[i];
@@ -84,7 +84,7 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
   std::vector<Vector2> leaning[std::size(readings)];
   std::vector<const std::vector<double>*> inputs;
   const ActuatorKind kind = inputs_of(log, vehicle, inputs);
-  double push = gravity_mps2;
+  double push = usual_gravity_mps2;
   for (std::size_t first = 0, last = 0; first < log.rows(); first = last) {
     Vector2 sum[std::size(readings)] = {Vector2::Zero(), Vector2::Zero(), Vector2::Zero(), Vector2::Zero()};
     std::size_t from = log.rows(), to = log.rows();

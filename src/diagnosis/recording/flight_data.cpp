@@ -17,7 +17,6 @@ namespace gustlab::diagnosis {
 namespace {
 
 constexpr double grouped_s = 0.008;  // over which the fastest logs are averaged
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // columns of one log by name; absent columns read as NaN
 class Columns {
@@ -29,7 +28,9 @@ class Columns {
     return std::all_of(columns_.begin(), columns_.end(), [](const auto* c) { return c != nullptr; });
   }
   Vector3 vector(std::size_t row) const { return {at(0, row), at(1, row), at(2, row)}; }
-  double at(std::size_t column, std::size_t row) const { return columns_[column] ? (*columns_[column])[row] : nan; }
+  double at(std::size_t column, std::size_t row) const {
+    return columns_[column] ? (*columns_[column])[row] : std::nan("");
+  }
 
  private:
   std::vector<const std::vector<double>*> columns_;
@@ -136,7 +137,7 @@ FlightLog filtered_alike(FlightLog log, double sd_s) {
 template <class Has>
 std::vector<double> steps_between(const std::vector<double>& time_s, const Has& has) {
   std::vector<double> steps;
-  double last_s = nan;
+  double last_s = std::nan("");
   for (std::size_t k = 0; k < time_s.size(); ++k) {
     if (!has(k)) continue;
     if (std::isfinite(last_s)) steps.push_back(time_s[k] - last_s);
@@ -510,12 +511,12 @@ struct Streams {
 };
 
 // half widths of the local fits
-struct Windows {
+struct HalfWindows {
   double pose_s, rate_s, acceleration_s;
 };
 
 // what a segment's channels say of one moment; nothing where none does
-Motion motion_at(double t, const Streams& seen, const Windows& half) {
+Motion motion_at(double t, const Streams& seen, const HalfWindows& half) {
   Motion motion;
   if (seen.position.can_fit(5)) {
     const auto c = seen.position.fit<3>(t, half.pose_s);
@@ -546,8 +547,8 @@ Motion motion_at(double t, const Streams& seen, const Windows& half) {
 void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
   const auto& samples = flight.samples;
   flight.motion.assign(samples.size(), Motion{});
-  const Windows half{flight.as_recorded ? 0.0 : 0.095, rate_half_window_s(flight),
-                     std::max(0.147, 4.3 * flight.sample_s)};
+  const HalfWindows half{flight.as_recorded ? 0.0 : 0.095, rate_half_window_s(flight),
+                         std::max(0.147, 4.3 * flight.sample_s)};
   for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
     for (end = begin + 1; end < samples.size() && !samples[end].starts_segment;) ++end;
     const Streams seen(&samples[begin], samples.data() + end, correction);

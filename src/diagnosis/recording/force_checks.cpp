@@ -14,15 +14,15 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double window_s = 0.25;  // over which vibration averages out
-constexpr std::size_t least_windows = 8;
+constexpr double mean_window_s = 0.25;  // over which vibration averages out
+constexpr std::size_t least_means = 8;
 constexpr double most_off = 2.5;            // of a scale, when only the vehicle file says how large a force is
 constexpr double most_off_of_motion = 1.3;  // when the motion does
 constexpr double near = 0.02, not_near = 0.5, clearly_nearer = 0.25;  // shares of squares
 constexpr double least_ratio = 0.5, most_ratio = 2.0, most_of_any_flight = 5.0;
 
 // means over a window, m/s²
-struct Window {
+struct WindowMeans {
   Vector3 measured_B = Vector3::Zero();  // by the accelerometer
   Vector3 needed_B = Vector3::Zero();    // by the motion; without a pose what the inputs push
   Vector3 needed_W = Vector3::Zero();    // the same in W
@@ -31,7 +31,7 @@ struct Window {
 };
 
 struct Windows {
-  std::vector<Window> all;
+  std::vector<WindowMeans> all;
   bool by_motion = false, with_accelerometer = false;
 };
 
@@ -51,10 +51,10 @@ Windows windows_of(const FlightLog& log, const VehicleModel& vehicle) {
   result.with_accelerometer = log.find("ax") && log.find("ay") && log.find("az");
   const Vector3 gravity_W(0.0, 0.0, vehicle.gravity_mps2);
   for (std::size_t first = 0, last = 0; first < data.samples.size(); first = last) {
-    Window window;
+    WindowMeans window;
     double count = 0.0, felt = 0.0;
     const double from_s = data.samples[first].time_s;
-    for (last = first; last < data.samples.size() && data.samples[last].time_s < from_s + window_s; ++last) {
+    for (last = first; last < data.samples.size() && data.samples[last].time_s < from_s + mean_window_s; ++last) {
       const Sample& sample = data.samples[last];
       const Motion& motion = data.motion[last];
       const Quaternion to_B = motion.attitude_WB.conjugate();
@@ -82,9 +82,9 @@ Windows windows_of(const FlightLog& log, const VehicleModel& vehicle) {
 
 // squares that a reading of the accelerometer leaves, at the best scale within some factor
 template <class Expected>
-double left_by(const std::vector<Window>& windows, double factor, Expected expected) {
+double left_by(const std::vector<WindowMeans>& windows, double factor, Expected expected) {
   double mm = 0.0, me = 0.0, ee = 0.0;
-  for (const Window& w : windows) {
+  for (const WindowMeans& w : windows) {
     const Vector3 e = expected(w);
     mm += w.measured_B.squaredNorm(), me += w.measured_B.dot(e), ee += e.squaredNorm();
   }
@@ -92,31 +92,33 @@ double left_by(const std::vector<Window>& windows, double factor, Expected expec
   return mm - 2.0 * scale * me + scale * scale * ee;
 }
 
-struct Reading {
+struct OtherReading {
   const char *kind, *says;
   bool needs_motion;
-  std::function<Vector3(const Window&)> expected;
+  std::function<Vector3(const WindowMeans&)> expected;
 };
 
 std::optional<ForceFault> accelerometer_fault(const Windows& windows, double gravity_mps2) {
-  const std::vector<Reading> others = {
-      {"unit", "is in g, not in m/s²", false, [&](const Window& w) -> Vector3 { return w.needed_B / gravity_mps2; }},
+  const std::vector<OtherReading> others = {
+      {"unit", "is in g, not in m/s²", false,
+       [&](const WindowMeans& w) -> Vector3 { return w.needed_B / gravity_mps2; }},
       {"sign", "reads downward (a hover reads +9.81 along the body's z axis)", false,
-       [](const Window& w) -> Vector3 { return -w.needed_B; }},
+       [](const WindowMeans& w) -> Vector3 { return -w.needed_B; }},
       {"frame", "is in axes x forward, y right, z down", false,
-       [](const Window& w) { return Vector3(w.needed_B.x(), -w.needed_B.y(), -w.needed_B.z()); }},
-      {"frame", "is in world axes, not in body axes", true, [](const Window& w) { return w.needed_W; }},
-      {"inconsistent", "leaves gravity out", true, [](const Window& w) -> Vector3 { return w.needed_B - w.gravity_B; }},
+       [](const WindowMeans& w) { return Vector3(w.needed_B.x(), -w.needed_B.y(), -w.needed_B.z()); }},
+      {"frame", "is in world axes, not in body axes", true, [](const WindowMeans& w) { return w.needed_W; }},
+      {"inconsistent", "leaves gravity out", true,
+       [](const WindowMeans& w) -> Vector3 { return w.needed_B - w.gravity_B; }},
       {"inconsistent", "is in world axes and leaves gravity out", true,
-       [](const Window& w) -> Vector3 { return w.needed_W - w.gravity_W; }}};
+       [](const WindowMeans& w) -> Vector3 { return w.needed_W - w.gravity_W; }}};
   const double factor = windows.by_motion ? most_off_of_motion : most_off;
-  const double as_read = left_by(windows.all, factor, [](const Window& w) { return w.needed_B; });
+  const double as_read = left_by(windows.all, factor, [](const WindowMeans& w) { return w.needed_B; });
   double needed = 0.0;
-  for (const Window& w : windows.all) needed += w.needed_B.squaredNorm();
+  for (const WindowMeans& w : windows.all) needed += w.needed_B.squaredNorm();
   if (as_read < near * needed) return std::nullopt;
-  const Reading* best = nullptr;
+  const OtherReading* best = nullptr;
   double least = clearly_nearer * as_read;
-  for (const Reading& other : others) {
+  for (const OtherReading& other : others) {
     if (other.needs_motion && !windows.by_motion) continue;
     if (const double left = left_by(windows.all, factor, other.expected); left < least) least = left, best = &other;
   }
@@ -131,7 +133,7 @@ std::optional<ForceFault> accelerometer_fault(const Windows& windows, double gra
 
 std::optional<ForceFault> thrust_fault(const Windows& windows, bool accelerometer_is_fine, double gravity_mps2) {
   double pushed = 0.0, needed = 0.0;
-  for (const Window& w : windows.all) {
+  for (const WindowMeans& w : windows.all) {
     pushed += w.pushed;
     needed += windows.by_motion ? w.needed_B.z() : accelerometer_is_fine ? w.measured_B.z() : gravity_mps2;
   }
@@ -149,7 +151,7 @@ std::optional<ForceFault> thrust_fault(const Windows& windows, bool acceleromete
 
 std::vector<ForceFault> check_forces(const FlightLog& log, const VehicleModel& vehicle) {
   const Windows windows = windows_of(log, vehicle);
-  if (windows.all.size() < least_windows) return {};
+  if (windows.all.size() < least_means) return {};
   std::vector<ForceFault> faults;
   const auto add = [&](std::optional<ForceFault> fault) {
     if (fault) faults.push_back(*std::move(fault));

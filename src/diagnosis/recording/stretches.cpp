@@ -135,6 +135,20 @@ std::vector<TimeRange> telling_stretches(const std::string& csv_path) {
   return stretches;
 }
 
+std::vector<std::vector<TimeRange>> parts_of(const std::string& csv_path, std::size_t most_rows) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::vector<double> time_s;
+  for_each_row(csv_path, {"time_s"}, [&](const std::vector<double>& cells) { time_s.push_back(cells[0]); });
+  const std::size_t count = (time_s.size() + most_rows - 1) / most_rows;
+  const bool rises =
+      std::adjacent_find(time_s.begin(), time_s.end(), [](double a, double b) { return !(b > a); }) == time_s.end();
+  if (count < 2 || !rises) return {{}};
+  std::vector<std::vector<TimeRange>> parts;
+  const auto begin_s = [&](std::size_t part) { return part < count ? time_s[part * time_s.size() / count] : infinity; };
+  for (std::size_t part = 0; part < count; ++part) parts.push_back({{begin_s(part), begin_s(part + 1)}});
+  return parts;
+}
+
 FlightLog part_of(const FlightLog& log, const TimeRange& range) {
   FlightLog part{log.path, {}, {}, log.meta, log.repairs};
   const auto row = [&](double at_s) {

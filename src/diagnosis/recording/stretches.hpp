@@ -19,6 +19,10 @@ inline constexpr double stretch_s = 30.0;
 // lasts no longer than most_flight_s, or has neither attitude nor body rate (such logs are compared in hover), and all of it is read.
 std::vector<TimeRange> telling_stretches(const std::string& csv_path);
 
+// All of the log in parts, none with more rows, each what read_flight_log takes as `only`. One part where the log is shorter, or where its
+// time does not rise (whoever reads it says so). Replaying so many rows of 43 columns needs 300 MB.
+std::vector<std::vector<TimeRange>> parts_of(const std::string& csv_path, std::size_t most_rows = 150'000);
+
 // The log as one flight, or its stretches; the path of a stretch ends in its times, as "a.csv (60 to 90 s)". Throws DataError.
 std::vector<FlightLog> read_flights(const std::string& csv_path);
 // Rows of a log between two times.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "config/toml.hpp"
 #include "diagnosis/rollout/per_flight.hpp"
@@ -14,7 +13,6 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double restart_s = 0.5;
 constexpr double most_noises = 10.0;  // no quantity counts for more than this many times its noise
 constexpr double window_s = 4.0;
@@ -73,7 +71,7 @@ std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& veh
       const auto recorded = picture(motion.position_W_m(row), motion.attitude_WB(row));
       for (std::size_t i = 0; i < 6; ++i) {
         WindowTrace& trace = traces[i];
-        (trace.*into).push_back(restart || !finite ? nan : predicted[i]);
+        (trace.*into).push_back(restart || !finite ? std::nan("") : predicted[i]);
         if (!measured) continue;
         trace.time_s.push_back(motion.time_s(row));
         trace.measured.push_back(recorded[i]);
@@ -82,7 +80,7 @@ std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& veh
   };
   fly(before, &WindowTrace::before, true);
   fly(after, &WindowTrace::after, false);
-  for (WindowTrace& trace : traces) trace.after.resize(trace.time_s.size(), nan);
+  for (WindowTrace& trace : traces) trace.after.resize(trace.time_s.size(), std::nan(""));
   return traces;
 }
 
@@ -90,7 +88,7 @@ std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& veh
 
 double half_a_second_ahead(const nlohmann::ordered_json& fit, std::string_view quantity, const char* kind) {
   const auto& list = fit.at(std::string(quantity)).at(kind);
-  return list.size() > 1 && list[1].is_number() ? list[1].get<double>() : nan;
+  return list.size() > 1 && list[1].is_number() ? list[1].get<double>() : std::nan("");
 }
 
 FlightLog with_later_inputs(const FlightLog& log, double by_s) {

@@ -12,7 +12,7 @@ namespace gustlab::diagnosis {
 namespace {
 
 using decisions::block_s;
-constexpr int parts = 3;
+constexpr int thirds = 3;
 constexpr double few = 4.0, untold = 1.0;  // clusters; a deviation
 
 struct Variables {
@@ -107,24 +107,24 @@ Regimes regimes_along(const std::string& variable, const std::vector<double>& va
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return value[a] < value[b]; });
   Regimes regimes;
   regimes.variable = variable;
-  std::array<double, parts> info{}, score{};
+  std::array<double, thirds> info{}, score{};
   std::vector<int> part(order.size());
   double before = 0.0;
   for (const std::size_t b : order) {
-    part[b] = std::min(parts - 1, static_cast<int>(before / told.all * parts));
+    part[b] = std::min(thirds - 1, static_cast<int>(before / told.all * thirds));
     before += told.information[b];
     info[static_cast<std::size_t>(part[b])] += told.information[b];
     score[static_cast<std::size_t>(part[b])] += told.remaining[b];
   }
-  for (std::size_t p = 0; p < parts; ++p) {
+  for (std::size_t p = 0; p < thirds; ++p) {
     regimes.share.push_back(info[p] > 0.0 ? 1.0 + score[p] / info[p] : 1.0);
     regimes.deviation.push_back(deviation_in(grams, told, part, static_cast<int>(p), regimes.share[p], info[p]));
   }
-  const double mean = std::accumulate(regimes.share.begin(), regimes.share.end(), 0.0) / parts;
+  const double mean = std::accumulate(regimes.share.begin(), regimes.share.end(), 0.0) / thirds;
   double between = 0.0, expected = 0.0;
-  for (std::size_t p = 0; p < parts; ++p) {
-    between += std::pow(regimes.share[p] - mean, 2) / (parts - 1);
-    expected += std::pow(regimes.deviation[p], 2) / parts;
+  for (std::size_t p = 0; p < thirds; ++p) {
+    between += std::pow(regimes.share[p] - mean, 2) / (thirds - 1);
+    expected += std::pow(regimes.deviation[p], 2) / thirds;
     regimes.chi_squared += std::pow((regimes.share[p] - mean) / regimes.deviation[p], 2);
   }
   regimes.spread = std::sqrt(std::max(0.0, between - expected));
@@ -161,8 +161,8 @@ double most_astray(const std::vector<Regimes>& regimes) {
     if (std::find(r.deviation.begin(), r.deviation.end(), untold) != r.deviation.end()) continue;
     ++told;
     double expected = 0.0;
-    for (const double d : r.deviation) expected += d * d / parts;
-    most = std::max(most, std::sqrt(r.spread * r.spread + 2.0 * expected * std::sqrt(2.0 / (parts - 1))));
+    for (const double d : r.deviation) expected += d * d / thirds;
+    most = std::max(most, std::sqrt(r.spread * r.spread + 2.0 * expected * std::sqrt(2.0 / (thirds - 1))));
   }
   return 2 * told > regimes.size() ? most : untold;
 }

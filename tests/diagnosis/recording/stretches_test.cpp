@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr double step_s = 0.1;
+constexpr double row_s = 0.1;
 
 // Hovers for so long; in some seconds of every hundred it moves, and it stands on the ground in others.
 struct LongLog {
@@ -34,8 +34,8 @@ struct LongLog {
     folder.write("long.meta.toml",
                  "format = \"gustlab-flight/1\"\nvehicle = \"crazyflie\"\nactuator = \"rotor_speed\"\n");
     std::string text = fmt::format("time_s,{0}x,{0}y,{0}z,u1,u2,u3,u4\n", motion);
-    for (int k = 0; k * step_s <= lasts_s; ++k) {
-      const double t = k * step_s, in_part_s = std::fmod(t, 100.0), noise = std::sin(1e4 * t);
+    for (int k = 0; k * row_s <= lasts_s; ++k) {
+      const double t = k * row_s, in_part_s = std::fmod(t, 100.0), noise = std::sin(1e4 * t);
       const bool moves = in_part_s >= moves_from_s && in_part_s < moves_to_s, stands = in_part_s < stands_to_s;
       const double x = stands ? 50.0 * noise : 7.0 + (moves ? 1.0 : 0.01) * noise;
       // what stands shakes more than anything flies: rotors start and stop
@@ -97,6 +97,27 @@ TEST(Stretches, AreFlightsOfTheirOwn) {
     for (const LogColumn& column : flights[i].columns) EXPECT_THAT(column.values, SizeIs(300));
   }
   EXPECT_FALSE(is_flight_of("long.csv.gz", "long.csv"));
+}
+
+TEST(Parts, AreAllRowsOnce) {
+  const TemporaryFolder folder;
+  const std::string path = LongLog{.lasts_s = 10.0}.write(folder);
+  const std::vector<double> time_s = read_flight_log(path).time_s;
+  const auto parts = parts_of(path, 34);
+  ASSERT_THAT(parts, SizeIs(3));
+  std::vector<double> read;
+  for (const auto& part : parts) {
+    const FlightLog log = read_flight_log(path, part);
+    EXPECT_LE(log.rows(), 34u);
+    read.insert(read.end(), log.time_s.begin(), log.time_s.end());
+  }
+  EXPECT_EQ(read, time_s);
+}
+
+TEST(Parts, OfAClockThatIsSetBackAreTheWholeLog) {
+  const TemporaryFolder folder;
+  const std::string path = LongLog{.lasts_s = 100.0, .gap_s = -20.0}.write(folder);
+  ASSERT_THAT(parts_of(path, 34), ElementsAre(IsEmpty()));
 }
 
 TEST(Stretches, AreSaidByTheDiagnosis) {
