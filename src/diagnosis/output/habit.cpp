@@ -92,7 +92,7 @@ using Missed = Eigen::Matrix<double, 3 * checks, 1>;
 using Slopes = Eigen::Matrix<double, 3 * checks, unknowns, Eigen::RowMajor>;
 
 // A window and what is missed there with the habit that was asked for last, in the flight's own unit.
-struct Rollout {
+struct HabitRollout {
   Window window;
   double unit_radps = 1.0;
   Missed missed = Missed::Zero();
@@ -124,7 +124,7 @@ class Rollouts final : public ceres::EvaluationCallback {
     scale_ = (squares / std::max(1.0, count)).cwiseSqrt();
   }
 
-  const std::vector<Rollout>& rollouts() const { return rollouts_; }
+  const std::vector<HabitRollout>& rollouts() const { return rollouts_; }
 
   void PrepareForEvaluation(bool with_slopes, bool moved) override {
     if (!moved && !with_slopes) return;
@@ -138,7 +138,7 @@ class Rollouts final : public ceres::EvaluationCallback {
  private:
   static constexpr std::int64_t per_part = 32;
 
-  void fly(Rollout& r, bool with_slopes) const {
+  void fly(HabitRollout& r, bool with_slopes) const {
     r.missed = missed(r.window, habit_) / r.unit_radps;
     for (int j = 0; with_slopes && j < unknowns; ++j) {
       Habit moved = habit_;
@@ -150,14 +150,14 @@ class Rollouts final : public ceres::EvaluationCallback {
 
   const Habit& habit_;
   int jobs_;
-  std::vector<Rollout> rollouts_;
+  std::vector<HabitRollout> rollouts_;
   Terms scale_;  // typical sizes of the terms
 };
 
 // One check of a rollout that was flown: body rates, over the unit.
 class Check final : public ceres::SizedCostFunction<3, unknowns> {
  public:
-  Check(const Rollout& rollout, int check) : rollout_(rollout), row_(3 * check) {}
+  Check(const HabitRollout& rollout, int check) : rollout_(rollout), row_(3 * check) {}
 
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
     Eigen::Map<Vector3> missed(residuals);
@@ -170,7 +170,7 @@ class Check final : public ceres::SizedCostFunction<3, unknowns> {
   }
 
  private:
-  const Rollout& rollout_;
+  const HabitRollout& rollout_;
   int row_;
 };
 
@@ -186,7 +186,7 @@ Habit fit_habit(const std::vector<FlightData>& flights, int jobs) {
   shared.evaluation_callback = &flown;
   shared.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(shared);
-  for (const Rollout& rollout : flown.rollouts())
+  for (const HabitRollout& rollout : flown.rollouts())
     for (int i = 0; i < checks; ++i) problem.AddResidualBlock(new Check(rollout, i), &loss, habit.data());
   ceres::Solver::Summary summary;
   ceres::Solve(few_unknowns({.damping = 1e-2, .settled = 1e-4, .most_steps = 16}), &problem, &summary);

@@ -233,10 +233,10 @@ TEST(FlightData, AFastSensorIsReadCoarsely) {
 TEST(FlightData, AFastPoseIsReadInMeansOfThree) {
   FlightLog log = slow_noisy_positions();
   const RandomStream random(1, 0, "fast_position_noise");
-  std::vector<double>& x = test::column(log, "px");
+  std::vector<double>& x = log.columns[0].values;
   for (std::size_t k = 0; k < x.size(); ++k) x[k] = 1e-3 * random.normal4(k)[0];
   for (std::size_t k = 0; k < x.size(); ++k) log.time_s[k] = 0.002 * static_cast<double>(k);
-  for (const char* name : {"py", "pz"}) test::column(log, name).assign(x.size(), 0.0);
+  for (const std::size_t c : {1, 2}) log.columns[c].values.assign(x.size(), 0.0);
   ReadingOptions options;
   options.coarse_rate_hz = 130.0;
   double squares = 0.0, count = 0.0;
