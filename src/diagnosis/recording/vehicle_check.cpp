@@ -18,8 +18,6 @@ using Row = Eigen::RowVectorXd;
 constexpr double difference_s = 0.06;
 // angular acceleration is a local fit over this long; rotor speeds are averaged alike
 constexpr double average_s = 0.09;
-// the turning may follow the torques by no less and no more
-constexpr double earliest_torque_s = -0.04, latest_torque_s = 0.1;
 
 // how the vehicle turned after its rotors' speeds changed, what they all did alike left out
 struct Response {
@@ -186,8 +184,8 @@ std::optional<double> torque_delay_s(const FlightData& flight, const VehicleMode
   std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
   std::iota(place.begin(), place.end(), 0);
   const Eigen::MatrixXd gains = nominal_gains(vehicle, place);
-  const double hover = vehicle.hover_speed_radps();
-  const auto lag = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / flight.sample_s)));
+  const double hover = vehicle.hover_speed_radps(), dt = flight.sample_s;
+  const auto lag = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / dt)));
   const auto agreement = [&](double delay_s) {
     double xy = 0.0, xx = 0.0, yy = 0.0;
     const auto torque = [&](std::size_t k) {
@@ -208,8 +206,8 @@ std::optional<double> torque_delay_s(const FlightData& flight, const VehicleMode
     return xy / std::sqrt(xx * yy + 1e-300);
   };
   double best = 0.0, at = 0.0;
-  constexpr double step = 0.0025;
-  for (double delay_s = earliest_torque_s; delay_s <= latest_torque_s + 1e-9; delay_s += step) {
+  const double step = 0.25 * dt;
+  for (double delay_s = -4.0 * dt; delay_s <= 10.0 * dt + 1e-9; delay_s += step) {
     const double r = agreement(delay_s);
     if (r > best) best = r, at = delay_s;
   }
