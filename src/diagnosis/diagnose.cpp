@@ -281,6 +281,13 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
     suspect(out, "only suspected: the commands were sampled from a faster loop",
             [](const EffectFinding& effect) { return !find_effect(effect.effect)->commanded; });
 
+  // a motion that contradicts itself is no push from outside
+  if (std::ranges::any_of(out.log_findings, [](const LogFinding& f) {
+        return f.kind == "inconsistent" && std::string_view("pvqwa").find(f.column.front()) != std::string_view::npos;
+      }))
+    suspect(out, "only suspected: columns of the motion contradict each other",
+            [](const EffectFinding& effect) { return !find_effect(effect.effect)->external; });
+
   tell(options, "flying the model in the simulator", 0.75);
   Verification verified = verify_names(out, fitted.proof, fitted.vehicle, jobs);
   out.fit = std::move(verified.fit);

@@ -113,10 +113,10 @@ TEST(Csv, HandsItsRowsOverOneAfterTheOther) {
   for_each_row(folder.write("log.csv", many_rows(50000)), {"not there", "a"}, keep);
   ASSERT_EQ(a.size(), 50000u);
   EXPECT_EQ(a[49999], 49999.0);
-  // what is no number, and a row that ends early
+  // what is no number, a row that ends early, and an empty line, which is no row
   a.clear();
   for_each_row(folder.write("other.csv", "b,a\n1,x\n\n1\n1, 4 ,9\n"), {"not there", "a"}, keep);
-  EXPECT_THAT(a, ElementsAre(IsNan(), IsNan(), IsNan(), 4.0));
+  EXPECT_THAT(a, ElementsAre(IsNan(), IsNan(), 4.0));
 }
 
 TEST(Columns, HaveANameAndALargestValue) {
