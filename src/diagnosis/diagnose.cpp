@@ -283,7 +283,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
 
   // a motion that contradicts itself is no push from outside
   if (std::ranges::any_of(out.log_findings, [](const LogFinding& f) {
-        return f.kind == "inconsistent" && std::string_view("pvqwa").find(f.column.front()) != std::string_view::npos;
+        return f.kind == "inconsistent" && f.column.find_first_of("pvqwa") == 0;
       }))
     suspect(out, "only suspected: columns of the motion contradict each other",
             [](const EffectFinding& effect) { return !find_effect(effect.effect)->external; });
