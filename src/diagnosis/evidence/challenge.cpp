@@ -26,47 +26,48 @@ void ask_sensors(const Session& session, const Selection& selection,
   }
 }
 
-// Candidates that do not stand: the weakest, and with it those that are as hopeless and that do not stand in for each other. Two names
-// of one thing each gain little beside the other, and much when the other goes. Of one effect of several rotors one goes at a time: they speak
-// against each other, and the last of them stands alone.
-std::vector<std::size_t> weakest(const Session& session, const Selection& selection,
+// Δχ² of leaving some findings out together, all others fitted anew.
+double gain_of_all(const Session& session, const Selection& selection, const std::vector<std::size_t>& some) {
+  std::vector<int> rest = selection.groups();
+  for (const std::size_t i : some) std::erase(rest, selection.findings[i].group);
+  return solve(selection.grams.total(), session.with_biases(rest)).loss - selection.loss_selected;
+}
+
+std::vector<std::size_t> failing(const Session& session, const Selection& selection,
                                  const std::vector<Evidence>& records, const std::vector<int>& means) {
-  std::vector<std::size_t> failed;
-  std::vector<std::size_t> order;
+  std::vector<std::size_t> at_once, doubtful;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (selection.findings[i].calibration) continue;
-    if (std::find(means.begin(), means.end(), records[i].group) != means.end()) failed.push_back(i);
-    else if (records[i].probability < suspected_from) order.push_back(i);
+    if (std::ranges::count(means, records[i].group) > 0) at_once.push_back(i);
+    else if (records[i].probability < suspected_from) doubtful.push_back(i);
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return records[a].probability < records[b].probability; });
-  const Eigen::MatrixXd total = selection.grams.total();
-  const auto loss_without = [&](const std::vector<std::size_t>& some) {
-    std::vector<int> rest = selection.groups();
-    for (const std::size_t i : some) std::erase(rest, records[i].group);
-    return solve(total, session.with_biases(rest)).loss;
-  };
-  const double loss = selection.loss_selected;
-  double gains = 0.0;
-  for (const std::size_t i : failed) gains += records[i].gain;
-  const auto has_alike = [&](std::size_t i) {
-    return records[i].alike > 0 &&
-           std::ranges::any_of(failed, [&](std::size_t other) { return records[other].effect == records[i].effect; });
-  };
-  for (const std::size_t i : order) {
-    if (!failed.empty() && records[i].probability >= decisions::hopeless) break;
-    if (has_alike(i)) continue;
-    failed.push_back(i);
-    gains += records[i].gain;
-    if (failed.size() > 1 && loss_without(failed) - loss > decisions::most_joint_gain * gains) {
-      gains -= records[i].gain;
-      failed.pop_back();
-    }
-  }
-  return failed;
+  return weakest(records, std::move(at_once), std::move(doubtful),
+                 [&](const std::vector<std::size_t>& some) { return gain_of_all(session, selection, some); });
 }
 
 }  // namespace
+
+std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vector<std::size_t> at_once,
+                                 std::vector<std::size_t> doubtful,
+                                 const std::function<double(const std::vector<std::size_t>&)>& gain_of_all) {
+  std::vector<std::size_t> going = std::move(at_once);
+  std::ranges::stable_sort(doubtful, {}, [&](std::size_t i) { return records[i].probability; });
+  double gains = 0.0;
+  for (const std::size_t i : going) gains += records[i].gain;
+  for (const std::size_t i : doubtful) {
+    if (!going.empty() && records[i].probability >= decisions::hopeless) break;
+    if (records[i].alike > 0 &&
+        std::ranges::any_of(going, [&](std::size_t other) { return records[other].effect == records[i].effect; }))
+      continue;
+    going.push_back(i);
+    gains += records[i].gain;
+    if (going.size() > 1 && gain_of_all(going) > decisions::most_joint_gain * gains) {
+      gains -= records[i].gain;
+      going.pop_back();
+    }
+  }
+  return going;
+}
 
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs) {
@@ -84,7 +85,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       judge(record);
     }
     const std::vector<std::size_t> failed =
-        weakest(session, selection, result.records,
+        failing(session, selection, result.records,
                 result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
     if (failed.empty()) {
       if (looked_again || result.withdrawn.empty()) break;

@@ -24,6 +24,14 @@ struct Challenge {
   Remainder rest;                             // what is left unexplained then
 };
 
+// Candidates that go now, as indices of `records`: those `at_once`, and of the `doubtful` the weakest, with it those that are as hopeless
+// and do not stand in for each other (`gain_of_all`: Δχ² of leaving some out together). Two names of one thing gain little each beside
+// the other, and much when the other goes. Of one effect of several rotors one goes at a time: they speak against each other, and the
+// last of them stands alone.
+std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vector<std::size_t> at_once,
+                                 std::vector<std::size_t> doubtful,
+                                 const std::function<double(const std::vector<std::size_t>&)>& gain_of_all);
+
 // `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
 // The session must be linearised at the selection, and is so again at the end.
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,

@@ -169,16 +169,6 @@ SurrogateTest moved_signatures(const Session& session, const Selection& selectio
   return surrogate_test(rows.series, known, own, rows.coefficient(both));
 }
 
-// rms over all samples of what a finding's own values push, m/s²
-double push_mps2(const Session& session, const Selection& selection, const Finding& finding) {
-  const Eigen::VectorXd weights = own_weights(session.catalogue(), selection, finding);
-  double squares = 0.0, samples = 0.0;
-  for (const LinearFlight& flight : session.linear())
-    for (std::size_t k = 0; k < flight.B.size(); ++k, samples += 1.0)
-      squares += (flight.B[k].middleRows<3>(3) * weights(flight.columns) / flight.interval_s[k]).squaredNorm();
-  return std::sqrt(squares / std::max(1.0, samples));
-}
-
 bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
   const auto& columns = catalogue.groups()[static_cast<std::size_t>(group)].columns;
   return std::any_of(columns.begin(), columns.end(), [&](int c) {
@@ -189,6 +179,15 @@ bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int gr
 }
 
 }  // namespace
+
+double push_mps2(const Session& session, const Selection& selection, const Finding& finding) {
+  const Eigen::VectorXd weights = own_weights(session.catalogue(), selection, finding);
+  double squares = 0.0, samples = 0.0;
+  for (const LinearFlight& flight : session.linear())
+    for (std::size_t k = 0; k < flight.B.size(); ++k, samples += 1.0)
+      squares += (flight.B[k].middleRows<3>(3) * weights(flight.columns) / flight.interval_s[k]).squaredNorm();
+  return std::sqrt(squares / std::max(1.0, samples));
+}
 
 double share_done_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& effect, const std::vector<int>& known,
                      const std::vector<int>& further) {

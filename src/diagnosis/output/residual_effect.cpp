@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "config/toml.hpp"
@@ -92,45 +93,10 @@ BasisFamily family_of(const Session& session, const Library& library) {
   return family;
 }
 
-struct Sparse {
+struct Found {
   const Library* library = nullptr;
-  std::vector<int> chosen;  // of the library's columns, in the order of what they gain
-  std::vector<double> coefficient;
-  double loss = 0.0;
+  SparseFit fit;
 };
-
-// orthogonal matching pursuit: the column that gains most, all refitted, until none gains enough
-Sparse regress(const Eigen::MatrixXd& gram, int beside, const Library& library, double rows) {
-  Sparse sparse;
-  sparse.library = &library;
-  std::vector<int> columns;
-  for (int j = 0; j < beside; ++j) columns.push_back(j);
-  const double before = solve(gram, columns).loss;
-  sparse.loss = before;
-  while (sparse.chosen.size() < most_terms) {
-    int best = -1;
-    double least = sparse.loss - std::max(decisions::term_materiality * std::max(rows, before),
-                                          decisions::term_relative_materiality * (before - sparse.loss));
-    for (int j = 0; j < static_cast<int>(library.columns.size()); ++j) {
-      if (std::find(sparse.chosen.begin(), sparse.chosen.end(), j) != sparse.chosen.end()) continue;
-      columns.push_back(beside + j);
-      const double with = solve(gram, columns).loss;
-      columns.pop_back();
-      if (with < least) {
-        least = with;
-        best = j;
-      }
-    }
-    if (best < 0) break;
-    columns.push_back(beside + best);
-    sparse.chosen.push_back(best);
-    sparse.loss = least;
-  }
-  const Fit fit = solve(gram, columns);
-  for (std::size_t i = 0; i < sparse.chosen.size(); ++i)
-    sparse.coefficient.push_back(fit.coefficient[beside + static_cast<Eigen::Index>(i)]);
-  return sparse;
-}
 
 // the effect that describes without naming
 std::string_view description() {
@@ -138,20 +104,20 @@ std::string_view description() {
 }
 
 // an [[effect]] table, and the same for the report
-void write(const Sparse& sparse, const VehicleModel& vehicle, std::string& toml, nlohmann::ordered_json& json) {
+void write(const Found& found, const VehicleModel& vehicle, std::string& toml, nlohmann::ordered_json& json) {
   std::vector<std::string> names;
   std::array<std::vector<double>, 6> value;
   json["terms"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < sparse.chosen.size(); ++i) {
-    const Column& column = sparse.library->columns[static_cast<std::size_t>(sparse.chosen[i])];
+  for (std::size_t i = 0; i < found.fit.chosen.size(); ++i) {
+    const Column& column = found.library->columns[static_cast<std::size_t>(found.fit.chosen[i])];
     auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), column.term.name()) - names.begin());
     if (at == names.size()) {
       names.push_back(column.term.name());
       for (auto& list : value) list.push_back(0.0);
     }
     Eigen::Matrix<double, 6, 1> push = Eigen::Matrix<double, 6, 1>::Zero();
-    if (column.channel < 3) push[column.channel] = vehicle.mass_kg * sparse.coefficient[i];
-    else push.tail<3>() = vehicle.inertia_B_kgm2.col(column.channel - 3) * sparse.coefficient[i];
+    if (column.channel < 3) push[column.channel] = vehicle.mass_kg * found.fit.coefficient[i];
+    else push.tail<3>() = vehicle.inertia_B_kgm2.col(column.channel - 3) * found.fit.coefficient[i];
     for (std::size_t c = 0; c < 6; ++c) value[c][at] += push[static_cast<Eigen::Index>(c)];
     json["terms"].push_back({{"channel", channel_name[static_cast<std::size_t>(column.channel)]},
                              {"term", column.term.name()},
@@ -166,7 +132,7 @@ void write(const Sparse& sparse, const VehicleModel& vehicle, std::string& toml,
   toml = fmt::format(
       "\n[[effect]]  # without a name: a description of what is left, in SI units\ntype = \"{}\"\nframe = "
       "\"{}\"\nterms = [\"{}\"]\n",
-      description(), sparse.library->world ? "world" : "body", fmt::join(names, "\", \""));
+      description(), found.library->world ? "world" : "body", fmt::join(names, "\", \""));
   constexpr std::array<const char*, 6> key = {"fx", "fy", "fz", "tx", "ty", "tz"};
   for (std::size_t c = 0; c < 6; ++c)
     if (c < 3 || std::any_of(value[c].begin(), value[c].end(), [](double v) { return v != 0.0; }))
@@ -221,16 +187,48 @@ std::vector<int> linearise_beside(const Diagnosis& out, const Selection& selecti
 
 }  // namespace
 
+SparseFit matching_pursuit(const Eigen::MatrixXd& gram, int beside, double rows) {
+  SparseFit sparse;
+  const int offered = static_cast<int>(gram.cols()) - 1 - beside;
+  std::vector<int> columns(static_cast<std::size_t>(beside));
+  std::iota(columns.begin(), columns.end(), 0);
+  const double before = solve(gram, columns).loss;
+  sparse.loss = before;
+  while (sparse.chosen.size() < most_terms) {
+    int best = -1;
+    double least = sparse.loss - std::max(decisions::term_materiality * std::max(rows, before),
+                                          decisions::term_relative_materiality * (before - sparse.loss));
+    for (int j = 0; j < offered; ++j) {
+      if (std::ranges::count(sparse.chosen, j) > 0) continue;
+      columns.push_back(beside + j);
+      const double with = solve(gram, columns).loss;
+      columns.pop_back();
+      if (with < least) {
+        least = with;
+        best = j;
+      }
+    }
+    if (best < 0) break;
+    columns.push_back(beside + best);
+    sparse.chosen.push_back(best);
+    sparse.loss = least;
+  }
+  const Fit fit = solve(gram, columns);
+  for (std::size_t i = 0; i < sparse.chosen.size(); ++i)
+    sparse.coefficient.push_back(fit.coefficient[beside + static_cast<Eigen::Index>(i)]);
+  return sparse;
+}
+
 void offer_residual(Session& session, const Selection& selection, const std::vector<FlightLog>& holdout, int jobs,
                     Diagnosis& out) {
   if (out.fit.is_null()) return;
   const std::vector<int> beside = linearise_beside(out, selection, session);
   const std::vector<Library> all = libraries();
-  Sparse best;
+  Found best;
   for (const Library& library : all) {
-    Sparse found = regress(grams_with(session, family_of(session, library), beside).total(),
-                           static_cast<int>(beside.size()), library, selection.degrees_of_freedom);
-    if (!found.chosen.empty() && (best.chosen.empty() || found.loss < best.loss)) best = std::move(found);
+    SparseFit fit = matching_pursuit(grams_with(session, family_of(session, library), beside).total(),
+                                     static_cast<int>(beside.size()), selection.degrees_of_freedom);
+    if (!fit.chosen.empty() && (!best.library || fit.loss < best.fit.loss)) best = {&library, std::move(fit)};
   }
 
   // proof on the held-out flights, with and without
@@ -244,7 +242,7 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
     out.window_file = verified.window_file;
   };
   Verification without = flown("");
-  if (best.chosen.empty()) return show(std::move(without));
+  if (!best.library) return show(std::move(without));
   std::string toml;
   nlohmann::ordered_json json = {{"effect", description()}, {"frame", best.library->world ? "world" : "body"}};
   write(best, session.vehicle(), toml, json);
@@ -253,7 +251,7 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   if (proofs.empty() || !(proofs.front().closed > least_closed) || !(proofs.back().closed > -most_lost)) {
     out.notes.push_back(fmt::format(
         "a sparse model of the rest in {} terms is not offered: it does not predict the held-out flights better",
-        best.chosen.size()));
+        best.fit.chosen.size()));
     return show(std::move(without));
   }
   const Proof& most = proofs.front();

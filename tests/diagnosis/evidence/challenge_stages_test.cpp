@@ -50,5 +50,50 @@ TEST(Challenge, WhatItHasNotGoes) {
   EXPECT_LT(find(result.withdrawn)->held_out_gain, 0.0);
 }
 
+Evidence candidate(const std::string& effect, double probability, double gain, int rotor = 0, int alike = 0) {
+  Evidence record;
+  record.effect = effect;
+  record.rotor = rotor;
+  record.probability = probability;
+  record.gain = gain;
+  record.alike = alike;
+  return record;
+}
+
+using Indices = std::vector<std::size_t>;
+
+TEST(Weakest, TheHopelessGoTogetherAndTheMerelyDoubtfulAlone) {
+  const std::vector<Evidence> records = {candidate("mass", 0.4, 50.0), candidate("inertia", 0.02, 40.0),
+                                         candidate("battery_sag", 0.05, 30.0)};
+  const auto apart = [&](const Indices& some) {
+    double sum = 0.0;
+    for (const std::size_t i : some) sum += records[i].gain;
+    return sum;
+  };
+  EXPECT_EQ(weakest(records, {}, {0, 1, 2}, apart), (Indices{1, 2}));
+  EXPECT_EQ(weakest(records, {}, {0}, apart), Indices{0});
+  EXPECT_EQ(weakest(records, {2}, {0, 1}, apart), (Indices{2, 1}));
+  EXPECT_EQ(weakest(records, {}, {}, apart), Indices{});
+}
+
+// a rotor's inertia and the vehicle's: each hardly gains beside the other, both together much
+TEST(Weakest, TwoNamesOfOneThingDoNotGoTogether) {
+  const std::vector<Evidence> records = {candidate("inertia", 0.03, 97.0), candidate("rotor_inertia", 0.02, 83.0),
+                                         candidate("mass", 0.05, 20.0)};
+  const auto one_thing = [](const Indices& some) {
+    const bool both = std::ranges::count(some, 0u) > 0 && std::ranges::count(some, 1u) > 0;
+    return both ? 4203.0 : 100.0;
+  };
+  EXPECT_EQ(weakest(records, {}, {0, 1, 2}, one_thing), (Indices{1, 2}));
+}
+
+TEST(Weakest, OfSeveralRotorsOneGoesAtATime) {
+  const std::vector<Evidence> records = {candidate("rotor_loss", 0.03, 50.0, 1, 1),
+                                         candidate("rotor_loss", 0.01, 40.0, 3, 1),
+                                         candidate("battery_sag", 0.02, 30.0)};
+  const auto apart = [](const Indices&) { return 0.0; };
+  EXPECT_EQ(weakest(records, {}, {0, 1, 2}, apart), (Indices{1, 2}));
+}
+
 }  // namespace
 }  // namespace gustlab::diagnosis

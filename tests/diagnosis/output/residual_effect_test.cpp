@@ -1,15 +1,62 @@
 // Physics that no name means: a sparse model is offered when it predicts flights that were not used, and it flies.
+#include "diagnosis/output/residual_effect.hpp"
+
 #include <gmock/gmock.h>
 
 #include <map>
 
 #include "config/toml.hpp"
+#include "gustlab/random.hpp"
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// 2000 rows of twelve columns, the second a near copy of the first, and z: weights of the columns, and noise of 1
+Eigen::MatrixXd gram_of(const std::vector<std::pair<int, double>>& weights) {
+  const RandomStream random(5, 1, "matching_pursuit");
+  Eigen::MatrixXd rows(2000, 13);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    for (Eigen::Index j = 0; j < 16; j += 4) {
+      const auto drawn = random.normal4(static_cast<std::uint64_t>(4 * i + j / 4));
+      for (Eigen::Index n = 0; n < 4 && j + n < 13; ++n) rows(i, j + n) = drawn[static_cast<std::size_t>(n)];
+    }
+    rows(i, 1) = rows(i, 0) + 0.1 * rows(i, 1);
+    for (const auto& [column, weight] : weights) rows(i, 12) += weight * rows(i, column);
+  }
+  return rows.transpose() * rows;
+}
+
+TEST(MatchingPursuit, FindsTheColumnsThatAreThereAndTheirWeights) {
+  const SparseFit found = matching_pursuit(gram_of({{0, 3.0}, {6, -1.3}, {11, 1.2}}), 0, 2000.0);
+  ASSERT_THAT(found.chosen, ElementsAre(0, 6, 11));
+  const double error = 4.0 / std::sqrt(2000.0);  // four standard errors of a weight
+  EXPECT_NEAR(found.coefficient[0], 3.0, error);
+  EXPECT_NEAR(found.coefficient[1], -1.3, error);
+  EXPECT_NEAR(found.coefficient[2], 1.2, error);
+  EXPECT_NEAR(found.loss, 2000.0, 4.0 * std::sqrt(2.0 * 2000.0));
+}
+
+TEST(MatchingPursuit, ChoosesNothingOfNoiseNorOfWhatIsFittedAlready) {
+  EXPECT_THAT(matching_pursuit(gram_of({}), 0, 2000.0).chosen, IsEmpty());
+  EXPECT_THAT(matching_pursuit(gram_of({{0, 3.0}, {2, 1.0}}), 3, 2000.0).chosen, IsEmpty());
+}
+
+// its gain, a quarter of the rows, is less than a tenth of what the first gained
+TEST(MatchingPursuit, LeavesOutWhatGainsLittleBesideTheOthers) {
+  EXPECT_THAT(matching_pursuit(gram_of({{0, 3.0}, {11, 0.5}}), 0, 2000.0).chosen, ElementsAre(0));
+  EXPECT_THAT(matching_pursuit(gram_of({{11, 0.5}}), 0, 2000.0).chosen, ElementsAre(11));
+}
+
+TEST(MatchingPursuit, StopsAtItsNumberOfTerms) {
+  std::vector<std::pair<int, double>> all;
+  for (int j = 2; j < 12; ++j) all.emplace_back(j, 1.0);
+  EXPECT_THAT(matching_pursuit(gram_of(all), 0, 2000.0).chosen, SizeIs(6));
+}
 
 Diagnosis diagnose_trial(const std::string& concealed) {
   const TemporaryFolder folder;
