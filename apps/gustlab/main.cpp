@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <malloc.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -133,6 +134,11 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef __GLIBC__
+  // MuJoCo's memory of one flight (some 13 MB, of which little is touched) goes back to the system with the flight. Without this,
+  // glibc takes it from the heap after the first flight, and how much of the heap is touched then depends on where things lie.
+  mallopt(M_MMAP_THRESHOLD, 8 << 20);
+#endif
   const int code = run(argc, argv);
   errno = 0;
   std::cout.flush();
