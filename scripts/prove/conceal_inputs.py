@@ -127,15 +127,11 @@ def wrench(vehicle, motion, thrust, effect=None, values=None):
 
 
 def needed_besides(vehicle, motion, effect, values):
-    """(n, 4): what the same motion of the body's origin takes besides, because mass properties are others."""
+    """(n, 4): what the same motion of the centre of mass takes besides, because mass properties are others."""
     more = np.zeros((len(motion.time_s), 4))
     if effect == "inertia":
         extra = vehicle.inertia * np.array([values.get(f"delta_{axis}", 0.0) for axis in "xyz"])
         more[:, 1:] = extra * motion.angular_B + np.cross(motion.rate_B, extra * motion.rate_B)
-    elif effect == "center_of_mass":
-        arm = np.array([values.get(axis, 0.0) for axis in "xyz"])
-        moved = np.cross(motion.angular_B, arm) + np.cross(motion.rate_B, np.cross(motion.rate_B, arm))
-        more[:, 0] = vehicle.mass * moved[:, 2]
     elif effect == "mass":
         more[:, 0] = vehicle.mass * values["delta"] * motion.specific_B[:, 2]
     return more

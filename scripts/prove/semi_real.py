@@ -164,8 +164,35 @@ class Recordings:
 
 # ---- what is concealed in a recording -----------------------------------------------------------------------------------
 
+def felt_away(log, time_s, arm):
+    """What an accelerometer at `arm` (3,) [m] feels beside one at the origin, m/s², (n, 3): rates below 15 Hz."""
+    rates = physics.even(physics.stream(log, "wx", "wy", "wz"), 15)
+    w, turn = rates(time_s), rates.derivative()(time_s)
+    return np.cross(turn, arm) + np.cross(w, np.cross(w, arm))
+
+
+def seen_away(log, arm):
+    """The log of the same flight whose origin is at `arm` (3,) [m] of the body."""
+    column, time_s = dict(log.column), log.column["time_s"]
+    turn, rates = physics.even(attitude_samples(log), 20), physics.even(physics.stream(log, "wx", "wy", "wz"), 15)
+    attitude = Rotation.from_quat(turn(time_s))
+    for names, more in ((("px", "py", "pz"), attitude.apply(arm)), (("vx", "vy", "vz"), attitude.apply(np.cross(rates(time_s), arm))),
+                        (("ax", "ay", "az"), felt_away(log, time_s, arm))):
+        for k, name in enumerate(names):
+            if name in column:
+                column[name] = column[name] + more[:, k]
+    return Log(log.name, log.meta, column)
+
+
+def attitude_samples(log):
+    """(time_s, quaternions (n, 4)) without changes of sign."""
+    time_s, q = physics.stream(log, "qx", "qy", "qz", "qw")
+    return time_s, q * np.cumprod(np.r_[1.0, np.where(np.sum(q[1:] * q[:-1], axis=1) < 0, -1.0, 1.0)])[:, None]
+
+
 def change_inputs(log, recordings, effect, values):
-    """The log with the inputs that give the same motion with the effect in place."""
+    """The log with the inputs that give the same motion with the effect in place. Rotors push along z only, so that no origin can keep its
+    motion about another centre of mass: there the centre of mass keeps it, and the log is that of an origin beside it."""
     names, rows, time_s, inputs = recordings.inputs(log)
     if effect in ("actuation_delay", "motor_lag"):
         curve = CubicSpline(time_s, inputs)
@@ -178,7 +205,8 @@ def change_inputs(log, recordings, effect, values):
     for k, name in enumerate(names):
         column[name] = column[name].copy()
         column[name][rows] = changed[:, k]
-    return Log(log.name, log.meta, column)
+    changed = Log(log.name, log.meta, column)
+    return seen_away(changed, -np.array([values.get(axis, 0.0) for axis in "xyz"])) if effect == "center_of_mass" else changed
 
 
 def change_recording(log, effect, values, rotor):
@@ -189,9 +217,7 @@ def change_recording(log, effect, values, rotor):
         for names in (("px", "py", "pz"), ("vx", "vy", "vz"), ("qx", "qy", "qz", "qw")):
             if (samples := physics.stream(log, *names)) is None:
                 continue
-            values_at = samples[1]
-            if len(names) == 4:
-                values_at = values_at * np.cumprod(np.r_[1.0, np.where(np.sum(values_at[1:] * values_at[:-1], axis=1) < 0, -1.0, 1.0)])[:, None]
+            values_at = attitude_samples(log)[1] if len(names) == 4 else samples[1]
             late = CubicSpline(samples[0], values_at)(np.maximum(samples[0] - values["delay"], samples[0][0]))
             late = late / np.linalg.norm(late, axis=1, keepdims=True) if len(names) == 4 else late
             for k, name in enumerate(names):
@@ -209,9 +235,7 @@ def change_recording(log, effect, values, rotor):
             column[name][rows] = turned[:, k]
     elif effect == "imu_lever":
         rows = np.isfinite(column["ax"])
-        rates = physics.even(physics.stream(log, "wx", "wy", "wz"), 15)
-        w, turn, arm = rates(time_s[rows]), rates.derivative()(time_s[rows]), np.array([values.get(axis, 0.0) for axis in "xyz"])
-        more = np.cross(turn, arm) + np.cross(w, np.cross(w, arm))
+        more = felt_away(log, time_s[rows], np.array([values.get(axis, 0.0) for axis in "xyz"]))
         for k, name in enumerate(("ax", "ay", "az")):
             column[name] = column[name].copy()
             column[name][rows] += more[:, k]

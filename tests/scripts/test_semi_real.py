@@ -14,7 +14,7 @@ import conceal_inputs as physics  # noqa: E402
 from falsify import VehicleFolder  # noqa: E402
 from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
 from flight_files import Log, read_vehicle  # noqa: E402
-from semi_real import Case, change_recording, combined, falsify_file, in_range, judge  # noqa: E402
+from semi_real import Case, change_recording, combined, falsify_file, in_range, judge, seen_away  # noqa: E402
 
 FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
 VEHICLE = read_vehicle(FILE)
@@ -84,6 +84,21 @@ def test_the_scale_of_a_gyroscope_shows_against_the_attitude():
     assert physics.gyro_scale_shown(Log("a.csv", {}, column)) == pytest.approx(0.03, abs=1e-3)
     del column["wx"]
     assert np.isnan(physics.gyro_scale_shown(Log("a.csv", {}, column)))
+
+
+def test_an_origin_beside_the_center_of_mass_is_seen_to_turn_about_it():
+    time_s = 0.01 * np.arange(1000)
+    angle, rate = 0.5 * np.sin(2 * time_s), np.cos(2 * time_s)
+    column = {"time_s": time_s, **{name: 0 * time_s for name in ("px", "py", "pz", "vx", "vy", "vz", "ax", "ay", "az", "qx", "qy", "wx", "wy")},
+              "qz": np.sin(angle / 2), "qw": np.cos(angle / 2), "wz": rate}
+    seen = seen_away(Log("a.csv", {}, column), np.array([0.1, 0.0, 0.02])).column
+    inner = slice(100, -100)
+    assert seen["px"][inner] == pytest.approx(0.1 * np.cos(angle)[inner], abs=1e-4) and seen["pz"] == pytest.approx(0.02 + 0 * time_s)
+    assert seen["vy"][inner] == pytest.approx(0.1 * (rate * np.cos(angle))[inner], abs=1e-3)
+    # in axes of the body: -r ω² along the arm, r dω/dt across it
+    assert seen["ax"][inner] == pytest.approx(-0.1 * rate[inner] ** 2, abs=1e-3)
+    assert seen["ay"][inner] == pytest.approx(-0.2 * np.sin(2 * time_s)[inner], abs=1e-2)
+    assert list(seen["wz"]) == list(rate)
 
 
 def test_files_are_wrong_by_as_much_as_the_case_says(tmp_path):
