@@ -19,6 +19,35 @@ std::pair<std::string, int> name_of(const Catalogue& catalogue, const Column& co
   return {catalogue.groups()[static_cast<std::size_t>(column.group)].label, column.parameter};
 }
 
+// Gram matrices of each flight; of one alone, of its thirds
+std::vector<Eigen::MatrixXd> parts_of(const Grams& grams) {
+  const auto last = std::max_element(grams.flight.begin(), grams.flight.end());
+  const bool one = last == grams.flight.end() || *last == 0;
+  const std::size_t count = one ? 3 : static_cast<std::size_t>(*last) + 1, size = grams.block.size();
+  std::vector<Eigen::MatrixXd> parts(count, Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1));
+  for (std::size_t b = 0; b < size; ++b)
+    parts[one ? 3 * b / size : static_cast<std::size_t>(grams.flight[b])] += grams.block[b];
+  return parts;
+}
+
+// By how much parts of the flights differ more than their noise lets them, at least 1: the mean square of their scores at what all of
+// them say together, over what it is where the model holds (a score of information A has the covariance A; a part of n counts 1 − 1/n)
+double differ_by(const Grams& grams, const std::vector<int>& free, const std::vector<int>& shared,
+                 const Eigen::VectorXd& estimate) {
+  const std::vector<Eigen::MatrixXd> parts = parts_of(grams);
+  double squares = 0.0, expected = 0.0;
+  for (const Eigen::MatrixXd& part : parts) {
+    const Eigen::MatrixXd own = project_out(part, free), A = own(shared, shared);
+    const Eigen::VectorXd score = own(shared, own.cols() - 1) - A * estimate;
+    Eigen::MatrixXd held = A;
+    held.diagonal().array() += decisions::reference_prior;
+    const Eigen::LDLT<Eigen::MatrixXd> inverse(held);
+    squares += score.dot(inverse.solve(score));
+    expected += inverse.solve(A).trace();
+  }
+  return std::max(1.0, squares / (expected * (1.0 - 1.0 / static_cast<double>(parts.size())) + 1e-12));
+}
+
 }  // namespace
 
 Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std::vector<int>& biases) {
@@ -36,6 +65,7 @@ Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std
   Eigen::MatrixXd H = reference.information;
   H.diagonal().array() += decisions::reference_prior;
   reference.estimate = H.ldlt().solve(total(shared, total.cols() - 1));
+  reference.information /= differ_by(grams, free, shared, reference.estimate);
   return reference;
 }
 

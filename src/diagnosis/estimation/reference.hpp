@@ -24,7 +24,7 @@ struct Reference {
 };
 
 // Of Gram matrices, counted from the nominal vehicle: the shared columns that these flights hold, all that is free of one flight
-// projected out.
+// projected out. Flights that differ more than their noise lets them hold as much less information.
 Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std::vector<int>& biases);
 
 // What flights say of a change beside numbers that are known only as surely as the reference says: their errors are columns of their own

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include "gustlab/random.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -69,6 +70,39 @@ TEST(Reference, MuchInformationLeavesTheMatricesAsTheyAre) {
   reference.information *= 1e9;
   reference.estimate.setZero();
   EXPECT_LT((beside_reference(catalogue, reference, here).total() - here.total()).norm(), 1e-3 * here.total().norm());
+}
+
+// z = Φ θ + noise, of which every flight has its own θ
+Grams flights_that_differ(const Catalogue& catalogue, int flights, double sd) {
+  Grams grams;
+  for (int f = 0; f < flights; ++f) {
+    Eigen::MatrixXd rows = rows_of(2000, catalogue.size() + 1, static_cast<std::uint32_t>(10 + f));
+    const Eigen::VectorXd own =
+        sd * rows_of(1, catalogue.size(), static_cast<std::uint32_t>(90 + f)).row(0).transpose();
+    rows.rightCols(1) += rows.leftCols(catalogue.size()) * own;
+    Grams one = one_block(rows);
+    one.flight = {f};
+    append(std::move(one), grams);
+  }
+  return grams;
+}
+
+TEST(Reference, FlightsThatDifferHoldLessInformation) {
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1,
+                            {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const auto information = [&](double sd) {
+    return reference_of(catalogue, flights_that_differ(catalogue, 4, sd), {}).information.trace();
+  };
+  const Eigen::VectorXd shared_of_all = flights_that_differ(catalogue, 4, 0.0).total().diagonal();
+  const Reference alike = reference_of(catalogue, flights_that_differ(catalogue, 4, 0.0), {});
+  double held = 0.0;
+  for (int c = 0; c < catalogue.size(); ++c)
+    if (const Column& column = catalogue.columns()[static_cast<std::size_t>(c)]; column.group >= 0 && column.flight < 0)
+      held += shared_of_all[c];
+  // the same numbers in all: noise alone, a mean of 1 with an error of √(2 / scores)
+  EXPECT_NEAR(alike.information.trace(), held, 0.25 * held);
+  // 2000 rows hold a number to 1 / √2000; those of flights differ by five times as much: 1 + 25, of four flights
+  EXPECT_NEAR(held / information(5.0 / std::sqrt(2000.0)), 26.0, 9.0);
 }
 
 }  // namespace
