@@ -174,13 +174,14 @@ def felt_away(log, time_s, arm):
 def seen_away(log, arm):
     """The log of the same flight whose origin is at `arm` (3,) [m] of the body."""
     column, time_s = dict(log.column), log.column["time_s"]
-    turn, rates = physics.even(attitude_samples(log), 20), physics.even(physics.stream(log, "wx", "wy", "wz"), 15)
-    attitude = Rotation.from_quat(turn(time_s))
-    for names, more in ((("px", "py", "pz"), attitude.apply(arm)), (("vx", "vy", "vz"), attitude.apply(np.cross(rates(time_s), arm))),
-                        (("ax", "ay", "az"), felt_away(log, time_s, arm))):
-        for k, name in enumerate(names):
-            if name in column:
-                column[name] = column[name] + more[:, k]
+    more = {"a": felt_away(log, time_s, arm)}
+    if physics.stream(log, "qx", "qy", "qz", "qw") is not None:
+        turn = Rotation.from_quat(physics.even(attitude_samples(log), 20)(time_s))
+        more["p"], more["v"] = turn.apply(arm), turn.apply(np.cross(physics.even(physics.stream(log, "wx", "wy", "wz"), 15)(time_s), arm))
+    for names, values in more.items():
+        for k, axis in enumerate("xyz"):
+            if names + axis in column:
+                column[names + axis] = column[names + axis] + values[:, k]
     return Log(log.name, log.meta, column)
 
 

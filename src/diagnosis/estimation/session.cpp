@@ -299,6 +299,11 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   }
 }
 
+void Session::put_back(Learned before) {
+  noise = std::move(before.noise), smoothed = std::move(before.smoothed);
+  if (shoots()) weigh(std::move(before.weights));
+}
+
 void Session::search_noise(const std::vector<int>& columns) {
   if (shoots() || linear_.front().forces_alone) return;
   const std::vector<int> fitted = present(columns);

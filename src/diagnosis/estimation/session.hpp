@@ -78,6 +78,15 @@ class Session {
   void take_weights(const Session& other);
   bool shoots() const { return !shooting_flights_.empty(); }
 
+  // What learn_noise() found, to be put back.
+  struct Learned {
+    NoiseModel noise;
+    std::vector<Smoothed> smoothed;
+    ShootingWeights weights;
+  };
+  Learned learned() const { return {noise, smoothed, weights_}; }
+  void put_back(Learned before);
+
   NoiseModel noise;
   std::vector<Smoothed> smoothed;  // of the last EM iteration
 

@@ -1,6 +1,7 @@
 #include "diagnosis/evidence/challenge.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "diagnosis/evidence/judge.hpp"
 #include "diagnosis/result/decisions.hpp"
@@ -12,6 +13,8 @@
 namespace gustlab::diagnosis {
 
 namespace {
+
+constexpr std::size_t most_looks = 3;  // at what was withdrawn, each beside other names
 
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
@@ -73,7 +76,8 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs) {
   Challenge result;
   bool without_forces_per_flight = false;
-  bool looked_again = false;  // what went beside a wrong partner may come back once that has gone too
+  // what went beside a wrong partner may come back once that has gone too
+  std::set<std::vector<int>> tried;
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
     result.regimes = regimes(session, selection);
@@ -88,9 +92,8 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
         failing(session, selection, result.records,
                 result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
     if (failed.empty()) {
-      if (looked_again || result.withdrawn.empty()) break;
-      looked_again = true;
-      std::optional<Selection> more = look_again(session, {}, selection);
+      if (result.withdrawn.empty() || tried.size() == most_looks) break;
+      std::optional<Selection> more = look_again(session, {}, selection, tried);
       if (!more) break;
       selection = std::move(*more);
       continue;

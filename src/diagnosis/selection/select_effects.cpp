@@ -105,13 +105,21 @@ class Selector {
     return finished_like(before, chosen, value);
   }
 
-  // more groups, fitted anew
-  std::optional<Selection> with_more(const Selection& before) {
+  // More groups, fitted anew. The noise that was learned beside too few effects holds the others: it is learned beside all.
+  std::optional<Selection> with_more(const Selection& before, std::set<std::vector<int>>& tried) {
     improve_ = Improve::by_more;
     anew_ = true;
-    const std::vector<int> more = better_than(before.groups(), before.grams, before.loss_nominal, {});
-    if (more.empty()) return std::nullopt;
-    return finished_like(before, more, refine(more, coefficients(before.grams, more)));
+    Session::Learned kept = s_.learned();
+    s_.learn_noise(4, s_.all_columns());
+    const Grams grams = absolute(s_.value());
+    const double loss_nominal = solve(grams.total(), s_.biases()).loss;
+    const std::vector<int> more = better_than(before.groups(), grams, loss_nominal, tried);
+    if (more.empty()) {
+      s_.put_back(std::move(kept));
+      return std::nullopt;
+    }
+    tried.insert(more);
+    return finished_like(before, more, refine(more, coefficients(grams, more)));
   }
 
  private:
@@ -557,8 +565,9 @@ Selection withdraw(Session& session, const SelectionOptions& options, const Sele
   return Selector(session, options).without(before, groups);
 }
 
-std::optional<Selection> look_again(Session& session, const SelectionOptions& options, const Selection& before) {
-  return Selector(session, options).with_more(before);
+std::optional<Selection> look_again(Session& session, const SelectionOptions& options, const Selection& before,
+                                    std::set<std::vector<int>>& tried) {
+  return Selector(session, options).with_more(before, tried);
 }
 
 }  // namespace gustlab::diagnosis

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "diagnosis/selection/selection.hpp"
@@ -12,7 +13,9 @@ Selection select_effects(Session& session, const SelectionOptions& options);
 // The same without some groups that did not prove themselves, fitted anew.
 Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
                    const std::vector<int>& groups);
-// The same with what pays beside it now, because others have gone since; nothing when nothing does.
-std::optional<Selection> look_again(Session& session, const SelectionOptions& options, const Selection& before);
+// The same with what pays beside it now, because others have gone since; nothing when nothing does. A set of groups that was `tried` is
+// not tried again.
+std::optional<Selection> look_again(Session& session, const SelectionOptions& options, const Selection& before,
+                                    std::set<std::vector<int>>& tried);
 
 }  // namespace gustlab::diagnosis

@@ -68,7 +68,8 @@ TEST_F(SelectEffects, GainsAreLossesWithoutOrWithOne) {
 }
 
 TEST_F(SelectEffects, WhatIsWithdrawnComesBackWhenItStillPays) {
-  if (const std::optional<Selection> more = look_again(session, {}, selection)) {
+  std::set<std::vector<int>> tried;
+  if (const std::optional<Selection> more = look_again(session, {}, selection, tried)) {
     EXPECT_THAT(more->groups(), IsSupersetOf(selection.groups()));
   }
   const int mass = session.catalogue().find("mass");
@@ -76,11 +77,29 @@ TEST_F(SelectEffects, WhatIsWithdrawnComesBackWhenItStillPays) {
   EXPECT_EQ(rest.find(mass), nullptr);
   EXPECT_NE(rest.find(session.catalogue().find("center_of_mass")), nullptr);
   EXPECT_EQ(rest.value[column("mass")], session.catalogue().nominal()[column("mass")]);
-  const std::optional<Selection> again = look_again(session, {}, rest);
+  const std::optional<Selection> again = look_again(session, {}, rest, tried);
   ASSERT_TRUE(again);
+  ASSERT_FALSE(tried.empty());
   EXPECT_THAT(again->groups(), IsSupersetOf(rest.groups()));
   EXPECT_NE(again->find(mass), nullptr);
   EXPECT_NEAR(again->value[column("mass")], selection.value[column("mass")], 5e-3);
+}
+
+TEST_F(SelectEffects, WhatWasTriedIsNotTriedAgainAndTheNoiseIsPutBack) {
+  const Selection rest = withdraw(session, {}, selection, {session.catalogue().find("mass")});
+  std::set<std::vector<int>> tried;
+  for (int g = 0; g < std::ssize(session.catalogue().groups()); ++g) {
+    std::vector<int> more = rest.groups();
+    more.push_back(g);
+    std::ranges::sort(more);
+    tried.insert(more);
+  }
+  const NoiseModel noise = session.noise;
+  const double misfit = session.misfit({}, {});
+  EXPECT_FALSE(look_again(session, {}, rest, tried));
+  EXPECT_EQ(session.noise.variance, noise.variance);
+  EXPECT_EQ(session.noise.time_s, noise.time_s);
+  EXPECT_EQ(session.misfit({}, {}), misfit);
 }
 
 TEST_F(SelectEffects, AReferenceFlightMakesThemTheVehicles) {
