@@ -308,6 +308,22 @@ void set_aside(const Answers& answers, const ShootingWeights& weights, const Cat
     }
 }
 
+namespace {
+
+// Of rows' correlations those along the horizons alone: axes are predicted apart, and some tens of windows cannot tell 435 correlations.
+// Both level axes have the same.
+Eigen::MatrixXd alike_in_level_axes(const Eigen::MatrixXd& correlation) {
+  constexpr std::array<std::array<int, 2>, rows_per_horizon> with = {{{0, 1}, {0, 1}, {2, 2}, {3, 4}, {3, 4}, {5, 5}}};
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(window_rows, window_rows);
+  for (Eigen::Index i = 0; i < window_rows; ++i)
+    for (Eigen::Index j = i % rows_per_horizon; j < window_rows; j += rows_per_horizon)
+      for (const int axis : with[static_cast<std::size_t>(i % rows_per_horizon)])
+        result(i, j) += 0.5 * correlation(i - i % rows_per_horizon + axis, j - j % rows_per_horizon + axis);
+  return result;
+}
+
+}  // namespace
+
 ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const std::vector<int>& columns,
                                  const Eigen::VectorXd& coefficient) {
   // what is left, one column per window
@@ -340,8 +356,9 @@ ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const s
     correlation += z * z.transpose();
     count += 1.0;
   }
-  correlation = (correlation + own_share * count * Eigen::MatrixXd::Identity(window_rows, window_rows)) /
-                ((1.0 + own_share) * std::max(1.0, count));
+  correlation =
+      (alike_in_level_axes(correlation) + own_share * count * Eigen::MatrixXd::Identity(window_rows, window_rows)) /
+      ((1.0 + own_share) * std::max(1.0, count));
   if (count == 0.0) correlation.setIdentity();
   const Eigen::MatrixXd inverse =
       correlation.llt().matrixL().solve(Eigen::MatrixXd::Identity(window_rows, window_rows));

@@ -1,7 +1,9 @@
 #include "diagnosis/evidence/challenge.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <utility>
 
 #include "diagnosis/evidence/judge.hpp"
 #include "diagnosis/result/decisions.hpp"
@@ -48,7 +50,29 @@ std::vector<std::size_t> failing(const Session& session, const Selection& select
                  [&](const std::vector<std::size_t>& some) { return gain_of_all(session, selection, some); });
 }
 
+// groups that are sure enough to be named, sorted
+std::vector<int> named(const std::vector<Evidence>& records) {
+  std::vector<int> groups;
+  for (const Evidence& record : records)
+    if (record.probability >= named_from) groups.push_back(record.group);
+  std::ranges::sort(groups);
+  return groups;
+}
+
 }  // namespace
+
+bool explains_more(const Session& session, const Selection& one, const Selection& other) {
+  double better = 0.0;
+  for (const Selection* about : {&one, &other}) {
+    const Eigen::MatrixXd total = about->grams.total();
+    const auto score = [&](const Selection& of) {
+      const std::vector<int> columns = session.with_biases(of.groups());
+      return solve(total, columns).loss + std::log(about->grams.rows) * static_cast<double>(columns.size());
+    };
+    better += score(other) - score(one);
+  }
+  return better > 0.0;
+}
 
 std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vector<std::size_t> at_once,
                                  std::vector<std::size_t> doubtful,
@@ -78,6 +102,8 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
   bool without_forces_per_flight = false;
   // what went beside a wrong partner may come back once that has gone too
   std::set<std::vector<int>> tried;
+  std::optional<Selection> stood;  // before the last look, and which of its names
+  std::vector<int> names;
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
     result.regimes = regimes(session, selection);
@@ -92,7 +118,14 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
         failing(session, selection, result.records,
                 result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
     if (failed.empty()) {
+      const std::vector<int> now = named(result.records);
+      if (stood && !std::ranges::includes(now, names) && !explains_more(session, selection, *stood)) {
+        // what came back has cost a name: as it was
+        selection = withdraw(session, {}, *std::exchange(stood, std::nullopt), {});
+        continue;
+      }
       if (result.withdrawn.empty() || tried.size() == most_looks) break;
+      stood = selection, names = now;
       std::optional<Selection> more = look_again(session, {}, selection, tried);
       if (!more) break;
       selection = std::move(*more);

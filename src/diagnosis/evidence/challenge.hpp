@@ -32,6 +32,12 @@ std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vect
                                  std::vector<std::size_t> doubtful,
                                  const std::function<double(const std::vector<std::size_t>&)>& gain_of_all);
 
+// Whether one set of effects explains more than another, linearised about both and under the noise beside either (Schwarz, Ann. Stat.
+// 6, 1978: a number costs the logarithm of the rows).
+bool explains_more(const Session& session, const Selection& one, const Selection& other);
+
+// What was withdrawn is looked at again at the end, beside noise that was learned beside all effects; where it costs a name and the new set
+// explains no more, all is as it was before.
 // `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
 // The session must be linearised at the selection, and is so again at the end.
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,

@@ -112,6 +112,24 @@ TEST(ShootingWeights, WhitenWhatTheColumnsLeave) {
   EXPECT_TRUE(shooting_weights({}, {}, {}).isIdentity());
 }
 
+// of the 435 correlations between 30 rows forty windows tell few: those of one axis count, and both level axes have the same
+TEST(ShootingWeights, OfFewWindowsWhitenOthers) {
+  const int mass = mass_column(catalogue());
+  Errors few(40);
+  few.flights[0].columns = {mass};
+  const ShootingWeights weights = shooting_weights(few.flights, {mass}, Eigen::VectorXd::Constant(1, 2.0));
+  for (Eigen::Index i = 0; i < window_rows; ++i)
+    for (Eigen::Index j = 0; j < window_rows; ++j)
+      if (i % 6 != j % 6) {
+        EXPECT_EQ(weights(i, j), 0.0);
+      }
+  const Errors many(4000);
+  double squares = 0.0;
+  for (const Eigen::MatrixXd& window : many.flights[0].window)
+    squares += (weights * (window.col(1) - 2.0 * window.col(0))).squaredNorm();
+  EXPECT_NEAR(squares / 4000 / window_rows, 1.0, 0.35);
+}
+
 TEST(ShootingGrams, AreSquaresOfRowsAndAPriorAndHoldLostWindowsDown) {
   const Catalogue all = catalogue();
   Errors errors(2);

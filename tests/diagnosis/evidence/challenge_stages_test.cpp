@@ -50,6 +50,17 @@ TEST(Challenge, WhatItHasNotGoes) {
   EXPECT_LT(find(result.withdrawn)->held_out_gain, 0.0);
 }
 
+TEST(ExplainsMore, IsTheSetWithWhatWasConcealed) {
+  Session session = test::session_of(test::short_flights(center, {"multisine"}));
+  const Selection found = select_effects(session, {});
+  const int group = session.catalogue().find("center_of_mass");
+  ASSERT_NE(found.find(group), nullptr);
+  const Selection rest = withdraw(session, {}, found, {group});
+  EXPECT_TRUE(explains_more(session, found, rest));
+  EXPECT_FALSE(explains_more(session, rest, found));
+  EXPECT_FALSE(explains_more(session, found, found));
+}
+
 Evidence candidate(const std::string& effect, double probability, double gain, int rotor = 0, int alike = 0) {
   Evidence record;
   record.effect = effect;
