@@ -310,8 +310,7 @@ void set_aside(const Answers& answers, const ShootingWeights& weights, const Cat
 
 namespace {
 
-// Of rows' correlations those along the horizons alone: axes are predicted apart, and some tens of windows cannot tell 435 correlations.
-// Both level axes have the same.
+// the correlations along the horizons of an axis alone, the same for both level axes
 Eigen::MatrixXd alike_in_level_axes(const Eigen::MatrixXd& correlation) {
   constexpr std::array<std::array<int, 2>, rows_per_horizon> with = {{{0, 1}, {0, 1}, {2, 2}, {3, 4}, {3, 4}, {5, 5}}};
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(window_rows, window_rows);
@@ -320,6 +319,21 @@ Eigen::MatrixXd alike_in_level_axes(const Eigen::MatrixXd& correlation) {
       for (const int axis : with[static_cast<std::size_t>(i % rows_per_horizon)])
         result(i, j) += 0.5 * correlation(i - i % rows_per_horizon + axis, j - j % rows_per_horizon + axis);
   return result;
+}
+
+// Of sums over windows of z zᵀ and of its squares. Some tens of windows do not tell the 435 correlations of 30 rows: those between axes
+// are kept as far as they are more than chance (Schäfer & Strimmer, Stat. Appl. Genet. Mol. Biol. 4, 2005, eq. 8).
+Eigen::MatrixXd shrunk(const Eigen::MatrixXd& sum, const Eigen::MatrixXd& squares, double windows) {
+  double chance = 0.0, all = 0.0;
+  for (Eigen::Index i = 0; i < window_rows; ++i)
+    for (Eigen::Index j = 0; j < window_rows; ++j) {
+      if (i % rows_per_horizon == j % rows_per_horizon) continue;
+      const double mean = sum(i, j) / windows;
+      chance += (squares(i, j) / windows - mean * mean) / std::max(1.0, windows - 1.0);
+      all += mean * mean;
+    }
+  const double share = std::clamp(chance / (all + 1e-300), 0.0, 1.0);
+  return share * alike_in_level_axes(sum) + (1.0 - share) * sum;
 }
 
 }  // namespace
@@ -347,18 +361,19 @@ ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const s
                        least[static_cast<std::size_t>(row % rows_per_horizon / 3)]);
   }
   // an error grows along the horizons: the rows of a window belong together
-  Eigen::MatrixXd correlation = Eigen::MatrixXd::Zero(window_rows, window_rows);
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Zero(window_rows, window_rows), squares = correlation;
   double count = 0.0;
   for (const Eigen::VectorXd& r : left) {
     Eigen::VectorXd z = r.cwiseQuotient(sd);
     const double size = z.norm() / std::sqrt(static_cast<double>(window_rows));
     if (size > clearly_lost) z *= clearly_lost / size;
     correlation += z * z.transpose();
+    squares += (z * z.transpose()).cwiseAbs2();
     count += 1.0;
   }
-  correlation =
-      (alike_in_level_axes(correlation) + own_share * count * Eigen::MatrixXd::Identity(window_rows, window_rows)) /
-      ((1.0 + own_share) * std::max(1.0, count));
+  correlation = (shrunk(correlation, squares, std::max(1.0, count)) +
+                 own_share * count * Eigen::MatrixXd::Identity(window_rows, window_rows)) /
+                ((1.0 + own_share) * std::max(1.0, count));
   if (count == 0.0) correlation.setIdentity();
   const Eigen::MatrixXd inverse =
       correlation.llt().matrixL().solve(Eigen::MatrixXd::Identity(window_rows, window_rows));

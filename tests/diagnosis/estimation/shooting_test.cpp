@@ -112,22 +112,42 @@ TEST(ShootingWeights, WhitenWhatTheColumnsLeave) {
   EXPECT_TRUE(shooting_weights({}, {}, {}).isIdentity());
 }
 
-// of the 435 correlations between 30 rows forty windows tell few: those of one axis count, and both level axes have the same
-TEST(ShootingWeights, OfFewWindowsWhitenOthers) {
+double size_of_white(const ShootingWeights& weights, const Errors& errors) {
+  double squares = 0.0;
+  for (const Eigen::MatrixXd& window : errors.flights[0].window)
+    squares += (weights * (window.col(1) - 2.0 * window.col(0))).squaredNorm();
+  return squares / static_cast<double>(errors.flights[0].window.size() * window_rows);
+}
+
+ShootingWeights weights_of(Errors errors) {
   const int mass = mass_column(catalogue());
-  Errors few(40);
-  few.flights[0].columns = {mass};
-  const ShootingWeights weights = shooting_weights(few.flights, {mass}, Eigen::VectorXd::Constant(1, 2.0));
+  errors.flights[0].columns = {mass};
+  return shooting_weights(errors.flights, {mass}, Eigen::VectorXd::Constant(1, 2.0));
+}
+
+// forty windows do not tell 435 correlations between 30 rows: those between axes, which are none, are not taken from chance
+TEST(ShootingWeights, OfFewWindowsWhitenOthers) {
+  const ShootingWeights weights = weights_of(Errors(40));
+  double between = 0.0;
   for (Eigen::Index i = 0; i < window_rows; ++i)
     for (Eigen::Index j = 0; j < window_rows; ++j)
-      if (i % 6 != j % 6) {
-        EXPECT_EQ(weights(i, j), 0.0);
-      }
-  const Errors many(4000);
-  double squares = 0.0;
-  for (const Eigen::MatrixXd& window : many.flights[0].window)
-    squares += (weights * (window.col(1) - 2.0 * window.col(0))).squaredNorm();
-  EXPECT_NEAR(squares / 4000 / window_rows, 1.0, 0.35);
+      if (i % 6 != j % 6) between += weights(i, j) * weights(i, j);
+  EXPECT_LT(std::sqrt(between), 0.15 * weights.norm());
+  EXPECT_NEAR(size_of_white(weights, Errors(4000)), 1.0, 0.35);
+}
+
+// an axis that errs with another is known to
+TEST(ShootingWeights, KeepWhatAxesHaveInCommon) {
+  const auto tied = [](int windows) {
+    Errors errors(windows);
+    for (Eigen::MatrixXd& window : errors.flights[0].window)
+      for (int row = 0; row < window_rows; row += 6)
+        window(row + 5, 1) += 3.0 * (window(row, 1) - 2.0 * window(row, 0));
+    return errors;
+  };
+  const ShootingWeights weights = weights_of(tied(200));
+  EXPECT_NEAR(size_of_white(weights, tied(4000)), 1.0, 0.2);
+  EXPECT_GT(weights.cwiseAbs()(5, 0), 0.2 * weights(5, 5));
 }
 
 TEST(ShootingGrams, AreSquaresOfRowsAndAPriorAndHoldLostWindowsDown) {
