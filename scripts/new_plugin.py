@@ -14,9 +14,10 @@ from pathlib import Path
 
 FOLDERS = {"controller": "controllers", "effect": "effects", "trajectory": "trajectories"}
 ROWS = {
-    "controller": '    {{.name = "{name}", .says = "{says}",\n     .source = "", .make = make_{name}}},\n',
+    "controller": '    {{.name = "{name}", .says = "{says}",\n     .source = "say here where it is published", .make = make_{name}}},\n',
     "effect": '    {{.name = "{name}", .place = Place::wrench, .order = 10, .diagnosable = false,\n'
-              '     .says = "{says}",\n     .shows_in = "", .confused_with = "",\n     .source = "", .make = make_{name}}},\n',
+              '     .says = "{says}",\n     .shows_in = "say here what of a flight shows it", .confused_with = "",\n'
+              '     .source = "say here where it is published", .make = make_{name}}},\n',
     "trajectory": '    {{.name = "{name}", .says = "{says}", .make = make_{name}}},\n',
 }
 

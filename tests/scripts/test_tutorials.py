@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import unittest
@@ -87,6 +88,16 @@ class AddYourOwn(unittest.TestCase):
                                 f"-I{ROOT}/src", "-isystem", "/usr/include/eigen3", str(tree / "src" / f"{place}" / source)],
                                check=True, timeout=600)
             self.assertEqual(self.add(tree, kind, name).returncode, 2)
+
+    def test_the_commands_of_the_page_and_rows_that_the_contract_tests_accept(self):
+        tree = self.tree()
+        page = (ROOT / "docs" / "tutorials" / "add_your_own.md").read_text(encoding="utf-8")
+        lines = re.findall(r"^scripts/new_plugin\.py (.*)$", page, re.MULTILINE)
+        self.assertEqual(sorted(line.split()[0] for line in lines), ["controller", "effect", "trajectory"])
+        for line in lines:
+            self.assertEqual(self.add(tree, *shlex.split(line)).returncode, 0, line)
+        for path in tree.rglob("registry.cpp"):
+            self.assertEqual(re.findall(r"\.(?:says|source|shows_in) = \"\"", path.read_text(encoding="utf-8")), [])
 
     def test_what_is_written_is_formatted_whatever_the_lengths(self):
         tree = self.tree()
