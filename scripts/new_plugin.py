@@ -7,14 +7,17 @@ Then scripts/build.sh compiles that folder again and links.
 
 import argparse
 import re
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 
 FOLDERS = {"controller": "controllers", "effect": "effects", "trajectory": "trajectories"}
 ROWS = {
-    "controller": '    {{.name = "{name}", .says = "{says}",\n     .source = "", .make = make_{name}}},\n',
+    "controller": '    {{.name = "{name}", .says = "{says}",\n     .source = "say here where it is published", .make = make_{name}}},\n',
     "effect": '    {{.name = "{name}", .place = Place::wrench, .order = 10, .diagnosable = false,\n'
-              '     .says = "{says}",\n     .shows_in = "", .confused_with = "",\n     .source = "", .make = make_{name}}},\n',
+              '     .says = "{says}",\n     .shows_in = "say here what of a flight shows it", .confused_with = "",\n'
+              '     .source = "say here where it is published", .make = make_{name}}},\n',
     "trajectory": '    {{.name = "{name}", .says = "{says}", .make = make_{name}}},\n',
 }
 
@@ -37,8 +40,8 @@ def main():
     parser.add_argument("--says", default="say here in one sentence what it does", help="one sentence for `gustlab list`")
     parser.add_argument("--tree", type=Path, default=Path(__file__).resolve().parents[1], help="checkout that it is added to (default: this one)")
     options = parser.parse_args()
-    if not re.fullmatch(r"[a-z][a-z0-9_]*", options.name):
-        refuse(f'"{options.name}" is not a name (lower case letters, digits and underscores)')
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", options.name) or options.name == options.kind:
+        refuse(f'"{options.name}" is not a name of its own (lower case letters, digits and underscores)')
     if '"' in options.says or "\\" in options.says or "\n" in options.says:
         refuse("--says: one line without quotes and backslashes")
     source = options.tree / "src" / FOLDERS[options.kind]
@@ -46,15 +49,27 @@ def main():
     for path in (registry, makers):
         if not path.exists():
             refuse(f"{path}: is not there (--tree is a checkout of gustlab)")
-    if new.exists() or f"make_{options.name}()" in makers.read_text(encoding="utf-8"):
-        refuse(f"there is a {options.kind} {options.name} already: choose another name")
+    # the linker knows make_NAME() by its name alone, whatever it makes
+    for kind, folder in FOLDERS.items():
+        if f"make_{options.name}()" in (options.tree / "src" / folder / f"{folder}.hpp").read_text(encoding="utf-8"):
+            refuse(f"{options.name} is the name of one of the {kind}s: choose another name")
+    if new.exists():
+        refuse(f"{new}: is there already: choose another name")
     template = (options.tree / "examples" / "plugins" / f"{options.kind}.cpp").read_text(encoding="utf-8")
-    class_name = "".join(part.capitalize() for part in options.name.split("_"))
-    new.write_text(template.replace(f"my_{options.kind}", options.name).replace(f"My{options.kind.capitalize()}", class_name), encoding="utf-8")
+    # with its kind behind it, so that a trajectory "jet" is no class Jet
+    base = options.kind.capitalize()
+    class_name = "".join(part.capitalize() for part in options.name.split("_")).removesuffix(base) + base
+    new.write_text(template.replace(f"my_{options.kind}", options.name).replace(f"My{base}", class_name), encoding="utf-8")
     row = ROWS[options.kind].format(name=options.name, says=options.says)
     registry.write_text(inserted(registry.read_text(encoding="utf-8"), "};\n\n}  // namespace\n", row), encoding="utf-8")
     maker = f"std::unique_ptr<{options.kind.capitalize()}> make_{options.name}();\n"
     makers.write_text(inserted(makers.read_text(encoding="utf-8"), "\n}  // namespace gustlab", maker), encoding="utf-8")
+    # how lines break depends on the lengths of name and sentence
+    if shutil.which("clang-format"):
+        style = Path(__file__).resolve().parents[1] / ".clang-format"
+        subprocess.run(["clang-format", f"--style=file:{style}", "-i", new, registry, makers], check=True)
+    else:
+        print("new_plugin: no clang-format here: the layout of the new lines is not as the tests want it (scripts/setup.sh installs it)", file=sys.stderr)
     print(f"{new.relative_to(options.tree)}: write your {options.kind} there; its row is the last of {registry.relative_to(options.tree)}")
 
 

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 import numpy as np
-from gustlab_import.command_line import Options
+from gustlab_import.command_line import Options, seconds
 from gustlab_import.progress import Progress
 
 from . import scene as scenes
@@ -25,8 +25,8 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--vehicle", metavar="NAME|PATH", help="vehicle (default: the sidecar's)")
     parser.add_argument("--camera", choices=("whole", "follow"), help="the whole path, or close behind the vehicle (default: whole "
                         "where the vehicle is then still seen)")
-    parser.add_argument("--from", dest="from_s", type=float, metavar="S", help="first time of the log that is drawn")
-    parser.add_argument("--to", dest="to_s", type=float, metavar="S", help="last time of the log that is drawn")
+    parser.add_argument("--from", dest="from_s", type=seconds, metavar="S", help="first time of the log that is drawn")
+    parser.add_argument("--to", dest="to_s", type=seconds, metavar="S", help="last time of the log that is drawn")
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="times faster than real time (default: 1)")
     parser.add_argument("--fps", type=float, metavar="N", help="pictures a second (default: 30; gif: 15)")
     parser.add_argument("--size", default=None, metavar="WxH", help="pixels (default: 960x540; gif: 480x270)")

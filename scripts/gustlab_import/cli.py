@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from .column_map import load_map
-from .command_line import Options
+from .command_line import Options, seconds
 from .from_recording import import_recording
 from .from_table import import_table
 from .kinds import kind_of, reader_of
@@ -29,8 +29,8 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--vehicle", metavar="NAME|PATH", help="vehicle of the flight logs (default: the map's, or vehicle.toml "
                         "beside the flight logs); motors are put into its order")
     parser.add_argument("--map", metavar="NAME|FILE.toml", help="column map: needed for CSV, Parquet, uSD; built in or a file")
-    parser.add_argument("--from", dest="from_s", type=float, metavar="S", help="first time kept, seconds of the log")
-    parser.add_argument("--to", dest="to_s", type=float, metavar="S", help="last time kept, seconds of the log")
+    parser.add_argument("--from", dest="from_s", type=seconds, metavar="S", help="first time kept, seconds of the log")
+    parser.add_argument("--to", dest="to_s", type=seconds, metavar="S", help="last time kept, seconds of the log")
     parser.add_argument("--whole", action="store_true", help="with a map: keep the time on the ground, and what the map would cut")
     parser.add_argument("--keep-unusable", action="store_true", help="write unusable recordings too, marked usable = false")
     parser.add_argument("--keep-position", action="store_true", help="keep latitude and longitude of the origin in the sidecar")

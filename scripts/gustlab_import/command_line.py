@@ -1,8 +1,17 @@
 """Options of the commands that are written in Python, with the program's own wording of what is wrong."""
 
 import argparse
+import math
 
 from .problems import USAGE
+
+
+def seconds(text: str) -> float:
+    """Of --from and --to: a number, and no nan, which nothing is before or after."""
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return value
 
 
 class Options(argparse.ArgumentParser):

@@ -48,7 +48,8 @@ def wanted(spans: list, from_s, to_s) -> list:
     low, high = from_s if from_s is not None else -np.inf, to_s if to_s is not None else np.inf
     kept = [(max(a, low), min(b, high)) for a, b in spans if min(b, high) > max(a, low)]
     if spans and not kept:
-        raise ImportFailure(f"--from, --to: no flight between {low:g} and {high:g} s (flights: "
+        when = f"before {high:g} s" if from_s is None else f"after {low:g} s" if to_s is None else f"between {low:g} and {high:g} s"
+        raise ImportFailure(f"--from, --to: no flight {when} (flights: "
                             f"{', '.join(f'{a:.1f} to {b:.1f} s' for a, b in spans)})", USAGE)
     return kept
 

@@ -10,6 +10,7 @@ from .column_map import suggest
 from .problems import USAGE, ImportFailure
 from .streams import Rotor
 
+FORMAT = "gustlab-vehicle/1"
 MODELS = Path(__file__).resolve().parents[2] / "models"
 
 
@@ -39,6 +40,8 @@ def read_vehicle(wanted: str, beside) -> Vehicle:
     reference = wanted if path == MODELS / wanted / "vehicle.toml" else Path(os.path.relpath(path.resolve(), Path(beside or ".").resolve())).as_posix()
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
+        if document.get("format") != FORMAT:
+            raise ImportFailure(f'{path.name}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}") make one with `gustlab vehicle new`', USAGE)
         return Vehicle(reference, _rotors(path, document), _inputs(document))
     except tomllib.TOMLDecodeError as error:
         raise ImportFailure(f"{path.name}:1:1: --vehicle: {error}", USAGE) from error

@@ -17,7 +17,6 @@ import json
 import math
 import sys
 import xml.etree.ElementTree as xml
-from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,6 +26,7 @@ from scipy.spatial.transform import Rotation
 
 from falsify import vehicle_text
 from flight_files import HOME, Log
+from outcomes import by_effect, by_value, counted, others, table, truth_names
 from run_trials import run_measured
 from semi_real import label, means, write_log
 
@@ -844,56 +844,28 @@ OUTCOMES = ("exact", "wrong", "part", "withheld", "not_told", "nothing", "failed
 def judge(truth, found, run):
     """One row. exact: all of it named, and nothing else (a name also counts by its class) | wrong: a name that is not true | part: one of two |
     withheld: only suspected | not_told: said to be not identifiable | nothing | failed: no diagnosis. Physics outside of the catalogue has no name."""
-    hidden = truth["effects"]
+    hidden, outside = truth["effects"], truth["kind"] == "outside"
     row = {key: truth[key] for key in ("trial", "kind", "vehicle", "style", "air")}
-    row |= {"truth": [e["effect"] + (f"#{e['rotor']}" if e["rotor"] else "") for e in hidden], "size": [e["size"] for e in hidden], "cpu_seconds": run.get("cpu_seconds")}
-    if found is None:
-        return {**row, "outcome": "failed"}
-    show = lambda e: f"{label(e)} ({e['confidence']:.2f})"
-    suspected = found.get("suspected", [])
-    row |= {"verdict": found["verdict"], "named": [show(e) for e in found["effects"]], "suspected": [show(e) for e in suspected]}
-    outside = truth["kind"] == "outside"
+    row |= {"truth": truth_names(hidden), "size": [e["size"] for e in hidden], "cpu_seconds": run.get("cpu_seconds")}
     fair = [(name, None) for name in FAIR.get(hidden[0]["effect"], ())] if outside else [(e["effect"], e["rotor"]) for e in hidden]
     # the air of such a trial is a gust, whether or not it is told from noise
     right = lambda finding: any(means(finding, *name) for name in fair) or (truth["air"] != "calm" and finding["effect"] == "gust")
-    row["wrong"] = [show(e) for e in found["effects"] if not right(e)]
-    named = [any(means(finding, *name) for finding in found["effects"]) for name in fair]
-    blind = {entry["effect"] for entry in found.get("not_identifiable", [])}
-    if row["wrong"]:
-        outcome = "wrong"
-    elif outside or all(named):
-        outcome = "exact"
-    elif any(named):
-        outcome = "part"
-    elif any(right(e) for e in suspected):
-        outcome = "withheld"
-    else:
-        outcome = "not_told" if found["verdict"] == "insufficient_data" or all(name in blind for name, _ in fair) else "nothing"
-    return {**row, "outcome": outcome}
+    blind = {entry["effect"] for entry in (found or {}).get("not_identifiable", [])}
+    told = found and found["verdict"] != "insufficient_data" and not all(name in blind for name, _ in fair)
+    return row | counted(found, fair, right, lambda e: f"{label(e)} ({e['confidence']:.2f})", "part", "nothing" if told else "not_told", enough=outside)
 
 
 def markdown(rows):
     """Counts by kind, effect, style, vehicle and air, and every trial that is not exact."""
+    def cpu(chosen):
+        seconds = [row["cpu_seconds"] for row in chosen if row["cpu_seconds"] is not None]
+        return f"{np.mean(seconds):.0f}" if seconds else None
+
     lines = []
-
-    def table(title, groups):
-        lines.extend([f"| {title} | N | " + " | ".join(OUTCOMES) + " | CPU s, mean |", "|" + " --- |" * (len(OUTCOMES) + 3)])
-        for name, chosen in groups:
-            tally, cpu = Counter(row["outcome"] for row in chosen), [row["cpu_seconds"] for row in chosen if row["cpu_seconds"] is not None]
-            lines.append(f"| {name} | {len(chosen)} | " + " | ".join(str(tally[o]) for o in OUTCOMES) + f" | {np.mean(cpu):.0f} |" if cpu else f"| {name} | {len(chosen)} |")
-        lines.append("")
-
     for key in ("kind", "style", "vehicle", "air"):
-        table(key, [*((value, [r for r in rows if r[key] == value]) for value in sorted({r[key] for r in rows})), *([("all", rows)] if key == "kind" else [])])
-    singles = [r for r in rows if r["kind"] in ("single", "outside")]
-    names = sorted({r["truth"][0].split("#")[0] for r in singles})
-    table("concealed alone", [(name, [r for r in singles if r["truth"][0].split("#")[0] == name]) for name in names])
-    for row in rows:
-        if row["outcome"] != "exact":
-            there = ", ".join(f"{name} ({size})" if size else name for name, size in zip(row["truth"], row["size"])) or "nothing"
-            some = lambda name: ", ".join(row.get(name, [])) or "–"
-            lines.append(f"- {row['trial']} {row['vehicle']}, {row['style']}, {row['air']}: {row['outcome']}; there {there}; named {some('named')}; "
-                         f"suspected {some('suspected')}; verdict {row.get('verdict', '–')}")
+        lines += table(key, by_value(rows, key) + ([("all", rows)] if key == "kind" else []), OUTCOMES, "CPU s, mean", cpu)
+    lines += table("concealed alone", by_effect([row for row in rows if row["kind"] in ("single", "outside")]), OUTCOMES, "CPU s, mean", cpu)
+    lines += others(rows, ("vehicle", "style", "air"), ("named", "suspected"), lambda name, row, k: f"{name} ({row['size'][k]})" if row["size"][k] else name)
     return "\n".join(lines) + "\n"
 
 

@@ -34,6 +34,7 @@ from scipy.spatial.transform import Rotation
 
 from falsify import vehicle_text
 from flight_files import HOME, Log, read_log
+from outcomes import by_effect, by_value, counted, others, table, truth_names
 from run_trials import run_measured
 from semi_real import label, means, write_log
 
@@ -592,54 +593,31 @@ def judge(truth, found):
     """One row. outcome: exact (all named, and nothing else) | wrong (a name that is not true) | partial (some of them) | withheld (none named,
     one suspected) | nothing | failed (no diagnosis)."""
     hidden = truth["effects"]
-    row = {"trial": truth["trial"], "kind": truth["kind"], "vehicle": truth["vehicle"], "air": truth["air"], "truth": [
-        e["effect"] + (f"#{e['rotor']}" if e["rotor"] else "") for e in hidden], "limits": [e["limits"] for e in hidden]}
-    if found is None:
-        return {**row, "outcome": "failed"}
-    row |= {"verdict": found["verdict"], "named": [label(e) for e in found["effects"]], "suspected": [label(e) for e in found.get("suspected", [])]}
+    row = {key: truth[key] for key in ("trial", "kind", "vehicle", "air")} | {"truth": truth_names(hidden), "limits": [e["limits"] for e in hidden]}
     right = lambda finding: any(means(finding, e["effect"], e["rotor"]) for e in hidden)
-    named = [any(means(finding, e["effect"], e["rotor"]) for finding in found["effects"]) for e in hidden]
-    row["wrong"] = [label(finding) for finding in found["effects"] if not right(finding)]
-    row["size_error"] = [error for e in hidden for finding in found["effects"] if means(finding, e["effect"], e["rotor"])
-                         if (error := size_error(finding, e)) is not None]
-    if row["wrong"]:
-        outcome = "wrong"
-    elif all(named):
-        outcome = "exact"
-    elif any(named):
-        outcome = "partial"
-    else:
-        outcome = "withheld" if any(right(finding) for finding in found.get("suspected", [])) else "nothing"
-    return {**row, "outcome": outcome}
+    row |= counted(found, [(e["effect"], e["rotor"]) for e in hidden], right, label, "partial", "nothing")
+    if found is not None:
+        row["size_error"] = [error for e in hidden for finding in found["effects"] if means(finding, e["effect"], e["rotor"])
+                             if (error := size_error(finding, e)) is not None]
+    return row
 
 
 OUTCOMES = ("exact", "wrong", "withheld", "nothing", "partial", "failed")
 
 
-def table(rows, key, groups):
-    lines = [f"| {key} | N | " + " | ".join(OUTCOMES) + " | size error, median |", "|" + " --- |" * (len(OUTCOMES) + 3)]
-    for name, chosen in groups:
-        tally, errors = Counter(row["outcome"] for row in chosen), [error for row in chosen for error in row.get("size_error", [])]
-        lines.append(f"| {name} | {len(chosen)} | " + " | ".join(str(tally[o]) for o in OUTCOMES) + f" | {f'{100 * statistics.median(errors):.0f} %' if errors else '–'} |")
-    return [*lines, ""]
-
-
 def markdown(rows):
     """Counts by effect, vehicle and air, and every trial that is not exact."""
+    def error(chosen):
+        errors = [error for row in chosen for error in row.get("size_error", [])]
+        return f"{100 * statistics.median(errors):.0f} %" if errors else None
+
     of = lambda kind: [row for row in rows if row["kind"] == kind]
-    names = sorted({name.split("#")[0] for row in of("single") for name in row["truth"]})
-    lines = table(rows, "concealed", [*((name, [r for r in of("single") if r["truth"][0].split("#")[0] == name]) for name in names),
-                                      ("one effect", of("single")), ("two effects", of("pair")), ("nothing", of("nothing")), ("all", rows)])
-    for key in ("vehicle", "air"):
-        lines += table(rows, key, [(value, [row for row in rows if row[key] == value]) for value in sorted({row[key] for row in rows})])
+    groups = {"concealed": [*by_effect(of("single")), ("one effect", of("single")), ("two effects", of("pair")), ("nothing", of("nothing")), ("all", rows)],
+              "vehicle": by_value(rows, "vehicle"), "air": by_value(rows, "air")}
+    lines = [line for title, chosen in groups.items() for line in table(title, chosen, OUTCOMES, "size error, median", error)]
     verdicts = Counter(row.get("verdict", "none") for row in of("nothing"))
     lines += ["Verdicts where nothing is concealed: " + (", ".join(f"{name} {n}" for name, n in sorted(verdicts.items())) or "–") + ".", ""]
-    for row in rows:
-        if row["outcome"] != "exact":
-            there = ", ".join(f"{name} ({size:.1f} limits)" for name, size in zip(row["truth"], row["limits"])) or "nothing"
-            some = lambda name: ", ".join(row.get(name, [])) or "–"
-            lines.append(f"- {row['trial']} {row['vehicle']}, {row['air']}: {row['outcome']}; there {there}; named {some('named')}; wrong {some('wrong')}; "
-                         f"suspected {some('suspected')}; verdict {row.get('verdict', '–')}")
+    lines += others(rows, ("vehicle", "air"), ("named", "wrong", "suspected"), lambda name, row, k: f"{name} ({row['limits'][k]:.1f} limits)")
     return "\n".join(lines) + "\n"
 
 

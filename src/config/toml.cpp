@@ -166,6 +166,14 @@ std::vector<std::string> split_words(std::string_view text) {
   return words;
 }
 
+// what an override says of a table that an array does not have
+[[noreturn]] void throw_no_table(const std::string& where, std::string_view key, std::string_view type,
+                                 const std::string& suggestion = "") {
+  throw ConfigError(fmt::format(
+      "{}: there is no {}.{} to change {}", where, key, type,
+      suggestion.empty() ? fmt::format("(write [[{}]] with type = \"{}\" into the file)", key, type) : suggestion));
+}
+
 // moves what an override says into the document; in an array of tables a name means the table with that type
 void merge(toml::table& into, toml::table&& from, const std::string& path) {
   for (auto&& [key, value] : from) {
@@ -181,8 +189,7 @@ void merge(toml::table& into, toml::table&& from, const std::string& path) {
           if (types.back() == type.str()) entry = candidate.as_table();
         }
         if (entry == nullptr || !item.is_table())
-          throw ConfigError(fmt::format("{}: there is no {}.{} to change {}", place(item.source(), path), key.str(),
-                                        type.str(), suggest(type.str(), types)));
+          throw_no_table(place(item.source(), path), key.str(), type.str(), suggest(type.str(), types));
         merge(*entry, std::move(*item.as_table()), path);
       }
     } else {
@@ -360,6 +367,9 @@ std::optional<Table> Table::table(std::string_view key) {
 std::vector<Table> Table::tables(std::string_view key) {
   toml::node* node = node_->ask(key);
   if (node == nullptr) return {};
+  if (const auto path = node->source().path;
+      node->is_table() && !node->as_table()->empty() && path && path->starts_with(command_line))
+    throw_no_table(place(node->source(), *path), key, node->as_table()->begin()->first.str());
   GUSTLAB_EXPECT(node, node->is_array_of_tables() || (node->is_array() && node->as_array()->empty()), key,
                  fmt::format("tables, each under [[{}]]", key));
   std::vector<Table> result;

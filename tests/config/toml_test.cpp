@@ -112,6 +112,13 @@ TEST(Table, OverridesReplaceAndAddAndSayWhereTheyCameFrom) {
   EXPECT_EQ(table.tables("effect")[0].number("sigma"), 0.0);
   EXPECT_EQ(message([&] { table.text("step"); }), "--set step=2.5: \"step\" must be a string (this is a number)");
   EXPECT_THAT(message([&] { Table::parse(text, "f", {"effect.gus.sigma=0"}); }), HasSubstr("did you mean \"gust\"?"));
+  EXPECT_EQ(message([&] { Table::parse(text, "f", {"effect.spring.k=0"}); }),
+            "--set effect.spring.k=0: there is no effect.spring to change (write [[effect]] with type = \"spring\" "
+            "into the file)");
+  Table none = Table::parse("a = 1\n", "f", {"effect.spring.k=0"});
+  EXPECT_EQ(message([&] { none.tables("effect"); }),
+            "--set effect.spring.k=0: there is no effect.spring to change (write [[effect]] with type = \"spring\" "
+            "into the file)");
   EXPECT_THAT(message([&] { Table::parse(text, "f", {"oops"}); }), StartsWith("--set oops: not an override"));
   EXPECT_THAT(message([&] { Table::parse(text, "f", {"a..b=1"}); }), StartsWith("--set a..b=1: not TOML"));
   Table unknown = Table::parse("", "f", {"stp=1"});

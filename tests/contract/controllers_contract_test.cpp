@@ -11,8 +11,14 @@
 #include "support/fly.hpp"
 #include "trajectories/trajectories.hpp"
 
+// the template that scripts/new_plugin.py copies flies here as well
+#define make_my_controller make_template_controller
+#include "../../examples/plugins/controller.cpp"
+
 namespace gustlab::test {
 namespace {
+
+constexpr ControllerRow template_row{.name = "template", .says = "", .source = "", .make = make_template_controller};
 
 VehicleModel vehicle_named(std::string_view name) {
   if (name == "crazyflie") return crazyflie();
@@ -25,7 +31,8 @@ using Names = std::tuple<std::string_view, std::string_view>;
 
 class ControllerContract : public ::testing::TestWithParam<Names> {
  protected:
-  const ControllerRow& row = *find_controller(std::get<0>(GetParam()));
+  const ControllerRow* found = find_controller(std::get<0>(GetParam()));
+  const ControllerRow& row = found ? *found : template_row;
   const VehicleModel vehicle = vehicle_named(std::get<1>(GetParam()));
 
   ControllerFlight flight(Controller& controller, const Trajectory& trajectory, double duration_s) const {
@@ -225,7 +232,7 @@ TEST_P(ControllerContract, FollowsAnEight) {
 }
 
 std::vector<std::string_view> controller_names() {
-  std::vector<std::string_view> names;
+  std::vector<std::string_view> names{template_row.name};
   for (const ControllerRow& row : controller_registry()) names.push_back(row.name);
   return names;
 }

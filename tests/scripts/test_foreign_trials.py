@@ -216,3 +216,7 @@ def test_outcomes():
 def test_the_table_names_what_is_not_exact():
     text = markdown([judge(truth_of(("mass", None)), {"effects": [finding("gust")], "verdict": "explained"}, {"cpu_seconds": 12})])
     assert "trial_0001 tiny, imu, calm: wrong; there mass (0.1 of it); named gust (0.90)" in text and "| single | 1 | 0 | 1 |" in text
+
+
+def test_a_group_without_processor_times_keeps_its_counts():
+    assert "| all | 1 | 0 | 0 | 0 | 0 | 0 | 0 | 1 | – |" in markdown([judge(truth_of(("mass", None)), None, {})])

@@ -340,7 +340,66 @@ class DataFlash(FormatCase):
         self.assertEqual((code, "ArduPlane, not a multirotor" in err), (3, True), err)
 
 
-class Blackbox(unittest.TestCase):
+def blackbox(columns: dict) -> bytes:
+    """A log as Betaflight's format page says: every frame an I frame, every field a variable byte; `columns` hold integers."""
+    def vb(value):
+        value = (value << 1) ^ (value >> 63)   # zigzag: signed
+        out = bytearray()
+        while value > 127:
+            out.append(value & 127 | 128)
+            value >>= 7
+        return bytes(out) + bytes([value])
+
+    zeros = ",".join("0" for _ in columns)
+    head = ["Product:Blackbox flight data recorder by Nicholas Sherlock", "Data version:2", "I interval:1", "P interval:1/1",
+            f"Field I name:{','.join(columns)}", f"Field I signed:{zeros}", f"Field I predictor:{zeros}", f"Field I encoding:{zeros}",
+            f"Field P predictor:{zeros}", f"Field P encoding:{zeros}", "Firmware type:Cleanflight",
+            "Firmware revision:Betaflight 4.5.0 (77d01ba3b) STM32F405", "acc_1G:2048", "motorOutput:48,2047", "vbatcellvoltage:330,350,430", "looptime:125"]
+    frames = b"".join(b"I" + b"".join(map(vb, map(int, row))) for row in zip(*columns.values()))
+    return "".join(f"H {line}\n" for line in head).encode() + frames + b"E\xffEnd of log\x00"
+
+
+class Blackbox(ImportCase):
+    def columns(self, seconds=12.0, rate_hz=500):
+        """On the ground, in the air from 2 to 10 s, on the ground."""
+        t = np.arange(int(seconds * rate_hz)) / rate_hz
+        flying, shake = (t > 2.0) & (t < 10.0), np.random.default_rng(1).standard_normal((8, len(t)))
+        sway = np.where(flying, np.sin(4.0 * t), 0.0)
+        # rates in degrees a second, the board 40 a second in roll at most
+        rows = {"loopIteration": np.arange(len(t)), "time": 1e6 * t, **{f"gyroADC[{k}]": (40.0 * sway if k == 0 else 0.0) + shake[k] for k in range(3)},
+                **{f"accSmooth[{k}]": (2048.0 if k == 2 else 0.0) + 20.0 * shake[3 + k] for k in range(3)},
+                **{f"motor[{k}]": np.where(flying, 48.0 + 1999.0 * 0.4, 48.0) + np.where(flying, 60.0 * shake[6] + (30.0, 30.0, -30.0, -30.0)[k] * sway, 0.0)
+                   for k in range(4)},
+                "vbatLatest": np.full(len(t), 1580.0) - 3.0 * t}
+        return {name: np.round(values).astype(int) for name, values in rows.items()}
+
+    def test_a_log_becomes_a_flight_in_si_units(self):
+        columns = self.columns()
+        code, out, err = self.run_import(self.write("log.bbl", blackbox(columns)), "--out", self.out, "--vehicle", "iris", "--format", "json")
+        self.assertEqual(code, 0, err)
+        found = json.loads(out)["logs"][0]
+        self.assertEqual((found["kind"], found["autopilot"], len(found["flights"])), ("betaflight-blackbox", "Betaflight 4.5.0", 1))
+        self.assertEqual((round(found["flights"][0]["from_s"]), round(found["flights"][0]["to_s"])), (2, 10))
+        self.assertEqual(found["flights"][0]["rates_hz"]["body_rate"], 500)
+        log = self.written()
+        at = np.round(500.0 * (log["time_s"] + found["flights"][0]["from_s"] - log["time_s"][0])).astype(int)
+        np.testing.assert_allclose(log["wx"], np.radians(columns["gyroADC[0]"][at]), atol=1e-5)
+        np.testing.assert_allclose(log["az"], 9.80665 / 2048.0 * columns["accSmooth[2]"][at], atol=1e-3)
+        self.assertAlmostEqual(float(np.nanmedian(log["u1"])) / 65535.0, 0.4, 2)   # the vehicle file takes pwm
+        self.assertAlmostEqual(float(np.nanmean(log["vbat"])), 15.6, 1)
+
+    def test_a_damaged_byte_is_said_or_refused_and_never_a_crash(self):
+        whole = blackbox(self.columns(6.0))
+        head = whole.index(b"I\x00")
+        for at in (40, head - 30, head + 500, len(whole) // 2, len(whole) - 20):
+            damaged = bytearray(whole)
+            damaged[at] ^= 0xFF
+            code, out, err = self.run_import(self.write("log.bbl", bytes(damaged)), "--format", "json")
+            self.assertIn(code, (0, 3), err)
+            self.assertNotIn("Traceback", err)
+        code, _, err = self.run_import(self.write("log.bbl", whole[:head + 100]))
+        self.assertEqual((code, "too few" in err), (3, True), err)
+
     def test_electrical_turns_become_speeds_of_the_rotors(self):
         from types import SimpleNamespace
 

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import unittest
@@ -69,25 +70,56 @@ class AddYourOwn(unittest.TestCase):
     def add(self, tree, *arguments):
         return subprocess.run([str(ROOT / "scripts" / "new_plugin.py"), *arguments, "--tree", str(tree)], capture_output=True, text=True, check=False)
 
+    def tree(self):
+        folder = TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        for name in ("src/controllers", "src/effects", "src/trajectories", "examples"):
+            shutil.copytree(ROOT / name, Path(folder.name) / name)
+        return Path(folder.name)
+
     def test_each_template_compiles_with_its_row(self):
-        with TemporaryDirectory() as folder:
-            tree = Path(folder)
-            for name in ("src/controllers", "src/effects", "src/trajectories", "examples"):
-                shutil.copytree(ROOT / name, tree / name)
-            for kind, place in (("controller", "controllers"), ("effect", "effects"), ("trajectory", "trajectories")):
-                done = self.add(tree, kind, f"of_mine_{kind}")
-                self.assertEqual((done.returncode, done.stderr), (0, ""))
-                for source in (f"of_mine_{kind}.cpp", "registry.cpp"):
-                    subprocess.run(["c++", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Wshadow", "-Werror", f"-I{tree}/src", f"-I{ROOT}/include",
-                                    f"-I{ROOT}/src", "-isystem", "/usr/include/eigen3", str(tree / "src" / place / source)], check=True, timeout=600)
-                self.assertEqual(self.add(tree, kind, f"of_mine_{kind}").returncode, 2)
+        tree = self.tree()
+        # names that classes of the program have, too
+        for kind, place, name in (("controller", "controllers", "offboard"), ("effect", "effects", "wrench"), ("trajectory", "trajectories", "jet")):
+            done = self.add(tree, kind, name)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            for source in (f"{name}.cpp", "registry.cpp"):
+                subprocess.run(["c++", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Wshadow", "-Werror", f"-I{tree}/src", f"-I{ROOT}/include",
+                                f"-I{ROOT}/src", "-isystem", "/usr/include/eigen3", str(tree / "src" / f"{place}" / source)],
+                               check=True, timeout=600)
+            self.assertEqual(self.add(tree, kind, name).returncode, 2)
+
+    def test_the_commands_of_the_page_and_rows_that_the_contract_tests_accept(self):
+        tree = self.tree()
+        page = (ROOT / "docs" / "tutorials" / "add_your_own.md").read_text(encoding="utf-8")
+        lines = re.findall(r"^scripts/new_plugin\.py (.*)$", page, re.MULTILINE)
+        self.assertEqual(sorted(line.split()[0] for line in lines), ["controller", "effect", "trajectory"])
+        for line in lines:
+            self.assertEqual(self.add(tree, *shlex.split(line)).returncode, 0, line)
+        for path in tree.rglob("registry.cpp"):
+            self.assertEqual(re.findall(r"\.(?:says|source|shows_in) = \"\"", path.read_text(encoding="utf-8")), [])
+
+    def test_what_is_written_is_formatted_whatever_the_lengths(self):
+        tree = self.tree()
+        for kind in ("controller", "effect", "trajectory"):
+            for name, says in ((f"z_{kind}", "short"), (f"of_a_long_name_that_leaves_no_room_{kind}", "a sentence of what it does " * 6)):
+                self.assertEqual(self.add(tree, kind, name, "--says", says.strip()).returncode, 0)
+        written = [str(path) for path in tree.rglob("*.?pp") if not (ROOT / path.relative_to(tree)).exists()
+                   or path.read_bytes() != (ROOT / path.relative_to(tree)).read_bytes()]
+        self.assertEqual(len(written), 6 + 3 + 3)
+        done = subprocess.run(["clang-format", f"--style=file:{ROOT}/.clang-format", "--dry-run", "--Werror", *written], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_wrong_names_are_refused(self):
-        with TemporaryDirectory() as folder:
-            for arguments in (("controller", "My Law"), ("controller", "pid"), ("plant", "mine"), ("effect", "mine", "--says", 'a "b"')):
-                done = self.add(folder if arguments[1] != "pid" else ROOT, *arguments)
-                self.assertEqual(done.returncode, 2, arguments)
-            self.assertEqual(os.listdir(folder), [])
+        tree = self.tree()
+        before = sorted(tree.rglob("*"))
+        for arguments in (("controller", "My Law"), ("controller", "pid"), ("effect", "pid"), ("effect", "effect"), ("plant", "mine"),
+                          ("effect", "mine", "--says", 'a "b"')):
+            self.assertEqual(self.add(tree, *arguments).returncode, 2, arguments)
+        self.assertEqual(sorted(tree.rglob("*")), before)
+        with TemporaryDirectory() as empty:
+            self.assertEqual(self.add(empty, "controller", "mine").returncode, 2)
+            self.assertEqual(os.listdir(empty), [])
 
 
 if __name__ == "__main__":
