@@ -32,9 +32,10 @@ ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", 
 # environment (and requirements), its package, what is flown, arguments of gustlab or of scripts/simulators/fly_*.py, physics and
 # control in Hz, what a flight includes
 ROWS = [
-    ("gustlab", "gustlab", "`sweep`, 100 flights", (), "500 / 500",
-     "gust, rotor drag, motor lag; PID; metrics of every step; the result store; start of the program"),
-    ("gustlab", "gustlab", "`sweep --logs`, 10 flights", ("--logs", "--set", "replicates=10"), "500 / 500",
+    ("gustlab", "gustlab", "`sweep`, 100 flights", (), "500 / 500 (position 100)",
+     "gust, rotor drag, motor lag; the firmware's PID, without feed-forward; metrics of every step; the result store; start of the program"),
+    ("gustlab", "gustlab", "`sweep --logs`, 10 flights", ("--logs", "--set", "replicates=10"),
+     "500 / 500 (position 100)",
      "the same, and every step written to a CSV file"),
     ("rotorpy", "RotorPy", "`Environment.run`", ("fly_rotorpy.py",), "100 / 100",
      "no wind, rotor drag, motor lag; SE(3) control; adaptive Runge–Kutta; IMU and motion capture with noise; every step kept in memory"),
@@ -233,7 +234,7 @@ def main():
                 flier.end()
     said = subprocess.run([str(options.program), "--version"], capture_output=True, text=True, check=True).stdout
     versions = {name: version(name, package) for name, package, *_ in rows if name != "gustlab"}
-    print(f"{last_line(said)}; Python {sys.version.split()[0]}; {options.repeats} repeats, median and range\n")
+    print(f"{said.splitlines()[0]}; Python {sys.version.split()[0]}; {options.repeats} repeats, median and range\n")
     print(table(measured, versions), end="")
 
 

@@ -98,8 +98,9 @@ def test_simulator_that_fails_once_is_not_asked_again():
 def test_table_has_medians_and_ranges_and_says_what_is_missing():
     flights = [flight(1000.0, 1.0), flight(1000.0, 2.0, wall_s=20.0), flight(1000.0, 4.0, wall_s=100.0, error_m=0.5)]
     lines = compare.table([(SWEEP, flights), (LOGS, "not installed: no wheel")], {}).splitlines()
-    assert lines[2] == "| gustlab | `sweep`, 100 flights | 500 / 500 | 500 (250 to 1 000) | 50 (25 to 100) | 50 (10 to 100) | 0.25 |"
-    assert lines[3] == "| gustlab | `sweep --logs`, 10 flights | 500 / 500 | not installed: no wheel | | | |"
+    assert lines[2] == ("| gustlab | `sweep`, 100 flights | 500 / 500 (position 100) | 500 (250 to 1 000) | 50 (25 to 100) "
+                        "| 50 (10 to 100) | 0.25 |")
+    assert lines[3] == "| gustlab | `sweep --logs`, 10 flights | 500 / 500 (position 100) | not installed: no wheel | | | |"
     assert lines[4] == "| gym-pybullet-drones | | | is not on PyPI: not measured | | | |"
     assert {line.count("|") for line in lines[:5]} == {8}
     assert lines[6].startswith("* gustlab, `sweep`, 100 flights: gust, ")
