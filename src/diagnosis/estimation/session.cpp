@@ -43,11 +43,6 @@ Need told_by(const std::vector<FlightData>& flights) {
   return told;
 }
 
-bool same(const SensorCorrection& a, const SensorCorrection& b) {
-  return a.attitude_offset_B_rad == b.attitude_offset_B_rad && a.pose_delay_s == b.pose_delay_s &&
-         a.rate_bias_B_radps == b.rate_bias_B_radps && a.rate_scale == b.rate_scale;
-}
-
 }  // namespace
 
 // what counts degrees of freedom was measured on logs of up to 125 Hz
@@ -113,7 +108,6 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
                   std::any_of(flights_.begin(), flights_.end(), commands_are_slower)}),
       linear_(flights_.size()),
       value_(catalogue_.nominal()),
-      corrected_(flights_.size()),
       shooting_flights_(std::move(shooting_flights)),
       shot_(shooting_flights_.size()) {
   if (!shoots())
@@ -151,10 +145,7 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
                      : shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted, spacing_s);
     if (shoots() && !with_filter) return;
     const SensorCorrection correction = catalogue_.sensor_correction(value, static_cast<int>(f));
-    if (!same(correction, corrected_[f])) {
-      smooth_motion(flights_[f], correction);
-      corrected_[f] = correction;
-    }
+    if (correction != flights_[f].corrected) smooth_motion(flights_[f], correction);
     estimate_speeds(flights_[f], static_cast<int>(f), catalogue_, value, noise.speeds);
     gustlab::diagnosis::linearise(flights_[f], static_cast<int>(f), catalogue_, value, wanted, linear_[f]);
     // the biases of the moment are taken out of the measurements

@@ -106,7 +106,6 @@ class Session {
   std::vector<LinearFlight> linear_;
   Eigen::VectorXd value_;
   std::vector<int> all_, biases_;
-  std::vector<SensorCorrection> corrected_;
   std::vector<FlightData> shooting_flights_;
   std::vector<ShotFlight> shot_;
   ShootingWeights weights_;

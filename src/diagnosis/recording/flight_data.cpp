@@ -485,7 +485,7 @@ double rate_half_window_s(const FlightData& flight) {
 
 namespace {
 
-// The channels of one segment, sensor effects taken out: a late pose belongs to an earlier time.
+// The channels of one segment, effects of the pose taken out: a late one belongs to an earlier time.
 struct Streams {
   Stream position, velocity, attitude, rate;
 
@@ -499,8 +499,7 @@ struct Streams {
       const double pose_time_s = s->time_s - correction.pose_delay_s;
       if (s->channels & has_position) put(position, pose_time_s, s->position_W_m);
       if (s->channels & has_velocity) put(velocity, pose_time_s, s->velocity_W_mps);
-      if (s->channels & has_rate)
-        put(rate, s->time_s, (s->body_rate_B_radps - correction.rate_bias_B_radps) / (1.0 + correction.rate_scale));
+      if (s->channels & has_rate) put(rate, s->time_s, s->body_rate_B_radps);
       if (s->channels & has_attitude) {
         attitude.time_s.push_back(pose_time_s);
         attitude.value.push_back(turned(s->attitude_WB, back).coeffs());
@@ -515,7 +514,7 @@ struct HalfWindows {
   double pose_s, rate_s, acceleration_s;
 };
 
-// what a segment's channels say of one moment; nothing where none does
+// what a segment's poses say of one moment; nothing where none does
 Motion motion_at(double t, const Streams& seen, const HalfWindows& half) {
   Motion motion;
   if (seen.position.can_fit(5)) {
@@ -534,39 +533,68 @@ Motion motion_at(double t, const Streams& seen, const HalfWindows& half) {
     motion.attitude_WB.coeffs() = c[0].normalized();
     motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
   }
-  if (seen.rate.can_fit(5)) {
-    const auto c = seen.rate.fit<2>(t, half.rate_s);
-    motion.body_rate_B_radps = c[0].head<3>();
-    motion.angular_acceleration_B_radps2 = c[1].head<3>();
-  }
   return motion;
+}
+
+GyroFit gyro_at(double t, const Streams& seen, const HalfWindows& half) {
+  if (!seen.rate.can_fit(5)) return {};
+  const auto c = seen.rate.fit<2>(t, half.rate_s);
+  return {c[0].head<3>(), c[1].head<3>(), true};
+}
+
+// the first sample of the next segment
+std::size_t end_of_segment(const std::vector<Sample>& samples, std::size_t begin) {
+  std::size_t end = begin + 1;
+  while (end < samples.size() && !samples[end].starts_segment) ++end;
+  return end;
+}
+
+void fit_streams(FlightData& flight, const SensorCorrection& correction) {
+  const auto& samples = flight.samples;
+  const HalfWindows half{flight.as_recorded ? 0.0 : 0.095, rate_half_window_s(flight),
+                         std::max(0.147, 4.3 * flight.sample_s)};
+  flight.motion.assign(samples.size(), Motion{});
+  flight.gyro.assign(samples.size(), GyroFit{});
+  for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
+    end = end_of_segment(samples, begin);
+    const Streams seen(&samples[begin], samples.data() + end, correction);
+    for (std::size_t k = begin; k < end; ++k) {
+      flight.motion[k] = motion_at(samples[k].time_s, seen, half);
+      flight.gyro[k] = gyro_at(samples[k].time_s, seen, half);
+    }
+  }
 }
 
 }  // namespace
 
 void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
   const auto& samples = flight.samples;
-  flight.motion.assign(samples.size(), Motion{});
-  const HalfWindows half{flight.as_recorded ? 0.0 : 0.095, rate_half_window_s(flight),
-                         std::max(0.147, 4.3 * flight.sample_s)};
+  if (flight.gyro.size() != samples.size() || correction.pose_delay_s != flight.corrected.pose_delay_s ||
+      correction.attitude_offset_B_rad != flight.corrected.attitude_offset_B_rad)
+    fit_streams(flight, correction);
+  flight.corrected = correction;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const GyroFit& gyro = flight.gyro[k];
+    if (!gyro.known) continue;
+    flight.motion[k].body_rate_B_radps =
+        (gyro.rate_B_radps - correction.rate_bias_B_radps) / (1.0 + correction.rate_scale);
+    flight.motion[k].angular_acceleration_B_radps2 = gyro.acceleration_B_radps2 / (1.0 + correction.rate_scale);
+  }
   for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
-    for (end = begin + 1; end < samples.size() && !samples[end].starts_segment;) ++end;
-    const Streams seen(&samples[begin], samples.data() + end, correction);
-    const bool attitude = seen.attitude.can_fit(5);
-    for (std::size_t k = begin; k < end; ++k) {
-      flight.motion[k] = motion_at(samples[k].time_s, seen, half);
-      // without attitude the rate is integrated; torques and body forces do not depend on it
-      if (!attitude && k > begin) {
-        const Motion& before = flight.motion[k - 1];
-        flight.motion[k].attitude_WB =
-            turned(before.attitude_WB, before.body_rate_B_radps * (samples[k].time_s - samples[k - 1].time_s));
-      }
+    end = end_of_segment(samples, begin);
+    const auto attitudes = std::count_if(samples.begin() + static_cast<std::ptrdiff_t>(begin),
+                                         samples.begin() + static_cast<std::ptrdiff_t>(end),
+                                         [](const Sample& s) { return (s.channels & has_attitude) != 0; });
+    // without attitude the rate is integrated; torques and body forces do not depend on it
+    for (std::size_t k = begin + 1; k < end && attitudes < 5; ++k) {
+      const Motion& before = flight.motion[k - 1];
+      flight.motion[k].attitude_WB =
+          turned(before.attitude_WB, before.body_rate_B_radps * (samples[k].time_s - samples[k - 1].time_s));
     }
-    if (!seen.rate.can_fit(5) && attitude)
-      for (std::size_t k = begin + 1; k + 1 < end; ++k)
-        flight.motion[k].angular_acceleration_B_radps2 =
-            (flight.motion[k + 1].body_rate_B_radps - flight.motion[k - 1].body_rate_B_radps) /
-            (samples[k + 1].time_s - samples[k - 1].time_s);
+    for (std::size_t k = begin + 1; k + 1 < end && attitudes >= 5 && !flight.gyro[begin].known; ++k)
+      flight.motion[k].angular_acceleration_B_radps2 =
+          (flight.motion[k + 1].body_rate_B_radps - flight.motion[k - 1].body_rate_B_radps) /
+          (samples[k + 1].time_s - samples[k - 1].time_s);
   }
 }
 

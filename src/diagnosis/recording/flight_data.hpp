@@ -83,12 +83,29 @@ struct RotorHistory {
   std::vector<RotorArray> at_sample;
 };
 
+// What is taken out of the samples before they are smoothed.
+struct SensorCorrection {
+  Vector3 attitude_offset_B_rad = Vector3::Zero();
+  double pose_delay_s = 0.0;
+  Vector3 rate_bias_B_radps = Vector3::Zero();
+  double rate_scale = 0.0;
+  bool operator==(const SensorCorrection&) const = default;
+};
+
+// Smoothed readings of a gyroscope, nothing taken out.
+struct GyroFit {
+  Vector3 rate_B_radps, acceleration_B_radps2;
+  bool known = false;
+};
+
 struct FlightData {
   std::string file;
   std::string label;     // file name without folder
   VehicleModel vehicle;  // with the flight's environment
   std::vector<Sample> samples;
-  std::vector<Motion> motion;    // per sample
+  std::vector<Motion> motion;  // per sample, with `corrected` taken out
+  std::vector<GyroFit> gyro;   // per sample
+  SensorCorrection corrected;
   CommandRecord commands;        // mapped to rotor speed
   CommandRecord measured_speed;  // rotor* columns, when there
   RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
@@ -129,18 +146,13 @@ std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<dou
                                                            const std::vector<double>& values);
 // Throws DataError when the actuator input cannot be mapped by the vehicle.
 FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, const ReadingOptions& options);
-// Smooths pose and rate again, with sensor effects taken out of the samples first.
-struct SensorCorrection {
-  Vector3 attitude_offset_B_rad = Vector3::Zero();
-  double pose_delay_s = 0.0;
-  Vector3 rate_bias_B_radps = Vector3::Zero();
-  double rate_scale = 0.0;
-};
+// Smooths pose and rate again, with sensor effects taken out of the samples first. A gyroscope's bias and scale are taken out of what was
+// smoothed, which is the same.
 void smooth_motion(FlightData& flight, const SensorCorrection& correction);
 // Weight of a sample in a local fit, by its distance in half windows (Cleveland, J. Am. Stat. Assoc. 74, 1979).
 inline double tricube(double distance) {
-  const double a = std::abs(distance);
-  return a < 1.0 ? std::pow(1.0 - a * a * a, 3) : 0.0;
+  const double a = std::abs(distance), left = 1.0 - a * a * a;
+  return a < 1.0 ? left * left * left : 0.0;
 }
 // Half the window over which body rates are smoothed, s.
 double rate_half_window_s(const FlightData& flight);

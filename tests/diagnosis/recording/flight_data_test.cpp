@@ -84,6 +84,29 @@ FlightLog rows_apart() {
   return log;
 }
 
+// a bias and a scale of the gyroscope are taken out of what was smoothed: as if they were taken out of the samples, in any order
+TEST(FlightData, AGyroscopesFaultsAreTakenOutAsOfTheSamples) {
+  const FlightData recorded = prepare_flight(spin(), read_vehicle("crazyflie", ""), {});
+  SensorCorrection fault, late;
+  fault.rate_bias_B_radps = Vector3(0.3, -0.2, 0.1);
+  fault.rate_scale = late.rate_scale = 0.05;
+  late.pose_delay_s = 0.01;
+  FlightData of_samples = recorded, of_smoothed = recorded;
+  for (Sample& sample : of_samples.samples)
+    sample.body_rate_B_radps = (sample.body_rate_B_radps - fault.rate_bias_B_radps) / 1.05;
+  of_samples.gyro.clear();
+  smooth_motion(of_samples, {});
+  smooth_motion(of_smoothed, late);
+  smooth_motion(of_smoothed, fault);
+  for (std::size_t k = 0; k < recorded.samples.size(); ++k) {
+    const Motion &a = of_samples.motion[k], &b = of_smoothed.motion[k];
+    EXPECT_LT((a.body_rate_B_radps - b.body_rate_B_radps).norm(), 1e-9);
+    EXPECT_LT((a.angular_acceleration_B_radps2 - b.angular_acceleration_B_radps2).norm(), 1e-7);
+    EXPECT_EQ(a.attitude_WB.coeffs(), b.attitude_WB.coeffs());
+  }
+  EXPECT_GT((recorded.motion[100].body_rate_B_radps - of_smoothed.motion[100].body_rate_B_radps).norm(), 0.1);
+}
+
 // GIVEN sensors that never share a row WHEN read THEN the flight is one stretch, and its whole motion is known at the attitude's rows
 TEST(FlightData, SensorsMayHaveRowsOfTheirOwn) {
   const FlightLog log = rows_apart();
