@@ -15,7 +15,7 @@ cmake -S tests/fuzz -B build/fuzz -G Ninja --log-level=WARNING -DCMAKE_C_COMPILE
 cmake --build build/fuzz --parallel "${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}"
 
 mkdir -p "build/fuzz/corpus/$target" build/fuzz/found
-# most readers read a file, which is written anew for each execution: on a disk that took four to ten times as long as the reading
+# most readers read a file, which is written anew for each execution; on a disk that takes most of the time
 [[ -n ${TMPDIR:-} || ! -w /dev/shm ]] || export TMPDIR=/dev/shm
 dictionary=()
 [[ -f tests/fuzz/$target.dict ]] && dictionary=("-dict=tests/fuzz/$target.dict")
