@@ -11,6 +11,10 @@ import gustlab_figures as figures
 from gustlab_figures import REFERENCE, plt
 
 
+# above a panel: inside it a legend would hide what was flown
+ABOVE = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
+
+
 def draw(options):
     flight = figures.Flight(options.flight)
     path_m, reference_m = flight.need("px", "py", "pz"), flight.need("rpx", "rpy", "rpz")
@@ -21,9 +25,10 @@ def draw(options):
     figure.suptitle(flight.name("vehicle", "trajectory", "controller", "outcome"))
     axes["path"].plot(*reference_m[:2], **REFERENCE)
     axes["path"].plot(*path_m[:2], label="flown")
-    axes["path"].set(xlabel="x / m", ylabel="y / m", title="from above")
+    axes["path"].set(xlabel="x / m", ylabel="y / m")
+    axes["path"].set_title("from above", loc="left")
     axes["path"].set_aspect("equal", adjustable="datalim")
-    axes["path"].legend()
+    axes["path"].legend(ncols=2, **ABOVE)
 
     axes["height"].plot(time_s, reference_m[2], **REFERENCE)
     axes["height"].plot(time_s, path_m[2])
@@ -33,13 +38,13 @@ def draw(options):
     axes["error"].plot(time_s, np.hypot(*error_m[:2]), label="horizontal")
     axes["error"].plot(time_s, np.abs(error_m[2]), label="vertical")
     axes["error"].set(ylabel="error / m", ylim=(0, None))
-    axes["error"].legend()
+    axes["error"].legend(ncols=2, **ABOVE)
 
     # recordings do not know the disturbance
     if {"fx", "fy", "fz"} <= set(flight.columns):
         for name, force_N in zip("xyz", flight.need("fx", "fy", "fz")):
             axes["force"].plot(time_s, force_N, label=name)
-        axes["force"].legend(ncols=3)
+        axes["force"].legend(ncols=3, **ABOVE)
     else:
         axes["force"].text(0.5, 0.5, "not recorded", ha="center", va="center", transform=axes["force"].transAxes)
     axes["force"].set(ylabel="disturbance / N")
@@ -47,7 +52,7 @@ def draw(options):
     for number, speed in enumerate(speeds, 1):
         axes["rotors"].plot(time_s, speed, label=str(number), linewidth=0.7)
     axes["rotors"].set(xlabel="time / s", ylabel=speeds_label)
-    axes["rotors"].legend(ncols=len(speeds))
+    axes["rotors"].legend(ncols=len(speeds), **ABOVE)
     figures.save(figure, options.out)
 
 

@@ -79,6 +79,15 @@ void add_commands(CLI::App& app) {
   add_completion(app);
 }
 
+// a file of no name would be the present folder to some commands, and not given to others
+void check_words(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    if (argv[i][0] == '\0')
+      throw ConfigError(
+          fmt::format("gustlab: there is an empty word behind \"{}\" (a variable of the shell that is not set?)",
+                      i > 1 ? argv[i - 1] : "gustlab"));
+}
+
 // CLI11 only says that a command is missing
 void check_command(const CLI::App& app, int argc, char** argv) {
   const char* const* word = std::find_if(argv + 1, argv + argc, [](const char* argument) { return *argument != '-'; });
@@ -109,6 +118,7 @@ int run(int argc, char** argv) {
     start_messages();
     protect_inputs();
     add_commands(app);
+    check_words(argc, argv);
     check_command(app, argc, argv);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -14,7 +14,13 @@ void ExperimentOptions::add_to(CLI::App& command) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   command.add_option("--seed", seed, "of every random stream, instead of the experiment's")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""));
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""))
+      ->check(CLI::Validator(
+          // what is larger is clipped before the range is looked at
+          [](const std::string& word) {
+            return word.size() > 19 ? "Value " + word + " not in range 0 to 9223372036854775807" : std::string();
+          },
+          ""));
 }
 
 std::vector<std::string> ExperimentOptions::overrides() const {

@@ -106,7 +106,7 @@ void table_command(TableArguments options) {
   }
   for (const std::string& name : options.names) {
     const std::size_t equals = name.find('=');
-    if (equals == std::string::npos)
+    if (equals == std::string::npos || equals == 0 || equals + 1 == name.size())
       throw ConfigError(fmt::format(
           "--names {}: not a name (ours=theirs) for example --names daiml=ADAIML,lemniscate=infinity", name));
     options.table.names[name.substr(0, equals)] = name.substr(equals + 1);

@@ -116,7 +116,8 @@ def frozen(flight: Flight, name: str, columns, time_s: np.ndarray, values: np.nd
         severity = "warning" if name in ("battery", "specific force") else "error"
         if not (name == "actuators" and not values.any()):
             say(flight, "frozen", columns, time_s, severity,
-                f"{name} never changes ({', '.join(f'{v:g}' for v in values[0])}): nothing that depends on it can be told")
+                f"{name} never changes ({', '.join(f'{v:g}' for v in values[0])}): " +
+                ("what falls with it can only be told by time" if name == "battery" else "nothing that depends on it can be told"))
         return True
     if name in ("battery", "actuators"):
         return False

@@ -23,8 +23,10 @@ def can_tell(flight: Flight) -> list:
     out = []
     if rate(flight, "px", "py", "pz") or rate(flight, "ax", "ay", "az"):
         out.append("forces (weight, thrust, drag, wind)" if rate(flight, "px", "py", "pz") else "vertical force (weight, thrust)")
-    if len(flight.actuator_names) >= 3 and min(rate(flight, *flight.actuator_names), rate(flight, "wx", "wy", "wz")) > 0:
-        out.append("torques (centre of mass, single rotors, inertia)")
+    inputs = rate(flight, *flight.actuator_names)
+    if len(flight.actuator_names) >= 3 and min(inputs, rate(flight, "wx", "wy", "wz")) > 0:
+        out.append("torques (centre of mass, single rotors, inertia)" if inputs >= MOTOR_Hz else
+                   f"torques only where the motors' commands are smooth: at {inputs:.0f} Hz what a faster loop did between two of them is not in the log")
     return out
 
 
@@ -58,5 +60,5 @@ def _of(flight: Flight) -> dict:
     if "vbat" not in flight.columns:
         out["battery_sag"] = ("there is no usable battery voltage", "battery")
     elif np.nanmax(flight.columns["vbat"]) - np.nanmin(flight.columns["vbat"]) < FROZEN_V:
-        out["battery_sag"] = ("the battery voltage never changes", "battery")
+        out["battery_sag"] = ("the battery voltage never changes: what falls with it can only be told by time", "battery")
     return out

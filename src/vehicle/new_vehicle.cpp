@@ -22,6 +22,8 @@ double arm_m(const NewVehicle& wanted) {
   return sum / static_cast<double>(wanted.hubs.size());
 }
 
+constexpr double most_thrust_to_weight = 100.0, most_mass_kg = 1e4;
+
 // the nearest two hubs of one height
 double hub_distance_m(const NewVehicle& wanted) {
   double least = 1e300;
@@ -43,6 +45,12 @@ void check(const NewVehicle& wanted) {
     throw ConfigError(fmt::format(
         "--thrust-to-weight: a vehicle with {} does not fly (all rotors at full input carry that much of the weight)",
         number(wanted.thrust_to_weight->value)));
+  if (wanted.thrust_to_weight && wanted.thrust_to_weight->value > most_thrust_to_weight)
+    throw ConfigError(fmt::format("--thrust-to-weight: {} (no multirotor pushes with more than {} times its weight)",
+                                  number(wanted.thrust_to_weight->value), most_thrust_to_weight));
+  if (!(wanted.mass_kg.value < most_mass_kg))
+    throw ConfigError(
+        fmt::format("--mass: {} kg is no multirotor's (less than {} kg)", number(wanted.mass_kg.value), most_mass_kg));
   if (wanted.hover && !(wanted.hover->value > 0.0 && wanted.hover->value < 1.0))
     throw ConfigError(
         fmt::format("--hover: {} is no hover throttle (it is between 0 and 1)", number(wanted.hover->value)));

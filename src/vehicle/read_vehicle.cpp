@@ -127,11 +127,13 @@ std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& 
 
 VehicleModel read_vehicle(const std::string& name_or_path, const std::string& from_file) {
   Table document = Table::read_file(vehicle_file(name_or_path, from_file));
-  check_required(document);
+  // another kind of file lacks everything
+  if (!document.has("format")) check_required(document);
   const std::string format = document.need_text("format");
   if (format != format_name)
     document.fail("format", fmt::format("format \"{}\" is not a vehicle's", format), "",
                   fmt::format("write \"{}\"", format_name));
+  check_required(document);
 
   VehicleModel vehicle;
   vehicle.source_path = document.path();

@@ -292,6 +292,8 @@ class WrongInput(InFolder):
             (changed(("--prop", "ten in")), "--prop: "),
             (changed(("--thrust-to-weight", "0.9")), "does not fly"),
             (changed(("--thrust-to-weight", "x")), "--thrust-to-weight"),
+            (changed(("--thrust-to-weight", "1e20")), "no multirotor pushes with more than 100 times its weight"),
+            (changed(("--mass", "1e9kg")), "--mass: 1e+09 kg is no multirotor's"),
             (changed(drop=["--thrust-to-weight"]), "--thrust-to-weight or --hover is missing"),
             (changed(("--hover", "0.5")), "--hover and --thrust-to-weight are two answers to one question"),
             (changed(("--hover", "1.5"), drop=["--thrust-to-weight"]), "1.5 is no hover throttle"),

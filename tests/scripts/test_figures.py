@@ -1,5 +1,6 @@
 """The figures: all three formats, the same bytes each time, and clear refusals that write nothing."""
 
+import argparse
 import contextlib
 import importlib
 import io
@@ -8,11 +9,13 @@ import math
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import gustlab_figures
 import plot_axis
+import plot_flight
 import plot_heatmap
 
 RUNS = "experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,key"
@@ -79,6 +82,15 @@ class Figures(unittest.TestCase):
 
     def test_flight(self):
         self.check_figure([("one", "one")], "plot_flight", self.flight("run"))
+        # no legend lies over a curve
+        drawn = []
+        with unittest.mock.patch.object(gustlab_figures, "save", lambda figure, stem: drawn.append(figure)):
+            plot_flight.draw(argparse.Namespace(flight=str(self.flight("again")), out="unused"))
+        drawn[0].canvas.draw()
+        legends = [(axes, axes.get_legend()) for axes in drawn[0].axes if axes.get_legend()]
+        self.assertEqual(len(legends), 4)
+        for axes, legend in legends:
+            self.assertGreaterEqual(legend.get_window_extent().y0, axes.get_window_extent().y1 - 1.0)
 
     def test_flight_without_a_known_disturbance(self):
         self.check_figure([("one", "one")], "plot_flight", self.flight("run", force=False) / "flight.csv")

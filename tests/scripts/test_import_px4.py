@@ -240,6 +240,7 @@ class PX4(ImportCase):
         code, out, err = self.run_import(self.write("flight.ulg", px4_flight(synthetic()).bytes()))
         self.assertEqual((code, err), (0, ""))
         for words in ("flight flight_1: 3.00 to 17.00 s", "position: 10 Hz (vehicle_local_position[0])", "enough to judge: forces",
+                      "torques only where the motors' commands are smooth: at 50 Hz",
                       "cannot tell motor_lag", "refused: 0.00 to 2.00 s: disarmed"):
             self.assertIn(words, out)
         self.assertFalse(self.out.exists())
