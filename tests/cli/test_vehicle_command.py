@@ -354,7 +354,8 @@ class WrongInput(InFolder):
     def test_files(self):
         for text, words in (
             ("", "4 required keys are missing:"),
-            ("format = 1\n", "3 required keys are missing:"),
+            ("format = 1\n", '"format" must be a string'),
+            ('format = "gustlab-vehicle/1"\n', "3 required keys are missing:"),
             (LEAST + "hover = 0.5\nradius = 0.1\n", 'unknown key "radius" did you mean "radius_m"?'),
             (LEAST + "hover = -0.5\n", '"hover" must be positive'),
             (LEAST + 'hover = "half"\n', '"hover" must be a number'),

@@ -551,7 +551,7 @@ class WrongMaps(FormatCase):
                  "needs a column map": [log], "no vehicle of this name": [log, "--map", self.map, "--vehicle", "crazyfly"],
                  "no built-in map and no file of this name": [log, "--map", "nothing.toml"],
                  "no log format that is known begins like this": [ulg], "cannot be read": [self.folder / "missing.ulg"],
-                 "invalid float value": [log, "--map", self.map, "--from", "soon"],
+                 "invalid seconds value": [log, "--map", self.map, "--from", "soon"],
                  "the following arguments are required": ["--out", self.out]}
         for words, arguments in cases.items():
             with self.subTest(words):

@@ -151,7 +151,8 @@ class PX4(ImportCase):
     def hexa(self):
         self.write("h.xml", "<mujoco><worldbody><body>" + "".join(f'<site name="r{k}" pos="{np.cos(k)} {np.sin(k)} 0"/>' for k in range(6))
                    + "</body></worldbody></mujoco>")
-        return self.write("hexa.toml", 'mjcf = "h.xml"\n' + "".join(f'[[rotor]]\nsite = "r{k}"\ndirection = "cw"\n' for k in range(6)))
+        return self.write("hexa.toml", 'format = "gustlab-vehicle/1"\nmjcf = "h.xml"\n'
+                          + "".join(f'[[rotor]]\nsite = "r{k}"\ndirection = "cw"\n' for k in range(6)))
 
     def test_refusals(self):
         cases = {"disarmed: the vehicle was never armed": dict(armed=(90.0, 99.0)),
