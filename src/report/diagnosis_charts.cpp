@@ -321,6 +321,7 @@ std::string window_section(const nlohmann::ordered_json& diagnosis, const Diagno
         " Predictions start anew from the recorded state every {:g} s; the noise floor is that of predictions so far "
         "ahead.",
         restart_s);
+  if (!torque_is_told(diagnosis)) caption += " These logs tell no torque, so predictions follow the recorded attitude.";
   return "<section><h2>Before and after, over a stretch of flight</h2><figure>" +
          legend({{"measured", "flown"},
                  {"before", "simulation as it was"},

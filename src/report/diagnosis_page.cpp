@@ -323,11 +323,14 @@ std::string calibration(const Json& diagnosis) {
 
 std::string disturbance(const Json& diagnosis) {
   std::string rows;
-  for (const Json& entry : part(diagnosis, "disturbance"))
+  for (const Json& entry : part(diagnosis, "disturbance")) {
+    // as in the table of channels
+    if (!torque_is_told(diagnosis) && text(entry, "group").starts_with("torque")) continue;
     rows += fmt::format(
         "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{} s</td></tr>",
         escape(plain_channel(text(entry, "group"))), figure(number(entry, "before")), figure(number(entry, "after")),
         escape(display_of("", text(entry, "unit"), 1.0).unit), figure(number(entry, "correlation_time_s")));
+  }
   if (rows.empty()) return "";
   return "<p>What still pushes the vehicle at random: turbulence, and whatever has no name. It comes and goes over the "
          "correlation time.</p>"
@@ -337,12 +340,20 @@ std::string disturbance(const Json& diagnosis) {
          rows + "</table></div>";
 }
 
-// alarms in words, one line for all sensors whose innovations are correlated
-std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& alarms) {
+bool of_torques_alone(const Json& alarm) {
+  const Json& channels = part(alarm, "channels");
+  return !channels.empty() && std::all_of(channels.begin(), channels.end(), [](const Json& channel) {
+    return channel.is_string() && channel.get<std::string>().starts_with("torque");
+  });
+}
+
+// alarms in words, one line for all sensors whose innovations are correlated; none of torques that the logs do not tell
+std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& diagnosis) {
   std::vector<std::pair<std::string, std::string>> lines;
   std::vector<std::string> sensors;
   std::size_t at = 0;
-  for (const Json& alarm : alarms) {
+  for (const Json& alarm : part(diagnosis, "alarms")) {
+    if (!torque_is_told(diagnosis) && of_torques_alone(alarm)) continue;
     const std::string sensor = text(alarm, "sensor");
     if (sensors.empty()) at = lines.size();
     if (sensor.empty() || sensors.empty())
@@ -357,32 +368,41 @@ std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& alarms)
 // what says that something is left, and other remarks
 std::string remarks(const Json& diagnosis) {
   std::string items;
-  for (const auto& [kind, says] : alarm_lines(part(diagnosis, "alarms")))
+  for (const auto& [kind, says] : alarm_lines(diagnosis))
     items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(kind), escape(says));
   for (const Json& note : part(diagnosis, "notes"))
     if (note.is_string()) items += "<li>" + escape(capital(in_plain_words(note.get<std::string>()))) + ".</li>";
   return items.empty() ? "" : "<ul>" + items + "</ul>";
 }
 
-// effects with the reason that they share, in the order in which the reasons come
-std::vector<std::pair<std::string, std::vector<std::string>>> by_reason(const Json& list) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> groups;
+// what could not be told for one reason, in the order in which the reasons come
+struct Untold {
+  std::string why, remedy;
+  std::vector<std::string> names;
+};
+
+std::vector<Untold> by_reason(const Json& list) {
+  std::vector<Untold> groups;
   for (const Json& entry : list) {
-    const std::string why = in_plain_words(text(entry, "why"));
-    const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) { return group.first == why; });
-    (same == groups.end() ? groups.emplace_back(why, std::vector<std::string>{}) : *same)
-        .second.push_back(plain_name(entry));
+    std::string why = text(entry, "why");
+    const std::string shows_in = text(entry, "shows_in"), shown = diagnosis::shows_in_words(shows_in);
+    // the flight that shows it has a column of its own
+    if (!shows_in.empty() && why.ends_with(shown)) why.resize(why.size() - shown.size());
+    why = in_plain_words(why);
+    const std::string remedy = remedy_for(diagnosis::lack_named(text(entry, "lack")), in_plain_words(shows_in));
+    const auto same = std::find_if(groups.begin(), groups.end(),
+                                   [&](const Untold& group) { return group.why == why && group.remedy == remedy; });
+    (same == groups.end() ? groups.emplace_back(Untold{why, remedy, {}}) : *same).names.push_back(plain_name(entry));
   }
   return groups;
 }
 
 std::string cannot_tell(const Json& diagnosis) {
   std::string html, rows;
-  for (const auto& [why, names] : by_reason(part(diagnosis, "not_identifiable"))) {
-    const Remedy remedy = remedy_for(why);
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"where\">{}</td></tr>", escape(list_in_words(names)),
-                        escape(remedy.why), remedy.what.empty() ? "–" : escape(remedy.what));
-  }
+  for (const Untold& group : by_reason(part(diagnosis, "not_identifiable")))
+    rows +=
+        fmt::format("<tr><td>{}</td><td>{}</td><td class=\"where\">{}</td></tr>", escape(list_in_words(group.names)),
+                    escape(group.why), group.remedy.empty() ? "–" : escape(group.remedy));
   if (!rows.empty())
     html +=
         "<p>These flights do not show enough to say anything, either way, about:</p><div "

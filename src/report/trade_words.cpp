@@ -130,9 +130,15 @@ std::string gusts(const Json& effect) {
   return fmt::format("Gusts push it with {} (rms)", length_of(effect, "N", {"sigma_xy", "sigma_z"}));
 }
 
+// what is said, and what the numbers are compared with at its end: "more" than "its model"
+struct Headline {
+  std::string line;
+  const char* against = nullptr;
+};
+
 struct Words {
   const char* effect;
-  std::string (*headline)(const Json&);
+  Headline (*headline)(const Json&);
   std::string (*notice)(const Json&);
 };
 
@@ -140,18 +146,25 @@ using Text = std::string;
 using E = const Json&;
 
 const Words table[] = {
-    {"mass", [](E e) -> Text { return "The vehicle weighs " + more(e) + " than its model"; },
+    {"mass",
+     [](E e) -> Headline {
+       return {"The vehicle weighs " + more(e), "its model"};
+     },
      [](E e) -> Text {
        return down(e) ? "It hovers at less throttle and balloons when a manoeuvre begins."
                       : "It hovers at more throttle, climbs more slowly and sinks when a manoeuvre begins.";
      }},
-    {"thrust_scale", [](E e) -> Text { return "All rotors push " + more(e) + " than the model says"; },
+    {"thrust_scale",
+     [](E e) -> Headline {
+       return {"All rotors push " + more(e), "the model says"};
+     },
      [](E e) -> Text {
        return down(e) ? "It hovers at more throttle, and hard climbs end sooner." : "It hovers at less throttle.";
      }},
     {"rotor_loss",
-     [](E e) -> Text {
-       return "Rotor " + rotor(e) + " gives " + size_of(e, "loss") + (down(e, "loss") ? " more" : " less") + " thrust";
+     [](E e) -> Headline {
+       return {"Rotor " + rotor(e) + " gives " + size_of(e, "loss") + (down(e, "loss") ? " more" : " less") +
+               " thrust"};
      },
      [](E e) -> Text {
        return down(e, "loss") ? "It leans away from rotor " + rotor(e) + ", which the controller holds down."
@@ -160,11 +173,12 @@ const Words table[] = {
                                     "reserve first.";
      }},
     {"center_of_mass",
-     [](E e) -> Text {
-       return "The centre of mass sits " +
-              directions(
-                  e, {{{"farther forward", "farther back"}, {"farther left", "farther right"}, {"higher", "lower"}}}) +
-              " than the model has it";
+     [](E e) -> Headline {
+       return {
+           "The centre of mass sits " +
+               directions(
+                   e, {{{"farther forward", "farther back"}, {"farther left", "farther right"}, {"higher", "lower"}}}),
+           "the model has it"};
      },
      [](E e) -> Text {
        if (!surely(e, "x") && !surely(e, "y"))
@@ -172,96 +186,106 @@ const Words table[] = {
                             down(e, "z") ? "below" : "above");
        return "Hover needs a lasting trim in roll or pitch; without one it drifts to the heavy side.";
      }},
-    {"inertia", turning,
+    {"inertia", [](E e) -> Headline { return {turning(e)}; },
      [](E) -> Text {
        return "It answers the sticks at another pace than its tuning expects: it overshoots, or shakes.";
      }},
     {"rotor_tilt",
-     [](E e) -> Text {
-       return "All rotors push along an axis that is tilted by " + length_of(e, "rad", {"x", "y"});
+     [](E e) -> Headline {
+       return {"All rotors push along an axis that is tilted by " + length_of(e, "rad", {"x", "y"})};
      },
      [](E) -> Text { return "Held level it slides to one side of its own body, whichever way it points."; }},
-    {"motor_lag", [](E e) -> Text { return "The motors answer with a lag of " + size_of(e, "time_constant"); },
+    {"motor_lag", [](E e) -> Headline { return {"The motors answer with a lag of " + size_of(e, "time_constant")}; },
      [](E) -> Text { return "It feels soft; high gains in attitude make it shake."; }},
-    {"actuation_delay", [](E e) -> Text { return "Commands reach the rotors " + size_of(e, "delay") + " late"; },
+    {"actuation_delay", [](E e) -> Headline { return {"Commands reach the rotors " + size_of(e, "delay") + " late"}; },
      [](E) -> Text { return "High gains in attitude make it shake, though every answer is exact."; }},
-    {"thrust_curve", [](E) -> Text { return "Thrust does not follow the square of rotor speed exactly"; },
+    {"thrust_curve", [](E) -> Headline { return {"Thrust does not follow the square of rotor speed exactly"}; },
      [](E) -> Text { return "Right in hover, the throttle is wrong in hard climbs and in descents."; }},
-    {"saturation", limits, [](E) -> Text { return "In hard climbs and turns it gives way, and attitude with it."; }},
-    {"battery_sag", sag, [](E) -> Text { return "Hover needs more and more throttle during a flight."; }},
-    {"yaw_torque_ratio", [](E e) -> Text { return "The rotors turn it " + more(e) + " in yaw than the model says"; },
+    {"saturation", [](E e) -> Headline { return {limits(e)}; },
+     [](E) -> Text { return "In hard climbs and turns it gives way, and attitude with it."; }},
+    {"battery_sag", [](E e) -> Headline { return {sag(e)}; },
+     [](E) -> Text { return "Hover needs more and more throttle during a flight."; }},
+    {"yaw_torque_ratio",
+     [](E e) -> Headline {
+       return {"The rotors turn it " + more(e) + " in yaw", "the model says"};
+     },
      [](E e) -> Text { return down(e) ? "Yaw is sluggish." : "Yaw is lively, and may overshoot."; }},
-    {"rotor_inertia", [](E) -> Text { return "Rotors that speed up kick it in yaw"; },
+    {"rotor_inertia", [](E) -> Headline { return {"Rotors that speed up kick it in yaw"}; },
      [](E) -> Text { return "Yaw answers with a kick before it settles."; }},
     {"rotor_drag",
-     [](E e) -> Text {
-       return down(e, "at_hover") ? "Rotor drag is " + size_of(e, "at_hover") + " less than the model says"
-                                  : "Rotor drag of " + size_of(e, "at_hover") + " holds it back";
+     [](E e) -> Headline {
+       if (down(e, "at_hover")) return {"Rotor drag is " + size_of(e, "at_hover") + " less", "the model says"};
+       return {"Rotor drag of " + size_of(e, "at_hover") + " holds it back"};
      },
      [](E e) -> Text {
        return down(e, "at_hover") ? "It needs less lean to keep its speed, and glides on when level."
                                   : "It must lean more to keep its speed, and stops sooner when level.";
      }},
     {"quadratic_drag",
-     [](E e) -> Text {
-       return "The body's drag holds it back at speed (drag area " + length_of(e, "m^2", {"area_xy", "area_z"}) + ")";
+     [](E e) -> Headline {
+       return {"The body's drag holds it back at speed (drag area " + length_of(e, "m^2", {"area_xy", "area_z"}) + ")"};
      },
      [](E) -> Text { return "Fast flight needs more lean and throttle; its top speed is lower."; }},
-    {"axial_inflow", [](E) -> Text { return "Rotors lose thrust in a climb and gain it in a descent"; },
+    {"axial_inflow", [](E) -> Headline { return {"Rotors lose thrust in a climb and gain it in a descent"}; },
      [](E) -> Text { return "Climbs and descents are slower; roll and pitch are damped."; }},
-    {"translational_lift", [](E) -> Text { return "Rotors gain lift as it flies along"; },
+    {"translational_lift", [](E) -> Headline { return {"Rotors gain lift as it flies along"}; },
      [](E) -> Text { return "It balloons as it gains speed, and sinks as it stops."; }},
     {"flapping_torque",
-     [](E e) -> Text {
-       return fmt::format("Its nose is pitched {} as it gains speed", down(e, "coefficient") ? "down" : "up");
+     [](E e) -> Headline {
+       return {fmt::format("Its nose is pitched {} as it gains speed", down(e, "coefficient") ? "down" : "up")};
      },
      [](E) -> Text { return "Forward flight needs a lasting push on pitch."; }},
-    {"ground_effect", [](E) -> Text { return "The ground carries it from below"; },
+    {"ground_effect", [](E) -> Headline { return {"The ground carries it from below"}; },
      [](E) -> Text { return "It floats when landing, and bounces low over ground."; }},
-    {"ceiling_effect", [](E) -> Text { return "The ceiling draws it up"; },
+    {"ceiling_effect", [](E) -> Headline { return {"The ceiling draws it up"}; },
      [](E) -> Text { return "Close under a ceiling it is pulled against it."; }},
-    {"wall_effect", [](E) -> Text { return "A wall draws it in"; },
+    {"wall_effect", [](E) -> Headline { return {"A wall draws it in"}; },
      [](E) -> Text { return "Beside a wall it drifts toward it."; }},
-    {"steady_wind", wind,
+    {"steady_wind", [](E e) -> Headline { return {wind(e)}; },
      [](E) -> Text { return "Hovering it leans into the wind, by the same amount wherever it points."; }},
-    {"fans", [](E) -> Text { return "Air from fans pushes it"; },
+    {"fans", [](E) -> Headline { return {"Air from fans pushes it"}; },
      [](E) -> Text { return "It is shaken in some places and not in others."; }},
-    {"gust", gusts, [](E) -> Text { return "It is thrown about in hover, and never in the same way twice."; }},
+    {"gust", [](E e) -> Headline { return {gusts(e)}; },
+     [](E) -> Text { return "It is thrown about in hover, and never in the same way twice."; }},
     {"constant_force",
-     [](E e) -> Text {
-       return "A steady force of " + length_of(e, "N", {"x", "y", "z"}) + " pulls it, always the same way";
+     [](E e) -> Headline {
+       return {"A steady force of " + length_of(e, "N", {"x", "y", "z"}) + " pulls it, always the same way"};
      },
      [](E) -> Text {
        return "Without an integrator it drifts the same way wherever it points: a cable, or a tilted frame.";
      }},
     {"slung_load",
-     [](E e) -> Text {
-       return "A load of " + size_of(e, "mass") +
-              (std::isfinite(value_of(e, "length")) ? " swings " + size_of(e, "length") + " below it"
-                                                    : " swings below it");
+     [](E e) -> Headline {
+       return {"A load of " + size_of(e, "mass") +
+               (std::isfinite(value_of(e, "length")) ? " swings " + size_of(e, "length") + " below it"
+                                                     : " swings below it")};
      },
      [](E) -> Text { return "It is pulled to and fro for seconds after each stop."; }},
     {"attitude_offset",
-     [](E e) -> Text {
-       return "The logged attitude is tilted by " + length_of(e, "rad", {"x", "y"});
+     [](E e) -> Headline {
+       return {"The logged attitude is tilted by " + length_of(e, "rad", {"x", "y"})};
      },
      [](E) -> Text { return "In a steady hover the log shows a lean. Calibrate the level again."; }},
-    {"yaw_offset", [](E e) -> Text { return "The logged heading is turned by " + size_of(e, "z"); },
+    {"yaw_offset", [](E e) -> Headline { return {"The logged heading is turned by " + size_of(e, "z")}; },
      [](E) -> Text { return "Flown straight ahead, the log shows it moving to one side."; }},
-    {"pose_delay", [](E e) -> Text { return "Logged positions and attitudes are " + size_of(e, "delay") + " late"; },
+    {"pose_delay",
+     [](E e) -> Headline { return {"Logged positions and attitudes are " + size_of(e, "delay") + " late"}; },
      [](E) -> Text { return "Position control circles round its target when gains are high."; }},
     {"imu_lever",
-     [](E e) -> Text {
-       return "The accelerometer sits " +
-              directions(
-                  e, {{{"farther forward", "farther back"}, {"farther left", "farther right"}, {"higher", "lower"}}}) +
-              " than the model has it";
+     [](E e) -> Headline {
+       return {
+           "The accelerometer sits " +
+               directions(
+                   e, {{{"farther forward", "farther back"}, {"farther left", "farther right"}, {"higher", "lower"}}}),
+           "the model has it"};
      },
      [](E) -> Text { return "Turning shows as acceleration."; }},
     {"gyro_scale",
-     [](E e) -> Text { return "The gyroscope reads " + size_of(e, "delta") + " too " + (down(e) ? "little" : "much"); },
+     [](E e) -> Headline {
+       return {"The gyroscope reads " + size_of(e, "delta") + " too " + (down(e) ? "little" : "much")};
+     },
      [](E) -> Text { return "Fast turns end at another angle than the one integrated."; }},
-    {"estimator_delay", [](E) -> Text { return "The vehicle's own estimate is late"; },
+    {"estimator_delay", [](E) -> Headline { return {"The vehicle's own estimate is late"}; },
      [](E) -> Text { return "High gains make it shake."; }},
 };
 
@@ -295,13 +319,11 @@ bool has_trade_words(const std::string& effect) { return words_for(effect) != nu
 
 std::string headline_of(const Json& effect) {
   if (const Words* words = words_for(text(effect, "effect"))) {
-    std::string line = words->headline(effect);
-    if (part(effect, "total").empty()) return line;
+    const auto [line, against] = words->headline(effect);
+    const bool alone = part(effect, "total").empty();
     // with reference flights the numbers are changes against them
-    for (const std::string_view model : {" than its model", " than the model says", " than the model has it"})
-      if (const std::size_t at = line.find(model); at != std::string::npos)
-        return line.replace(at, model.size(), " than in the reference flights");
-    return line + ", on top of the reference flights";
+    if (against) return line + " than " + (alone ? against : "in the reference flights");
+    return alone ? line : line + ", on top of the reference flights";
   }
   const std::string says = text(effect, "says");
   return capital(plain_name(effect)) + (says.empty() ? "" : ": " + says);
@@ -322,33 +344,36 @@ std::vector<Json> in_order_of_weight(const Json& diagnosis) {
   return ordered;
 }
 
-Remedy remedy_for(const std::string& why) {
-  constexpr std::string_view mark = " (it shows in: ";
-  if (const std::size_t at = why.find(mark); at != std::string::npos)
-    return {why.substr(0, at), "fly: " + why.substr(at + mark.size(), why.size() - at - mark.size() - 1)};
-  struct Rule {
-    const char *in_reason, *remedy;
-  };
-  // the first that fits; loggers by their own names
-  constexpr Rule rules[] = {
-      {"the vehicle file has no", "give it in vehicle.toml (gustlab defaults vehicle)"},
-      {"environment.", "give it in the log's sidecar (gustlab defaults sidecar)"},
-      {"filtered", "log raw sensors: PX4 SDLOG_PROFILE, bit high rate; ArduPilot LOG_BITMASK, IMU_RAW"},
-      {"neither attitude nor body rate",
-       "log attitude and body rate at 50 Hz or more: PX4 SDLOG_PROFILE; ArduPilot "
-       "LOG_BITMASK, ATTITUDE_FAST; a Crazyflie's log blocks stateEstimate and gyro"},
-      {"no attitude", "log attitude: PX4 vehicle_attitude; ArduPilot LOG_BITMASK, ATTITUDE_FAST"},
-      {"neither position nor velocity", "log position or velocity: motion capture, GNSS or the estimator's own"},
-      {"no torque",
-       "log body rate and every motor at 100 Hz or more: PX4 SDLOG_PROFILE, bit high rate; ArduPilot "
-       "LOG_BITMASK, RCOUT and IMU_FAST; Betaflight blackbox_sample_rate"},
-      {"no accelerometer", "log the accelerometer: PX4 sensor_combined; ArduPilot LOG_BITMASK, IMU"},
-      {"voltage", "log the battery's voltage"},
-      {"command", "log every motor command: PX4 SDLOG_PROFILE, bit high rate; ArduPilot LOG_BITMASK, RCOUT"},
-      {"clock", "log motors and attitude by one clock"}};
-  for (const Rule& rule : rules)
-    if (why.find(rule.in_reason) != std::string::npos) return {why, rule.remedy};
-  return {why, ""};
+std::string remedy_for(diagnosis::Lack lack, const std::string& shows_in) {
+  using diagnosis::Lack;
+  switch (lack) {  // loggers by their own names
+    case Lack::other:
+      return "";
+    case Lack::vehicle_file:
+      return "give it in vehicle.toml (gustlab defaults vehicle)";
+    case Lack::surroundings:
+      return "give it in the log's sidecar (gustlab defaults sidecar)";
+    case Lack::raw_sensors:
+      return "log raw sensors: PX4 SDLOG_PROFILE, bit 4 (high rate); ArduPilot LOG_BITMASK, IMU_RAW";
+    case Lack::attitude_and_rate:
+      return "log attitude and body rate at 50 Hz or more: PX4 SDLOG_PROFILE, bit 4 (high rate); ArduPilot "
+             "LOG_BITMASK, ATTITUDE_FAST; a "
+             "Crazyflie's log blocks stateEstimate and gyro";
+    case Lack::attitude:
+      return "log attitude: PX4 vehicle_attitude; ArduPilot LOG_BITMASK, ATTITUDE_FAST";
+    case Lack::motion:
+      return "log position or velocity: motion capture, GNSS or the estimator's own";
+    case Lack::torque:
+      return "log body rate and every motor at 100 Hz or more: PX4 SDLOG_PROFILE, bits 3 (system identification) and 4 "
+             "(high rate); ArduPilot "
+             "LOG_BITMASK, "
+             "RCOUT and IMU_FAST; Betaflight blackbox_sample_rate";
+    case Lack::accelerometer:
+      return "log the accelerometer: PX4 sensor_combined; ArduPilot LOG_BITMASK, IMU";
+    case Lack::excitation:
+      return shows_in.empty() ? "" : "fly: " + shows_in;
+  }
+  return "";
 }
 
 std::string likeness(const Json& term, double weight_N) {

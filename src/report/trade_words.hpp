@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/result/findings.hpp"
 #include "report/diagnosis_words.hpp"
 
 namespace gustlab::report {
@@ -17,11 +18,8 @@ bool has_trade_words(const std::string& effect);
 // Named effects of diagnosis.json: the most certain first, of those that are equally certain the one that explains most.
 std::vector<Json> in_order_of_weight(const Json& diagnosis);
 
-// What would tell an effect that these flights cannot: the reason, and a setting of the logger, an entry or a flight.
-struct Remedy {
-  std::string why, what;
-};
-Remedy remedy_for(const std::string& why);
+// What would tell an effect that these flights cannot: a setting of the logger, an entry, or the flight that shows it.
+std::string remedy_for(diagnosis::Lack lack, const std::string& shows_in = "");
 
 // "like rotor drag of 0.30 N s/m": what a term of an unnamed model is like; weight 0: not known.
 std::string likeness(const Json& term, double weight_N);

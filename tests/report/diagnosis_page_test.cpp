@@ -65,8 +65,8 @@ TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
                              "Still not explained",
                              "repeat after 0.05 s",
                              "What cannot be told",
-                             "no sample below 0.3 m",
-                             "log the battery&#39;s voltage",
+                             "these flights do not excite it",
+                             "fly: low flight",
                              "What to fly next",
                              "Thrust sweep",
                              "Unexplained disturbance",
@@ -180,11 +180,20 @@ TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
   EXPECT_THAT(diagnosis_page(diagnosis, figures),
               AllOf(HasSubstr("Roll torque"), HasSubstr("Roll and pitch: how far off")));
   diagnosis["torque_told"] = true;
-  EXPECT_THAT(diagnosis_page(diagnosis, figures), HasSubstr("Roll torque"));
+  diagnosis["alarms"] = {{{"kind", "floor"}, {"says", "yaw torque is disturbed"}, {"channels", {"torque_z"}}},
+                         {{"kind", "omnibus"}, {"says", "lift is left"}, {"channels", {"force_z", "torque_x"}}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, figures),
+              AllOf(HasSubstr("yaw torque is disturbed"), HasSubstr("lift is left")));
+  diagnosis["disturbance"] = {
+      {{"group", "torque_z"}, {"before", 0.1}, {"after", 0.09}, {"unit", "rad/s^2"}, {"correlation_time_s", 0.1}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, figures), AllOf(HasSubstr("Roll torque"), HasSubstr("Unexplained disturbance"),
+                                                        Not(HasSubstr("follow the recorded attitude"))));
   diagnosis["torque_told"] = false;
   EXPECT_THAT(diagnosis_page(diagnosis, figures),
               AllOf(HasSubstr("not judged: these logs tell no torque"), Not(HasSubstr(">everywhere<")),
-                    Not(HasSubstr("Roll torque")), Not(HasSubstr("Roll and pitch: how far off"))));
+                    Not(HasSubstr("Roll torque")), Not(HasSubstr("Roll and pitch: how far off")),
+                    Not(HasSubstr("Unexplained disturbance")), Not(HasSubstr("yaw torque is disturbed")),
+                    HasSubstr("lift is left"), HasSubstr("follow the recorded attitude")));
 }
 
 TEST(DiagnosisPage, WhatWasNotPredictedHasNoRow) {
@@ -326,14 +335,27 @@ TEST(TradeWords, AnUnnamedTermIsLikeSomethingThatIsKnown) {
 }
 
 TEST(TradeWords, WhatWouldTellIsALoggerAFileOrAFlight) {
-  EXPECT_EQ(report::remedy_for("these flights do not excite it (it shows in: fast level flight)").what,
-            "fly: fast level flight");
-  EXPECT_EQ(report::remedy_for("these flights do not excite it (it shows in: √(g / length) (slow))").what,
-            "fly: √(g / length) (slow)");
-  EXPECT_THAT(report::remedy_for("no accelerometer in the logs").what, HasSubstr("sensor_combined"));
-  EXPECT_THAT(report::remedy_for("the vehicle file has no rotor radius ([thrust] radius_m)").what,
-              HasSubstr("vehicle.toml"));
-  EXPECT_EQ(report::remedy_for("because").what, "");
+  using diagnosis::Lack;
+  EXPECT_EQ(report::remedy_for(Lack::excitation, "fast level flight"), "fly: fast level flight");
+  EXPECT_THAT(report::remedy_for(Lack::accelerometer), HasSubstr("sensor_combined"));
+  EXPECT_THAT(report::remedy_for(Lack::vehicle_file), HasSubstr("vehicle.toml"));
+  EXPECT_EQ(report::remedy_for(Lack::other), "");
+}
+
+TEST(DiagnosisPage, WhatWouldTellStandsBesideTheReason) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["not_identifiable"] = {{{"effect", "slung_load"},
+                                    {"why", "these flights do not excite it (it shows in: √(g / length) (slow))"},
+                                    {"lack", "excitation"},
+                                    {"shows_in", "√(g / length) (slow)"}},
+                                   // the words of a reason choose nothing
+                                   {{"effect", "inertia"}, {"why", "no accelerometer, no torque and no command"}},
+                                   {{"effect", "motor_lag"}, {"why", "because"}, {"lack", "torque"}}};
+  const std::string page = diagnosis_page(diagnosis, {});
+  EXPECT_THAT(page,
+              HasSubstr("<td>these flights do not excite it</td><td class=\"where\">fly: √(g / length) (slow)</td>"));
+  EXPECT_THAT(page, HasSubstr("<td>no accelerometer, no torque and no command</td><td class=\"where\">–</td>"));
+  EXPECT_THAT(page, HasSubstr("<td>because</td><td class=\"where\">log body rate and every motor"));
 }
 
 TEST(Words, ASentenceKeepsFilesAndKeys) {

@@ -156,7 +156,8 @@ void cannot_tell(Diagnosis& out, bool anything) {
       out.not_identifiable.push_back(
           {std::string(row.name),
            anything ? "mean commands of hover do not show it, and the log has neither attitude nor body rate"
-                    : "the log has neither attitude nor body rate"});
+                    : "the log has neither attitude nor body rate",
+           Lack::attitude_and_rate});
 }
 
 // hypotheses as catalogue names, in catalogue order: every name that explains the same means

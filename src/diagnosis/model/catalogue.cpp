@@ -55,21 +55,30 @@ bool is_of(const EffectSpec& spec, const Group& group) {
   return group.rotor == 0 || (rotor != spec.values.end() && rotor->second == std::to_string(group.rotor));
 }
 
-constexpr std::pair<Need, std::string_view> lacking[] = {
-    {Need::attitude, "no attitude in the logs"},
-    {Need::motion, "neither position nor velocity in the logs"},
-    {Need::torque, "these logs tell no torque"},
-    {Need::accelerometer, "no accelerometer in the logs"},
-    {Need::ground, "no ground height in the logs (environment.ground_z_m)"},
-    {Need::ceiling, "no ceiling height in the logs (environment.ceiling_z_m)"},
-    {Need::wall, "no walls in the logs (environment.walls)"}};
+struct Missing {
+  Need need;
+  std::string_view why;
+  Lack lack;
+};
+constexpr Missing missing[] = {
+    {Need::attitude, "no attitude in the logs", Lack::attitude},
+    {Need::motion, "neither position nor velocity in the logs", Lack::motion},
+    {Need::torque, "these logs tell no torque", Lack::torque},
+    {Need::accelerometer, "no accelerometer in the logs", Lack::accelerometer},
+    {Need::ground, "no ground height in the logs (environment.ground_z_m)", Lack::surroundings},
+    {Need::ceiling, "no ceiling height in the logs (environment.ceiling_z_m)", Lack::surroundings},
+    {Need::wall, "no walls in the logs (environment.walls)", Lack::surroundings}};
 
-// why flights do not tell of an effect, whatever the vehicle file says; empty when they do
-std::string why_not_told(const EffectRow& row, const Catalogue::Seen& seen) {
-  for (const auto& [need, why] : lacking)
-    if (row.asks(need) && !seen.tells(need)) return std::string(why);
-  if (row.needs_any != Need::nothing && !seen.tells(row.needs_any)) return std::string(row.lacking);
-  return seen.trims ? std::string(row.hidden_by_filter) : std::string();
+// why flights do not tell of an effect, whatever the vehicle file says; no value when they do
+std::optional<NotIdentifiable> why_not_told(const EffectRow& row, const Catalogue::Seen& seen) {
+  const auto because = [&](std::string_view why, Lack lack) {
+    return NotIdentifiable{std::string(row.name), std::string(why), lack};
+  };
+  for (const auto& [need, why, lack] : missing)
+    if (row.asks(need) && !seen.tells(need)) return because(why, lack);
+  if (row.needs_any != Need::nothing && !seen.tells(row.needs_any)) return because(row.lacking, Lack::other);
+  if (seen.trims && !row.hidden_by_filter.empty()) return because(row.hidden_by_filter, Lack::raw_sensors);
+  return std::nullopt;
 }
 
 bool is_fitted(const Number& number, const Catalogue::Seen& seen) {
@@ -144,7 +153,7 @@ void Catalogue::add_effect(const EffectRow& row, int rotor, int flights) {
                               [&](const EffectSpec& spec) { return is_of(spec, group); });
   // a number that the file does not have has no effect; a torque ratio that was estimated is fitted, and never named
   const auto gap = gap_of(row, vehicle_);
-  group.candidate = row.diagnosable && why_not_told(row, seen_).empty() && (!gap || gap->need == Need::torque_ratio);
+  group.candidate = row.diagnosable && !why_not_told(row, seen_) && (!gap || gap->need == Need::torque_ratio);
   if (!row.is_predictable() || (!group.candidate && !group.nominal)) return;
   const auto effect = make(group);
   const auto numbers = numbers_of(*effect);
@@ -237,13 +246,16 @@ void Catalogue::add_trims(int flights) {
     }
 }
 
-std::string Catalogue::why_left_out(const EffectRow& row) const {
+std::optional<NotIdentifiable> Catalogue::why_left_out(const EffectRow& row) const {
   if (loop_answers_ && needs_torque_gain(row))
-    return "within half a second the recorded loop answers what disturbs the vehicle: the torque per command is not "
-           "told";
-  const std::string why = why_not_told(row, seen_);
+    return NotIdentifiable{
+        std::string(row.name),
+        "within half a second the recorded loop answers what disturbs the vehicle: the torque per command is not told",
+        Lack::raw_sensors};
+  if (const auto untold = why_not_told(row, seen_)) return untold;
   const auto gap = gap_of(row, vehicle_);
-  return why.empty() && gap ? gap->says() : why;
+  if (gap) return NotIdentifiable{std::string(row.name), gap->says(), Lack::vehicle_file};
+  return std::nullopt;
 }
 
 std::unique_ptr<Effect> Catalogue::make(const Group& group) const {

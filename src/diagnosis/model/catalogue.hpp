@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnosis/recording/flight_data.hpp"
+#include "diagnosis/result/findings.hpp"
 #include "gustlab/effect.hpp"
 
 namespace gustlab::diagnosis {
@@ -102,8 +104,8 @@ class Catalogue {
   bool tells(Need need) const { return seen_.tells(need); }
   // what the loop did between two of them is a nuisance (command_innovation.hpp)
   bool commands_are_slow() const { return seen_.slow_commands && !seen_.trims && seen_.tells(Need::torque); }
-  // why an effect of the registry is not among the candidates; empty when it is
-  std::string why_left_out(const EffectRow& row) const;
+  // why an effect of the registry is not among the candidates; no value when it is
+  std::optional<NotIdentifiable> why_left_out(const EffectRow& row) const;
   int size() const { return static_cast<int>(columns_.size()); }
   Eigen::VectorXd nominal() const;
   int find(std::string_view label) const;  // group index or −1

@@ -22,15 +22,21 @@ namespace {
 
 std::string catalogue_name(const Group& group) { return std::string(group.row->name); }
 
-// why a group can hardly be told from these flights; empty when it can
-std::string why_not_told(const Session& session, const Selection& selection, int g) {
+// why a group can hardly be told from these flights; no value when it can
+std::optional<NotIdentifiable> why_not_told(const Session& session, const Selection& selection, int g) {
   const Group& group = session.catalogue().groups()[static_cast<std::size_t>(g)];
   if (session.catalogue().filter_looks_like_lag() && group.row->place == Place::actuation &&
       group.row->latency != Latency::none && !selection.find(g))
-    return fmt::format("up to {:.0f} ms beyond the vehicle file's it looks like the filter that these logs passed",
-                       1e3 * filter_lag_s);
+    return NotIdentifiable{
+        catalogue_name(group),
+        fmt::format("up to {:.0f} ms beyond the vehicle file's it looks like the filter that these logs passed",
+                    1e3 * filter_lag_s),
+        Lack::raw_sensors};
   if (session.catalogue().loop_answers() && group.row->latency != Latency::none && !selection.find(g))
-    return "within half a second the recorded loop answers what disturbs the vehicle: how late a torque is is not told";
+    return NotIdentifiable{
+        catalogue_name(group),
+        "within half a second the recorded loop answers what disturbs the vehicle: how late a torque is is not told",
+        Lack::raw_sensors};
   // the strength that five standard deviations would need, against a typical one
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   double best = 1e300;
@@ -38,11 +44,11 @@ std::string why_not_told(const Session& session, const Selection& selection, int
     const double information = projected(c, c);
     if (information > 1e-9) best = std::min(best, 5.0 / std::sqrt(information));
   }
-  if (best > 1e200) return fmt::format("these flights do not excite it (it shows in: {})", group.row->shows_in);
-  if (best > hardly_shown)
-    return fmt::format("only a strength {:.0f} times its natural size would show (it shows in: {})", best,
-                       group.row->shows_in);
-  return {};
+  if (!(best > hardly_shown)) return std::nullopt;
+  const std::string why = best > 1e200 ? "these flights do not excite it"
+                                       : fmt::format("only a strength {:.0f} times its natural size would show", best);
+  return NotIdentifiable{catalogue_name(group), why + shows_in_words(group.row->shows_in), Lack::excitation,
+                         std::string(group.row->shows_in)};
 }
 
 // late and lasting: what was taken into account
@@ -122,8 +128,7 @@ void fill_aliases(const Catalogue& catalogue, const EffectRow& row, EffectFindin
         effect.classmates.emplace_back(other.name);
     }
     // what these logs cannot tell from it is not tried
-    if (other.stand_in == row.name && !catalogue.why_left_out(other).empty())
-      effect.classmates.emplace_back(other.name);
+    if (other.stand_in == row.name && catalogue.why_left_out(other)) effect.classmates.emplace_back(other.name);
   }
 }
 
@@ -194,16 +199,15 @@ void list_not_identifiable(const Session& session, const Selection& selection, D
   const Catalogue& catalogue = session.catalogue();
   out.torque_told = catalogue.tells(Need::torque);
   for (const EffectRow& row : effect_registry())
-    if (const std::string why = catalogue.why_left_out(row); row.diagnosable && !why.empty())
-      out.not_identifiable.push_back({std::string(row.name), why});
+    if (const auto untold = catalogue.why_left_out(row); row.diagnosable && untold)
+      out.not_identifiable.push_back(*untold);
   std::string last;
   for (int g = 0; g < std::ssize(catalogue.groups()); ++g) {
     const Group& group = catalogue.groups()[static_cast<std::size_t>(g)];
     if (!group.candidate || group.row->name == last) continue;
     last = group.row->name;
-    if (!catalogue.why_left_out(*group.row).empty()) continue;
-    const std::string why = why_not_told(session, selection, g);
-    if (!why.empty()) out.not_identifiable.push_back({last, why});
+    if (catalogue.why_left_out(*group.row)) continue;
+    if (const auto untold = why_not_told(session, selection, g)) out.not_identifiable.push_back(*untold);
   }
 }
 

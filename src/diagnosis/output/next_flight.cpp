@@ -164,7 +164,7 @@ double unmatched(const Eigen::MatrixXd& gram, const std::vector<int>& columns, c
 
 // histories that a scan would have to find do not fly here, and some effects need surroundings or sensors that are not there
 bool can_show(const EffectRow& row, const Catalogue& catalogue) {
-  return row.column == ColumnFrom::model && catalogue.why_left_out(row).empty();
+  return row.column == ColumnFrom::model && !catalogue.why_left_out(row);
 }
 
 struct Pair {

@@ -60,8 +60,28 @@ struct Rejected {
   std::string why;
 };
 
+// What would tell an effect that was not told: a kind for programs and for the page, beside the reason in words.
+enum class Lack {
+  other,
+  vehicle_file,
+  surroundings,
+  raw_sensors,
+  attitude_and_rate,
+  attitude,
+  motion,
+  torque,
+  accelerometer,
+  excitation,
+};
+std::string_view to_string(Lack lack);
+Lack lack_named(std::string_view name);  // other for what is no name
+// " (it shows in: fast flight)", as a reason ends whose lack is an excitation
+std::string shows_in_words(std::string_view shows_in);
+
 struct NotIdentifiable {
   std::string effect, why;
+  Lack lack = Lack::other;
+  std::string shows_in = {};  // the flight that would show it, where `why` ends with it
 };
 
 // Where in the state space a mismatch sits.

@@ -1,6 +1,9 @@
 #include "diagnosis/result/diagnosis.hpp"
 #include "diagnosis/result/finding_lines.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 namespace gustlab::diagnosis {
@@ -95,6 +98,20 @@ ordered_json records(const std::vector<Evidence>& evidence) {
 
 }  // namespace
 
+namespace {
+constexpr std::string_view lacks[] = {"other",    "vehicle_file", "surroundings", "raw_sensors",   "attitude_and_rate",
+                                      "attitude", "motion",       "torque",       "accelerometer", "excitation"};
+}
+
+std::string_view to_string(Lack lack) { return lacks[static_cast<std::size_t>(lack)]; }
+
+Lack lack_named(std::string_view name) {
+  const auto* found = std::find(std::begin(lacks), std::end(lacks), name);
+  return found == std::end(lacks) ? Lack::other : static_cast<Lack>(found - std::begin(lacks));
+}
+
+std::string shows_in_words(std::string_view shows_in) { return fmt::format(" (it shows in: {})", shows_in); }
+
 std::string_view to_string(Verdict verdict) {
   switch (verdict) {
     case Verdict::consistent:
@@ -166,8 +183,12 @@ ordered_json to_json(const Diagnosis& d) {
   for (const Rejected& r : d.rejected)
     out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.delta_score)}, {"why", r.why}});
   out["not_identifiable"] = ordered_json::array();
-  for (const NotIdentifiable& n : d.not_identifiable)
-    out["not_identifiable"].push_back({{"effect", n.effect}, {"why", n.why}});
+  for (const NotIdentifiable& n : d.not_identifiable) {
+    ordered_json entry = {{"effect", n.effect}, {"why", n.why}};
+    if (n.lack != Lack::other) entry["lack"] = to_string(n.lack);
+    if (!n.shows_in.empty()) entry["shows_in"] = n.shows_in;
+    out["not_identifiable"].push_back(entry);
+  }
   out["torque_told"] = d.torque_told;
   out["alarms"] = ordered_json::array();
   for (const Alarm& a : d.alarms) {

@@ -60,7 +60,9 @@ TEST(Catalogue, EveryRotorAndEveryFlightHasItsOwn) {
 }
 
 TEST(Catalogue, SaysWhyAnEffectIsLeftOut) {
-  const auto why = [](const Catalogue& of, std::string_view name) { return of.why_left_out(*find_effect(name)); };
+  const auto why = [](const Catalogue& of, std::string_view name) {
+    return of.why_left_out(*find_effect(name)).value_or(NotIdentifiable{}).why;
+  };
   const Catalogue all = catalogue({.told = pose}), filtered = catalogue({.told = pose, .trims = true}),
                   forces = catalogue({.told = Need::attitude | Need::accelerometer});
   EXPECT_THAT(why(all, "mass"), IsEmpty());
@@ -70,6 +72,11 @@ TEST(Catalogue, SaysWhyAnEffectIsLeftOut) {
   EXPECT_THAT(why(filtered, "gyro_scale"), HasSubstr("each column differently"));
   EXPECT_THAT(why(forces, "mass"), HasSubstr("see thrust_scale"));
   EXPECT_EQ(filtered.find("steady_wind"), -1);
+  // what would tell it, as a value
+  EXPECT_EQ(all.why_left_out(*find_effect("imu_lever"))->lack, Lack::accelerometer);
+  EXPECT_EQ(filtered.why_left_out(*find_effect("steady_wind"))->lack, Lack::raw_sensors);
+  EXPECT_EQ(forces.why_left_out(*find_effect("inertia"))->lack, Lack::torque);
+  EXPECT_EQ(forces.why_left_out(*find_effect("ground_effect"))->lack, Lack::motion);
 }
 
 TEST(Catalogue, FindsLatencyAndAirByWhatTheyDo) {

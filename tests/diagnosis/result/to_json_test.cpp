@@ -25,7 +25,7 @@ TEST(ToJson, SaysEveryFindingUnderItsKey) {
   drag.confusable = {{"quadratic_drag", false, 9.1, 41.0}};
   d.log_findings = {{"a.csv", "vbat", "frozen", 1.0, 2.0, "it never changes"}};
   d.rejected = {{"steady_wind", -3.1, "no gain"}};
-  d.not_identifiable = {{"ground_effect", "too high"}};
+  d.not_identifiable = {{"ground_effect", "too high"}, {"slung_load", "still", Lack::excitation, "swings"}};
   d.alarms = {{"omnibus", "something is left", NAN, {"force_x"}}};
   d.disturbance = {{"force_xy", 0.31, 0.06, "m/s^2", 0.15}};
   const ordered_json json = to_json(d);
@@ -44,6 +44,12 @@ TEST(ToJson, SaysEveryFindingUnderItsKey) {
                              "says": "it never changes"})");
   expect("rejected", R"({"effect": "steady_wind", "delta_score": -3.1, "why": "no gain"})");
   expect("not_identifiable", R"({"effect": "ground_effect", "why": "too high"})");
+  EXPECT_EQ(
+      json["not_identifiable"][1],
+      ordered_json::parse(R"({"effect": "slung_load", "why": "still", "lack": "excitation", "shows_in": "swings"})"));
+  for (int k = 0; k <= static_cast<int>(Lack::excitation); ++k)
+    EXPECT_EQ(lack_named(to_string(static_cast<Lack>(k))), static_cast<Lack>(k));
+  EXPECT_EQ(lack_named("nothing of the kind"), Lack::other);
   // what is no number has none
   expect("alarms", R"({"kind": "omnibus", "says": "something is left", "size": null, "channels": ["force_x"]})");
   expect("disturbance",
