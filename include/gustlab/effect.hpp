@@ -178,6 +178,7 @@ struct EffectRow {
   bool replay_only = false;  // true of the loop that was recorded and of no other
   bool describes = false;    // what the diagnosis writes for a remainder without a name
   bool commanded = false;    // seen only in how the vehicle answers its commands
+  bool on_command = false;   // changes how fast a commanded rotor turns (on_actuation)
   bool per_rotor = false;    // one candidate for each rotor, by its integer parameter `rotor`
   ColumnFrom column = ColumnFrom::model;
   Airflow air = Airflow::ignored;

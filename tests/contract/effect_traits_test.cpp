@@ -104,6 +104,31 @@ TEST_P(EffectTraits, LagAnswersAtOnceAndInPartDelayLaterAndInFull) {
   }
 }
 
+TEST_P(EffectTraits, ChangesHowFastRotorsTurnIfItSaysSo) {
+  const auto turning = [&](std::vector<NamedEffect> effects, double factor, bool speed_is_measured) {
+    ForceModel forces(vehicle, std::move(effects));
+    forces.set_speed_is_measured(speed_is_measured);
+    forces.prepare(step_s, 7, 0);
+    struct Held final : Actuation::Past {
+      RotorArray before{};
+      void command(double, RotorArray& speed) const override { speed = before; }
+    } past;
+    Actuation actuation;
+    actuation.past = &past;
+    actuation.step_s = step_s, actuation.voltage_V = 3.3;
+    actuation.command_radps = hover_command(vehicle, factor).speed_radps;
+    past.before = actuation.start_speed_radps = hover_command(vehicle).speed_radps;
+    forces.actuate(actuation);
+    return actuation.end_speed_radps;
+  };
+  bool changes = false;
+  for (const double factor : {0.5, 1.1, 5.0})
+    for (const bool speed_is_measured : {false, true})
+      changes = changes || turning(planted(row, natural_values(row, vehicle)), factor, speed_is_measured) !=
+                               turning({}, factor, speed_is_measured);
+  EXPECT_EQ(changes, row.on_command);
+}
+
 TEST_P(EffectTraits, LateMeasurementsAreWhatWas) {
   if (row.place != Place::measurement || row.latency == Latency::none) GTEST_SKIP();
   EXPECT_EQ(row.latency, Latency::delay);

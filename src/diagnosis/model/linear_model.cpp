@@ -280,8 +280,35 @@ class Lineariser {
     return shown_late(flight_, now);
   }
 
+  // where the vehicle is halfway to the next sample
+  std::vector<Point> middles() const {
+    const std::size_t n = x_.size();
+    std::vector<Point> middle = x_;
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t k1 = k + 1 < n && !flight_.samples[k + 1].starts_segment ? k + 1 : k;
+      middle[k].position = 0.5 * (x_[k].position + x_[k1].position);
+      middle[k].velocity = 0.5 * (x_[k].velocity + x_[k1].velocity);
+      middle[k].attitude = x_[k].attitude.slerp(0.5, x_[k1].attitude);
+      middle[k].rate = 0.5 * (x_[k].rate + x_[k1].rate);
+    }
+    return middle;
+  }
+
+  // speeds and accelerations of the rotors to the next sample
+  struct Means {
+    std::vector<RotorArray> speed, acceleration;
+  };
+  Means means_of(const RotorHistory& history) const {
+    Means means;
+    for (std::size_t k = 0; k < x_.size(); ++k) {
+      means.speed.push_back(mean_of(&history.mean[k * count_], history.substeps));
+      means.acceleration.push_back(mean_of(&history.acceleration[k * count_], history.substeps));
+    }
+    return means;
+  }
+
   // the same evaluation for the model and for every perturbed one
-  Evaluation evaluate(const ForceModel& model, const RotorHistory& history, bool sensors) const {
+  Evaluation evaluate(const ForceModel& model, const RotorHistory& history, const Means& means, bool sensors) const {
     const std::size_t n = x_.size();
     Evaluation result;
     result.acceleration.resize(n), result.y.resize(sensors ? n : 0);
@@ -289,15 +316,8 @@ class Lineariser {
     std::vector<Vector3> felt_now(n, Vector3::Zero());
     for (std::size_t k = 0; k < n; ++k) {
       const Sample& sample = flight_.samples[k];
-      const std::size_t k1 = k + 1 < n && !flight_.samples[k + 1].starts_segment ? k + 1 : k;
-      Point middle = x_[k];
-      middle.position = 0.5 * (x_[k].position + x_[k1].position);
-      middle.velocity = 0.5 * (x_[k].velocity + x_[k1].velocity);
-      middle.attitude = x_[k].attitude.slerp(0.5, x_[k1].attitude);
-      middle.rate = 0.5 * (x_[k].rate + x_[k1].rate);
-      result.acceleration[k] = at(middle, time_s(k) + 0.5 * out_.interval_s[k], sample.voltage_V,
-                                  mean_of(&history.mean[k * count_], history.substeps),
-                                  mean_of(&history.acceleration[k * count_], history.substeps));
+      result.acceleration[k] =
+          at(middle_[k], time_s(k) + 0.5 * out_.interval_s[k], sample.voltage_V, means.speed[k], means.acceleration[k]);
       Vector3 modelled;
       if (with_force_)
         felt_now[k] = at.specific_force(x_[k], time_s(k), sample.voltage_V, history.at_sample[k], modelled);
@@ -319,7 +339,9 @@ class Lineariser {
     const auto width = static_cast<Eigen::Index>(out_.columns.size());
     out_.B.assign(n, Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, width));
     out_.D.assign(n, Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, width));
-    base_ = evaluate(forces_, rotors_, true);
+    middle_ = middles();
+    means_ = means_of(rotors_);
+    base_ = evaluate(forces_, rotors_, means_, true);
     for (Eigen::Index j = 0; j < width; ++j) {
       const int c = out_.columns[static_cast<std::size_t>(j)];
       const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
@@ -361,14 +383,18 @@ class Lineariser {
       const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
       Eigen::VectorXd from = value_;
       from[d] = to[d] = catalogue_.columns()[static_cast<std::size_t>(d)].natural;
-      companion = evaluate(force_model(flight_, catalogue_, from, index_, -1), rotors_, true);
+      companion = evaluate(force_model(flight_, catalogue_, from, index_, -1), rotors_, means_, true);
       reference = &companion;
     }
     const ForceModel model = force_model(flight_, catalogue_, to, index_, column.group);
     // forces alone change what an accelerometer shows, and no other sensor
     const bool sensors = with_force_ || row.place == Place::body || row.place == Place::measurement;
+    const auto moved_by_commands = [&] {
+      const RotorHistory history = rotor_history(flight_, model);
+      return evaluate(model, history, means_of(history), sensors);
+    };
     const Evaluation moved =
-        evaluate(model, row.place == Place::actuation ? rotor_history(flight_, model) : rotors_, sensors);
+        row.place == Place::actuation ? moved_by_commands() : evaluate(model, rotors_, means_, sensors);
     const double unit = column.natural / step;
     for (std::size_t k = 0; k < x_.size(); ++k) {
       SpatialAcceleration push;
@@ -396,7 +422,8 @@ class Lineariser {
   const std::size_t count_;  // substeps of a sample
   const bool with_force_;    // some sample has an accelerometer
   bool need_F_ = false;
-  std::vector<Point> x_;
+  std::vector<Point> x_, middle_;
+  Means means_;
   std::vector<Vector3> turning_, force_, shown_;
   std::vector<History> histories_;
   Evaluation base_;

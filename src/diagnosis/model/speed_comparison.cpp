@@ -35,9 +35,8 @@ void compare_speeds(const FlightData& flight, int flight_index, const Catalogue&
     const int c = out.columns[j];
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
     if (column.group < 0) continue;
-    // both places may change a command (see ForceModel)
     const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
-    if ((row.place != Place::actuation && row.place != Place::rotor) || row.is_history()) continue;
+    if (!row.on_command || row.is_history()) continue;
     Eigen::VectorXd to = value;
     const double step = 1e-3 * column.natural;
     to[c] += step;

@@ -267,9 +267,19 @@ CommandRecord::CommandRecord(std::vector<double> time_s, std::vector<RotorArray>
           (time_s_[k] - time_s_[k - 1]) * (linear_ ? 0.5 * (value_[k - 1][i] + value_[k][i]) : value_[k - 1][i]);
 }
 
-RotorArray CommandRecord::integral(double time_s) const {
+// the last row not later, or the first: near where it would be of even rows, or searched for
+std::size_t CommandRecord::row_at(double time_s) const {
+  const std::size_t last = time_s_.size() - 1;
+  const double share = (time_s - time_s_.front()) / std::max(1e-9, time_s_.back() - time_s_.front());
+  const auto even = static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * static_cast<double>(last));
+  for (std::size_t k = even > 0 ? even - 1 : 0; k < std::min(even + 2, last); ++k)
+    if (time_s_[k] <= time_s && time_s < time_s_[k + 1]) return k;
   const auto next = std::upper_bound(time_s_.begin(), time_s_.end(), time_s);
-  const std::size_t k = next == time_s_.begin() ? 0 : static_cast<std::size_t>(next - time_s_.begin()) - 1;
+  return next == time_s_.begin() ? 0 : static_cast<std::size_t>(next - time_s_.begin()) - 1;
+}
+
+RotorArray CommandRecord::integral(double time_s) const {
+  const std::size_t k = row_at(time_s);
   const double dt = time_s - time_s_[k];
   RotorArray result = integral_[k];
   const bool inside = linear_ && dt > 0.0 && k + 1 < value_.size();

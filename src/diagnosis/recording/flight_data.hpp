@@ -56,6 +56,7 @@ class CommandRecord final {
   const std::vector<RotorArray>& speed_radps() const { return value_; }
 
  private:
+  std::size_t row_at(double time_s) const;
   RotorArray integral(double time_s) const;
   RotorArray plain_mean(double from_s, double to_s) const;
   std::vector<double> time_s_;
