@@ -108,7 +108,8 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
   if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only || noise.white <= 0.0) return;
   const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
   RotorHistory estimate = commanded_history(flight, forces);
-  const std::vector<RotorArray> measured = measured_history(flight, forces).at_sample;
+  if (flight.measured_at_sample.empty()) flight.measured_at_sample = measured_history(flight).at_sample;
+  const std::vector<RotorArray>& measured = flight.measured_at_sample;
   const std::size_t n = measured.size(), count = static_cast<std::size_t>(estimate.substeps);
   const auto rotors = static_cast<std::size_t>(flight.vehicle.rotor_count);
   std::vector<double> kept(n, 0.0);

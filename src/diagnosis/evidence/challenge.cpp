@@ -104,6 +104,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
   std::set<std::vector<int>> tried;
   std::optional<Selection> stood;  // before the last look, and which of its names
   std::vector<int> names;
+  bool look = true;
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
     result.regimes = regimes(session, selection);
@@ -122,9 +123,12 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       if (stood && !std::ranges::includes(now, names) && !explains_more(session, selection, *stood)) {
         // what came back has cost a name: as it was
         selection = withdraw(session, {}, *std::exchange(stood, std::nullopt), {});
+        look = false;
         continue;
       }
-      if (result.withdrawn.empty() || tried.size() == most_looks) break;
+      // a look that brings no name back is the last
+      look = look && !(stood && now == names) && tried.size() < most_looks;
+      if (result.withdrawn.empty() || !look) break;
       stood = selection, names = now;
       std::optional<Selection> more = look_again(session, {}, selection, tried);
       if (!more) break;

@@ -24,11 +24,12 @@ using Vector12 = Eigen::Matrix<double, 12, 1>;
 using SpatialAcceleration = Eigen::Matrix<double, 6, 1>;
 using SpatialAccelerations = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-// Γ: what pushes over one interval do to the error state.
-inline Eigen::Matrix<double, 12, Eigen::Dynamic> moved_by(const SpatialAccelerations& push, double interval_s) {
-  Eigen::Matrix<double, 12, Eigen::Dynamic> moved(12, push.cols());
-  moved << 0.5 * interval_s * interval_s * push.topRows<3>(), interval_s * push.topRows<3>(),
-      0.5 * interval_s * interval_s * push.bottomRows<3>(), interval_s * push.bottomRows<3>();
+// Γ: what pushes over one interval do to the error state. `Pushes`: a column each, one or as many as there are.
+template <class Pushes>
+Eigen::Matrix<double, 12, Pushes::ColsAtCompileTime> moved_by(const Pushes& push, double interval_s) {
+  Eigen::Matrix<double, 12, Pushes::ColsAtCompileTime> moved(12, push.cols());
+  moved << 0.5 * interval_s * interval_s * push.template topRows<3>(), interval_s * push.template topRows<3>(),
+      0.5 * interval_s * interval_s * push.template bottomRows<3>(), interval_s * push.template bottomRows<3>();
   return moved;
 }
 // What an accelerometer feels of them: rows of the specific force in B.

@@ -360,7 +360,7 @@ class Lineariser {
   void push_column(Eigen::Index j, const Column& column, const History& history) {
     const std::vector<Vector3> shown = shown_of(history, column.natural);
     for (std::size_t k = 0; k < x_.size(); ++k) {
-      out_.B[k].col(j) = moved_by(column.natural * history.push(k), out_.interval_s[k]);
+      out_.B[k].col(j) = moved_by(SpatialAcceleration(column.natural * history.push(k)), out_.interval_s[k]);
       out_.D[k].col(j).tail<3>() = shown[k];
     }
   }
@@ -400,7 +400,7 @@ class Lineariser {
       SpatialAcceleration push;
       push << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
           moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2;
-      out_.B[k].col(j) = moved_by(unit * push, out_.interval_s[k]);
+      out_.B[k].col(j) = moved_by(SpatialAcceleration(unit * push), out_.interval_s[k]);
       if (sensors) out_.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
     }
   }

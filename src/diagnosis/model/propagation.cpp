@@ -47,7 +47,8 @@ ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, con
 
 namespace {
 
-RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool measured) {
+// `forces`: what commands do; none: as it was measured
+RotorHistory history_of(const FlightData& flight, const ForceModel* forces) {
   RotorHistory history;
   const std::size_t n = flight.samples.size();
   history.substeps = flight.substeps;
@@ -55,7 +56,7 @@ RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool
   history.mean.resize(n * count);
   history.acceleration.resize(n * count);
   history.at_sample.resize(n);
-  const CommandRecord& record = measured ? flight.measured_speed : flight.commands;
+  const CommandRecord& record = forces ? flight.commands : flight.measured_speed;
 
   RecordedPast past;
   past.record = &record;
@@ -74,7 +75,7 @@ RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool
       const RotorArray command = record.mean(t, t + h);
       RotorArray& mean = history.mean[k * count + s];
       RotorArray& rise = history.acceleration[k * count + s];
-      if (measured) {
+      if (!forces) {
         const RotorArray ahead = record.mean(t + 0.5 * h, t + 1.5 * h), behind = record.mean(t - 0.5 * h, t + 0.5 * h);
         mean = command;
         for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (ahead[i] - behind[i]) / h;
@@ -88,7 +89,7 @@ RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool
       actuation.voltage_V = flight.samples[k].voltage_V;
       actuation.command_radps = command;
       actuation.start_speed_radps = speed;
-      forces.actuate(actuation);
+      forces->actuate(actuation);
       mean = actuation.mean_speed_radps;
       for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (actuation.end_speed_radps[i] - speed[i]) / h;
       speed = actuation.end_speed_radps;
@@ -111,15 +112,14 @@ RotorHistory history_of(const FlightData& flight, const ForceModel& forces, bool
 }  // namespace
 
 RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces) {
-  return flight.estimated.mean.empty() ? history_of(flight, forces, !flight.measured_speed.empty()) : flight.estimated;
+  if (!flight.estimated.mean.empty()) return flight.estimated;
+  return flight.measured_speed.empty() ? commanded_history(flight, forces) : measured_history(flight);
 }
 
-RotorHistory measured_history(const FlightData& flight, const ForceModel& forces) {
-  return history_of(flight, forces, true);
-}
+RotorHistory measured_history(const FlightData& flight) { return history_of(flight, nullptr); }
 
 RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces) {
-  return history_of(flight, forces, false);
+  return history_of(flight, &forces);
 }
 
 }  // namespace gustlab::diagnosis

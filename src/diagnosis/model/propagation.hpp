@@ -106,7 +106,7 @@ ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, con
 // Rotor speeds as the commands have it, or as they were measured: the better estimate of them where there is one.
 RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces);
 // Where both were recorded, one of the two alone.
-RotorHistory measured_history(const FlightData& flight, const ForceModel& forces);
+RotorHistory measured_history(const FlightData& flight);
 RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces);
 
 }  // namespace gustlab::diagnosis

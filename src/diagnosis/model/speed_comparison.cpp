@@ -28,7 +28,7 @@ void compare_speeds(const FlightData& flight, int flight_index, const Catalogue&
     return;
   const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
   out.predicted = commanded_history(flight, forces).at_sample;
-  out.faster = measured_history(flight, forces).at_sample;
+  out.faster = flight.measured_at_sample.empty() ? measured_history(flight).at_sample : flight.measured_at_sample;
   for (std::size_t k = 0; k < out.faster.size(); ++k)
     for (std::size_t i = 0; i < max_rotors; ++i) out.faster[k][i] -= out.predicted[k][i];
   for (std::size_t j = 0; j < out.columns.size(); ++j) {

@@ -107,8 +107,9 @@ struct FlightData {
   std::vector<Motion> motion;  // per sample, with `corrected` taken out
   std::vector<GyroFit> gyro;   // per sample
   SensorCorrection corrected;
-  CommandRecord commands;        // mapped to rotor speed
-  CommandRecord measured_speed;  // rotor* columns, when there
+  CommandRecord commands;                      // mapped to rotor speed
+  CommandRecord measured_speed;                // rotor* columns, when there
+  std::vector<RotorArray> measured_at_sample;  // the same at the samples, once it was asked for
   RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
   bool collective_only = false;  // torques unknown, or not to be told
   bool has_voltage = false;

@@ -310,12 +310,13 @@ class Selector {
 
   // another set that pays more, under these Gram matrices; empty: none
   std::vector<int> better_than(const std::vector<int>& chosen, const Grams& grams, double loss_nominal,
-                               const std::set<std::vector<int>>& visited) const {
+                               const std::set<std::vector<int>>& visited, const std::set<int>& left_out = {}) const {
     const Eigen::MatrixXd total = grams.total();
     const double loss = solve(total, s_.with_biases(chosen)).loss;
-    return SubsetSearch(catalogue_, s_.vehicle(), std::log(grams.rows))
-        .improved(project_out(total, s_.biases()), chosen, visited, material(grams.rows, loss_nominal - loss),
-                  improve_ == Improve::freely);
+    SubsetSearch search(catalogue_, s_.vehicle(), std::log(grams.rows));
+    std::erase_if(search.candidates, [&](int g) { return left_out.contains(g); });
+    return search.improved(project_out(total, s_.biases()), chosen, visited, material(grams.rows, loss_nominal - loss),
+                           improve_ == Improve::freely);
   }
 
   // a set that settles, and what is said of it
@@ -343,24 +344,28 @@ class Selector {
   Eigen::MatrixXd settle(Selection& result, std::vector<int>& chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
+    std::set<int> went;  // as soon as it was settled beside the others: not tried again
     bool simplified = false;
+    int noise_steps = 6;
     anew_ = true;
     latency_gain_.clear();
     for (bool settled = false; !settled;) {
       measure_latency(chosen, value);
       s_.linearise(value, s_.all_columns());
-      s_.learn_noise(6, s_.with_biases(chosen));
+      s_.learn_noise(noise_steps, s_.with_biases(chosen));
+      noise_steps = 2;  // one effect more or less changes it little
       result.grams = absolute(value);
       total = result.grams.total();
       result.loss_nominal = solve(total, s_.biases()).loss;
-      const std::size_t before = chosen.size();
+      const std::vector<int> before = chosen;
       prune(result, chosen, total, result.loss_nominal);
-      settled = chosen.size() == before || chosen.empty();  // what stays takes over what went
+      settled = chosen == before || chosen.empty();  // what stays takes over what went
+      std::ranges::set_difference(before, chosen, std::inserter(went, went.end()));
       // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
       // tried again, whatever it was pruned to
       if (settled && improve_ != Improve::no && visited.size() < 2 * most_changes) {
         visited.insert(chosen);
-        const std::vector<int> better = better_than(chosen, result.grams, result.loss_nominal, visited);
+        const std::vector<int> better = better_than(chosen, result.grams, result.loss_nominal, visited, went);
         settled = better.empty();
         if (!settled) visited.insert(chosen = better);
       }

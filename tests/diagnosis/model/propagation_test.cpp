@@ -147,7 +147,7 @@ TEST(RotorHistory, TakesTheBestThatThereIs) {
     EXPECT_NEAR(measured.mean[k * count][0], 300.0 + 50.0 * (flight.samples[k].time_s + 0.5 * 0.01 / 4.0), 1e-9);
     EXPECT_NEAR(measured.acceleration[k * count][0], 50.0, 1e-6);
   }
-  EXPECT_EQ(measured.mean, measured_history(flight, forces).mean);
+  EXPECT_EQ(measured.mean, measured_history(flight).mean);
   EXPECT_NE(commanded_history(flight, forces).mean, measured.mean);
   flight.estimated.mean = {test::all_at(7.0)};
   EXPECT_EQ(rotor_history(flight, forces).mean, flight.estimated.mean);
