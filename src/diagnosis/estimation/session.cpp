@@ -101,11 +101,13 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       jobs_(jobs),
       vehicle_(vehicle),
       flights_(std::move(flights)),
-      catalogue_(vehicle, static_cast<int>(flights_.size()),
-                 {told_by(flights_), all_have_voltage(flights_), !shooting_flights.empty(),
-                  std::any_of(shooting_flights.begin(), shooting_flights.end(),
-                              [](const FlightData& f) { return !f.commands_filtered; }),
-                  std::any_of(flights_.begin(), flights_.end(), commands_are_slower)}),
+      catalogue_(
+          vehicle, static_cast<int>(flights_.size()),
+          {told_by(flights_), all_have_voltage(flights_), !shooting_flights.empty(),
+           std::any_of(shooting_flights.begin(), shooting_flights.end(),
+                       [](const FlightData& f) { return !f.commands_filtered; }),
+           std::any_of(flights_.begin(), flights_.end(), commands_are_slower),
+           std::any_of(flights_.begin(), flights_.end(), [](const FlightData& f) { return f.inertial_unused; })}),
       linear_(flights_.size()),
       value_(catalogue_.nominal()),
       shooting_flights_(std::move(shooting_flights)),
@@ -124,37 +126,61 @@ std::vector<int> Session::with_biases(const std::vector<int>& groups) const {
   return columns;
 }
 
-void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter) {
-  value_ = value;
+double Session::window_spacing_s() const {
   double duration_s = 0.0;
   for (const FlightData& flight : shooting_flights_) duration_s += flight.duration_s();
-  const double spacing_s = std::max(shooting_horizon_s.back(), duration_s / most_windows);
+  return std::max(shooting_horizon_s.back(), duration_s / most_windows);
+}
+
+void Session::read_at(const Eigen::VectorXd& value, std::size_t f) {
+  const SensorCorrection correction = catalogue_.sensor_correction(value, static_cast<int>(f));
+  if (correction != flights_[f].corrected) smooth_motion(flights_[f], correction);
+  estimate_speeds(flights_[f], static_cast<int>(f), catalogue_, value, noise.speeds);
+}
+
+void Session::take_biases_out(std::size_t f) {
+  for (std::size_t k = 0; k < linear_[f].size(); ++k)
+    for (const int c : biases_) {
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      if (column.flight == static_cast<int>(f) && column.parameter < torque_trim)
+        linear_[f].y[k][6 + column.parameter] -= value_[c];
+    }
+}
+
+void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter) {
+  value_ = value;
+  const double spacing_s = window_spacing_s();
   const bool first = shoots() && shot_nominal_.empty();
   if (first)
     shot_nominal_.resize(flights_.size()), slow_torque_.resize(flights_.size()), torque_.resize(flights_.size());
   for_each_flight([&](std::size_t f) {
+    const int index = static_cast<int>(f);
     if (first) {
-      shot_nominal_[f] =
-          shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, catalogue_.nominal(), all_, spacing_s);
+      shot_nominal_[f] = shoot(shooting_flights_[f], index, catalogue_, catalogue_.nominal(), all_, spacing_s);
       slow_torque_[f] = commanded_torque(shooting_flights_[f], shot_nominal_[f], slow_s);
       torque_[f] = commanded_torque(shooting_flights_[f], shot_nominal_[f], 0.0);
     }
     if (shoots())
       shot_[f] = first && wanted == all_ && value == catalogue_.nominal()
                      ? shot_nominal_[f]
-                     : shoot(shooting_flights_[f], static_cast<int>(f), catalogue_, value, wanted, spacing_s);
+                     : shoot(shooting_flights_[f], index, catalogue_, value, wanted, spacing_s);
     if (shoots() && !with_filter) return;
-    const SensorCorrection correction = catalogue_.sensor_correction(value, static_cast<int>(f));
-    if (correction != flights_[f].corrected) smooth_motion(flights_[f], correction);
-    estimate_speeds(flights_[f], static_cast<int>(f), catalogue_, value, noise.speeds);
-    gustlab::diagnosis::linearise(flights_[f], static_cast<int>(f), catalogue_, value, wanted, linear_[f]);
-    // the biases of the moment are taken out of the measurements
-    for (std::size_t k = 0; k < linear_[f].size(); ++k)
-      for (const int c : biases_) {
-        const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-        if (column.flight == static_cast<int>(f) && column.parameter < torque_trim)
-          linear_[f].y[k][6 + column.parameter] -= value[c];
-      }
+    read_at(value, f);
+    gustlab::diagnosis::linearise(flights_[f], index, catalogue_, value, wanted, linear_[f]);
+    take_biases_out(f);
+  });
+  if (shoots()) set_answers_aside();
+}
+
+void Session::predict_at(const Eigen::VectorXd& value) {
+  value_ = value;
+  const double spacing_s = window_spacing_s();
+  for_each_flight([&](std::size_t f) {
+    const int index = static_cast<int>(f);
+    if (shoots()) return shoot_again(shooting_flights_[f], index, catalogue_, value, spacing_s, shot_[f]);
+    read_at(value, f);
+    predict_again(flights_[f], index, catalogue_, value, linear_[f]);
+    take_biases_out(f);
   });
   if (shoots()) set_answers_aside();
 }

@@ -38,6 +38,8 @@ class Session {
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
   // Where predictions are fitted, the filter's own part can be left out.
   void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter = true);
+  // What the model predicts at another value, its columns as the last `linearise` (of the filter, or of what is predicted) left them.
+  void predict_at(const Eigen::VectorXd& value);
   // A load that swings so is suspected: its force history becomes a column.
   void suspect_load(const Swing& swing, std::vector<std::vector<Vector3>> force_per_flight);
   // A lower speed limit is suspected: what it changes becomes a column.
@@ -91,6 +93,10 @@ class Session {
   std::vector<Smoothed> smoothed;  // of the last EM iteration
 
  private:
+  double window_spacing_s() const;
+  // the parts of a linearisation for one flight: its motion and speeds at a value, and y without the biases
+  void read_at(const Eigen::VectorXd& value, std::size_t flight);
+  void take_biases_out(std::size_t flight);
   Grams grams_of(const std::vector<LinearFlight>& flights) const;
   // Flights as they are shot, with the answers of the loop set aside.
   void set_answers_aside();

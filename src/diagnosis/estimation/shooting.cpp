@@ -57,12 +57,14 @@ struct Reading {
     smooth_motion(flight, catalogue.sensor_correction(value, index));
     trim(index, catalogue, value);
   }
-  // The motion of another reading, which trims of torques and commands do not change.
+  // From another reading, whose motion is smoothed anew only where sensor effects differ.
   Reading(const Reading& other, const FlightData& recorded, int index, const Catalogue& catalogue,
           const Eigen::VectorXd& value)
       : flight(other.flight) {
     flight.commands = recorded.commands;
     flight.measured_speed = recorded.measured_speed;
+    const SensorCorrection correction = catalogue.sensor_correction(value, index);
+    if (correction != flight.corrected) smooth_motion(flight, correction);
     trim(index, catalogue, value);
   }
 
@@ -123,6 +125,16 @@ bool has_no_prediction(const EffectRow& row) { return row.is_history() || row.as
 
 }  // namespace
 
+void shoot_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                 double spacing_s, ShotFlight& shot) {
+  const std::vector<Window> windows = windows_of(flight, spacing_s);
+  const Reading reading(flight, flight_index, catalogue, value);
+  const ForceModel forces = force_model(reading.flight, catalogue, value, flight_index, -1);
+  const Eigen::MatrixXd missed = residuals(reading, forces, rotor_history(reading.flight, forces), windows);
+  for (std::size_t w = 0; w < windows.size(); ++w)
+    shot.window[w].rightCols<1>() = missed.col(static_cast<Eigen::Index>(w));
+}
+
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                  const std::vector<int>& wanted, double spacing_s) {
   ShotFlight shot;
@@ -152,15 +164,14 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
     Eigen::MatrixXd moved;
     if (column.group < 0) {
       if (column.parameter >= force_bias && column.parameter < torque_trim) continue;
-      const Reading reading = column.parameter >= torque_trim ? Reading(base, flight, flight_index, catalogue, to)
-                                                              : Reading(flight, flight_index, catalogue, to);
+      const Reading reading(base, flight, flight_index, catalogue, to);
       moved = residuals(reading, forces,
                         column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
     } else {
       const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
       if (has_no_prediction(row)) continue;
       if (row.place == Place::measurement) {
-        moved = residuals(Reading(flight, flight_index, catalogue, to), forces, rotors, windows);
+        moved = residuals(Reading(base, flight, flight_index, catalogue, to), forces, rotors, windows);
       } else {
         const ForceModel model = force_model(base.flight, catalogue, to, flight_index, column.group);
         moved =

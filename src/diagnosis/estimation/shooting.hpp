@@ -26,6 +26,9 @@ struct ShotFlight {
 // Windows start from the recorded motion, one every `spacing_s`, and do not cross gaps.
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                  const std::vector<int>& wanted, double spacing_s);
+// The residuals of `shot` at another value; its columns and windows (of the same flight and spacing) stay.
+void shoot_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                 double spacing_s, ShotFlight& shot);
 
 // What whitens the rows of a window (horizon × error component), from what all windows leave with the columns at
 // `coefficient`.

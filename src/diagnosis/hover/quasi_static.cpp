@@ -379,6 +379,22 @@ const Flight* nearest_to_file(const std::vector<const Flight*>& flights, const V
                            [&](const Flight* a, const Flight* b) { return far(a) < far(b); });
 }
 
+// the largest loss of one rotor, as a share of its thrust, with which some flight would still have agreed
+double hidden_loss(const Reference& reference, const std::vector<const Flight*>& flights, const VehicleModel& vehicle) {
+  const double most = boost::math::quantile(boost::math::complement(boost::math::chi_squared(4), hover_significance));
+  double hidden = 0.0;
+  for (const Flight* f : flights)
+    for (int i = 0; i < vehicle.rotor_count; ++i) {
+      const Vector4 per_weight = reference.mean[0] * wrench_per_newton(vehicle, i).cwiseQuotient(reference.unit);
+      const double shows = per_weight.cwiseQuotient(reference.deviation_of(*f)).norm();
+      // a share p of the thrust that is lost asks for p / (1 − p) more
+      const double more =
+          std::sqrt(most) / shows * reference.mean[0] / f->balance.thrust_N[static_cast<std::size_t>(i)];
+      hidden = std::max(hidden, more / (1.0 + more));
+    }
+  return hidden;
+}
+
 void ask_for_reference(Diagnosis& out) {
   out.notes.emplace_back(
       "mean commands of hover tell nothing without another flight of the same vehicle: name a normal one with "
@@ -429,7 +445,9 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
   });
   const Reference normal(agreed, vehicle);
   if (others.empty()) {
-    out.notes.push_back(fmt::format("mean commands of hover agree: {}", labels(agreed)));
+    out.notes.push_back(
+        fmt::format("mean commands of hover agree: {}; a rotor that lost less than {:.0f} % of its thrust may not show",
+                    labels(agreed), 100.0 * hidden_loss(first, agreed, vehicle)));
     if (given.empty())
       out.notes.emplace_back("what all flights share cannot be told without a normal one (--reference)");
     else out.verdict = Verdict::consistent;

@@ -74,6 +74,9 @@ std::optional<NotIdentifiable> why_not_told(const EffectRow& row, const Catalogu
   const auto because = [&](std::string_view why, Lack lack) {
     return NotIdentifiable{std::string(row.name), std::string(why), lack};
   };
+  if (seen.inertial_unused && row.asks(Need::accelerometer))
+    return because("the accelerometer is not used: the commands tell forces alone, and the pose shows those",
+                   Lack::torque);
   for (const auto& [need, why, lack] : missing)
     if (row.asks(need) && !seen.tells(need)) return because(why, lack);
   if (row.needs_any != Need::nothing && !seen.tells(row.needs_any)) return because(row.lacking, Lack::other);

@@ -162,7 +162,8 @@ class Lineariser {
     for (std::size_t k = 0; k < n; ++k) x_.push_back(center_of_mass(flight.motion[k], out.center_of_mass_B_m));
   }
 
-  void run(const std::vector<int>& wanted) {
+  // `wanted`: columns to differentiate; none: those that are there stay
+  void run(const std::vector<int>* wanted) {
     feel();
     Evaluator evaluate{forces_, {}, {}};
     for (std::size_t k = 0; k < x_.size(); ++k) {
@@ -171,7 +172,7 @@ class Lineariser {
     }
     find_histories();
     take_histories_in();
-    differentiate(wanted);
+    if (wanted) differentiate(*wanted);
   }
 
  private:
@@ -452,8 +453,14 @@ std::vector<std::vector<SpatialAcceleration>> limit_changes(const FlightData& fl
 
 void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                const std::vector<int>& wanted, LinearFlight& out) {
-  Lineariser(flight, flight_index, catalogue, value, out).run(wanted);
+  Lineariser(flight, flight_index, catalogue, value, out).run(&wanted);
   compare_speeds(flight, flight_index, catalogue, value, out);
+}
+
+void predict_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                   LinearFlight& out) {
+  Lineariser(flight, flight_index, catalogue, value, out).run(nullptr);
+  compare_speeds_again(flight, flight_index, catalogue, value, out);
 }
 
 }  // namespace gustlab::diagnosis

@@ -14,6 +14,9 @@ namespace gustlab::diagnosis {
 // passed over). F is kept from a former call when there is one.
 void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                const std::vector<int>& wanted, LinearFlight& out);
+// What the model predicts (b and y) at other values; F and what parameters change stay.
+void predict_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
+                   LinearFlight& out);
 
 // What lower speed limits would change along a flight: of each, linear acceleration in W, angular in B, per sample.
 std::vector<std::vector<SpatialAcceleration>> limit_changes(const FlightData& flight, int flight_index,

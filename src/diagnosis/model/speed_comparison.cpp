@@ -19,18 +19,23 @@ std::vector<RotorArray> commanded(const FlightData& flight, const Catalogue& cat
 
 }  // namespace
 
-void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
-                    const Eigen::VectorXd& value, LinearFlight& out) {
+void compare_speeds_again(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+                          const Eigen::VectorXd& value, LinearFlight& out) {
   out.predicted.clear(), out.faster.clear();
-  out.predicted_by.assign(out.columns.size(), {});
   if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only ||
       same_rows(flight.commands, flight.measured_speed))
     return;
-  const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
-  out.predicted = commanded_history(flight, forces).at_sample;
+  out.predicted = commanded(flight, catalogue, value, flight_index, -1);
   out.faster = flight.measured_at_sample.empty() ? measured_history(flight).at_sample : flight.measured_at_sample;
   for (std::size_t k = 0; k < out.faster.size(); ++k)
     for (std::size_t i = 0; i < max_rotors; ++i) out.faster[k][i] -= out.predicted[k][i];
+}
+
+void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+                    const Eigen::VectorXd& value, LinearFlight& out) {
+  compare_speeds_again(flight, flight_index, catalogue, value, out);
+  out.predicted_by.assign(out.columns.size(), {});
+  if (out.predicted.empty()) return;
   for (std::size_t j = 0; j < out.columns.size(); ++j) {
     const int c = out.columns[j];
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];

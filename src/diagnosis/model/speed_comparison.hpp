@@ -11,5 +11,8 @@ namespace gustlab::diagnosis {
 // down as the other.
 void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                     const Eigen::VectorXd& value, LinearFlight& out);
+// The same at another value; `predicted_by` stays.
+void compare_speeds_again(const FlightData& flight, int flight_index, const Catalogue& catalogue,
+                          const Eigen::VectorXd& value, LinearFlight& out);
 
 }  // namespace gustlab::diagnosis

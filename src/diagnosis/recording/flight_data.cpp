@@ -475,6 +475,7 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
     throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
                                 vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));
   flight.has_voltage = log.find("vbat") != nullptr;
+  flight.inertial_unused = options.forces_only && log.find("px") != nullptr && log.find("ax") != nullptr;
 
   const double log_step_s = interval_s(fastest_steps(log));
   const Groups groups = groups_read(log, log_step_s, options);
@@ -525,8 +526,7 @@ struct HalfWindows {
 };
 
 // what a segment's poses say of one moment; nothing where none does
-Motion motion_at(double t, const Streams& seen, const HalfWindows& half) {
-  Motion motion;
+void see_path(double t, const Streams& seen, const HalfWindows& half, Motion& motion) {
   if (seen.position.can_fit(5)) {
     const auto c = seen.position.fit<3>(t, half.pose_s);
     motion.position_W_m = c[0].head<3>();
@@ -538,12 +538,13 @@ Motion motion_at(double t, const Streams& seen, const HalfWindows& half) {
     motion.velocity_W_mps = c[0].head<3>();
     motion.acceleration_W_mps2 = c[1].head<3>();
   }
-  if (seen.attitude.can_fit(5)) {
-    const auto c = seen.attitude.fit<3>(t, half.pose_s);
-    motion.attitude_WB.coeffs() = c[0].normalized();
-    motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
-  }
-  return motion;
+}
+
+void see_attitude(double t, const Streams& seen, const HalfWindows& half, Motion& motion) {
+  if (!seen.attitude.can_fit(5)) return;
+  const auto c = seen.attitude.fit<3>(t, half.pose_s);
+  motion.attitude_WB.coeffs() = c[0].normalized();
+  motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
 }
 
 GyroFit gyro_at(double t, const Streams& seen, const HalfWindows& half) {
@@ -559,17 +560,22 @@ std::size_t end_of_segment(const std::vector<Sample>& samples, std::size_t begin
   return end;
 }
 
-void fit_streams(FlightData& flight, const SensorCorrection& correction) {
+// `attitude_only`: nothing else has changed since
+void fit_streams(FlightData& flight, const SensorCorrection& correction, bool attitude_only) {
   const auto& samples = flight.samples;
   const HalfWindows half{flight.as_recorded ? 0.0 : 0.095, rate_half_window_s(flight),
                          std::max(0.147, 4.3 * flight.sample_s)};
-  flight.motion.assign(samples.size(), Motion{});
-  flight.gyro.assign(samples.size(), GyroFit{});
+  if (!attitude_only) {
+    flight.motion.assign(samples.size(), Motion{});
+    flight.gyro.assign(samples.size(), GyroFit{});
+  }
   for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
     end = end_of_segment(samples, begin);
     const Streams seen(&samples[begin], samples.data() + end, correction);
     for (std::size_t k = begin; k < end; ++k) {
-      flight.motion[k] = motion_at(samples[k].time_s, seen, half);
+      see_attitude(samples[k].time_s, seen, half, flight.motion[k]);
+      if (attitude_only) continue;
+      see_path(samples[k].time_s, seen, half, flight.motion[k]);
       flight.gyro[k] = gyro_at(samples[k].time_s, seen, half);
     }
   }
@@ -579,9 +585,9 @@ void fit_streams(FlightData& flight, const SensorCorrection& correction) {
 
 void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
   const auto& samples = flight.samples;
-  if (flight.gyro.size() != samples.size() || correction.pose_delay_s != flight.corrected.pose_delay_s ||
-      correction.attitude_offset_B_rad != flight.corrected.attitude_offset_B_rad)
-    fit_streams(flight, correction);
+  const bool anew = flight.gyro.size() != samples.size() || correction.pose_delay_s != flight.corrected.pose_delay_s;
+  if (anew || correction.attitude_offset_B_rad != flight.corrected.attitude_offset_B_rad)
+    fit_streams(flight, correction, !anew);
   flight.corrected = correction;
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const GyroFit& gyro = flight.gyro[k];

@@ -113,6 +113,7 @@ struct FlightData {
   RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
   bool collective_only = false;  // torques unknown, or not to be told
   bool has_voltage = false;
+  bool inertial_unused = false;  // an accelerometer was recorded, and left out for `forces_only`
   SensorLatency late;
   bool hold_known = false;                 // interpolated commands were resampled, or sent faster than the log
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected

@@ -211,21 +211,32 @@ class Selector {
     }
   }
 
-  // Gauss–Newton in the nonlinear model, at most three steps
+  // One step of Gauss and Newton; returns the largest change, in natural units.
+  double step(const std::vector<int>& columns, Eigen::VectorXd& value) const {
+    const Fit fit = solve(s_.grams().total(), columns);
+    const Eigen::VectorXd before = value;
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      value[columns[i]] +=
+          std::clamp(fit.coefficient[static_cast<Eigen::Index>(i)], -20.0, 20.0) * natural_[columns[i]];
+    catalogue_.clamp(value);
+    // a value at its bound has nowhere to go
+    return (value - before).cwiseQuotient(natural_).cwiseAbs().maxCoeff();
+  }
+
+  // Gauss–Newton in the nonlinear model: columns are differentiated at most a few times, and stay as they are while steps fall fast.
   Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
+    constexpr double near = 2e-2, falls_to = 0.3;
     s_.start_delay(groups, value);
     const std::vector<int> columns = s_.with_biases(groups);
     start_latency(groups, columns, value);
-    for (int step = 0; step < (s_.shoots() ? 6 : 3); ++step) {
+    for (int anew = 0; anew < (s_.shoots() ? 6 : 3); ++anew) {
       s_.linearise(value, columns, false);
-      const Fit fit = solve(s_.grams().total(), columns);
-      const Eigen::VectorXd before = value;
-      for (std::size_t i = 0; i < columns.size(); ++i)
-        value[columns[i]] +=
-            std::clamp(fit.coefficient[static_cast<Eigen::Index>(i)], -20.0, 20.0) * natural_[columns[i]];
-      catalogue_.clamp(value);
-      // a value at its bound has nowhere to go
-      if ((value - before).cwiseQuotient(natural_).cwiseAbs().maxCoeff() < 2e-2) break;
+      for (double last = std::numeric_limits<double>::infinity(), moved;; last = moved) {
+        moved = step(columns, value);
+        if (moved < near) return value;
+        if (moved > falls_to * last) break;
+        s_.predict_at(value);
+      }
     }
     return value;
   }

@@ -61,6 +61,22 @@ TEST(Shooting, MissesWhatNobodyExpectsAndKnowsWhatAMassWouldDo) {
   }
 }
 
+TEST(Shooting, MissesAtAnotherValueWhatANewShotWouldMiss) {
+  const Catalogue all = catalogue();
+  const int mass = mass_column(all);
+  ShotFlight shot = shoot(climb(), 0, all, all.nominal(), {mass}, 0.5);
+  const ShotFlight before = shot;
+  Eigen::VectorXd heavier = all.nominal();
+  heavier[mass] += 0.05;
+  shoot_again(climb(), 0, all, heavier, 0.5, shot);
+  const ShotFlight anew = shoot(climb(), 0, all, heavier, {mass}, 0.5);
+  for (std::size_t w = 0; w < shot.window.size(); ++w) {
+    EXPECT_EQ(shot.window[w].col(1), anew.window[w].col(1));
+    EXPECT_NE(shot.window[w].col(1), before.window[w].col(1));
+    EXPECT_EQ(shot.window[w].col(0), before.window[w].col(0));
+  }
+}
+
 TEST(Shooting, WindowsDoNotCrossGapsOrLimits) {
   const Catalogue all = catalogue();
   FlightData torn = climb();

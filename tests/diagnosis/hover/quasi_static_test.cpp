@@ -2,6 +2,7 @@
 #include "diagnosis/hover/quasi_static.hpp"
 #include "diagnosis/diagnose.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "metrics/tracking_error.hpp"
@@ -102,6 +103,25 @@ TEST(QuasiStatic, NamesNothingWithoutANormalFlightOrOnOne) {
     EXPECT_THAT(names(d), IsEmpty());
     EXPECT_EQ(d.verdict, Verdict::insufficient_data);
   }
+}
+
+TEST(QuasiStatic, SaysHowMuchARotorMayHaveLostWithoutShowing) {
+  const TemporaryFolder folder;
+  const std::string normal = fly(folder, "normal", "");
+  const auto with_loss = [&](const std::string& name, double loss) {
+    return compare(
+        {fly(folder, name, fmt::format("[[effect]]\ntype = \"rotor_loss\"\nrotor = 3\nloss = {:.4f}\n", loss))}, {},
+        {normal});
+  };
+  const Diagnosis alike = with_loss("alike", 0.01);
+  ASSERT_EQ(alike.verdict, Verdict::consistent);
+  const std::string& note = alike.notes.back();
+  const std::size_t at = note.find("less than ");
+  ASSERT_NE(at, std::string::npos) << note;
+  const double share = 0.01 * std::stod(note.substr(at + 10));
+  EXPECT_GT(share, 0.05);
+  EXPECT_EQ(with_loss("less", 0.7 * share).verdict, Verdict::consistent);
+  EXPECT_THAT(names(with_loss("more", 1.3 * share)), ElementsAre("rotor_loss"));
 }
 
 TEST(QuasiStatic, TellsAMovedCentreOfMassAndMoreWeight) {

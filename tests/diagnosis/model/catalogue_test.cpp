@@ -25,6 +25,15 @@ std::vector<std::string> columns(const Catalogue& of, std::string_view label) {
   return names;
 }
 
+TEST(Catalogue, AnAccelerometerThatIsNotUsedIsNotCalledMissing) {
+  Catalogue::Seen seen{.told = Need::attitude | Need::motion};
+  const EffectRow& lever =
+      first_effect([](const EffectRow& row) { return row.diagnosable && row.asks(Need::accelerometer); });
+  EXPECT_EQ(catalogue(seen).why_left_out(lever)->lack, Lack::accelerometer);
+  seen.inertial_unused = true;
+  EXPECT_EQ(catalogue(seen).why_left_out(lever)->lack, Lack::torque);
+}
+
 TEST(Catalogue, BatteryIsDescribedByItsVoltageWhereThatIsSeen) {
   EXPECT_THAT(columns(catalogue({.told = pose, .voltage = true}), "battery_sag"), ElementsAre("exponent"));
   EXPECT_THAT(columns(catalogue({.told = pose}), "battery_sag"), ElementsAre("rate"));

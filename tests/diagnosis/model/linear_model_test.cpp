@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/estimation/session.hpp"
+#include "support/sessions.hpp"
 #include "support/trials.hpp"
 #include "vehicle/read_vehicle.hpp"
 
@@ -59,6 +60,29 @@ TEST(LinearModel, ALateAccelerometerShowsALoadLate) {
     // turned back by this row's attitude, which is a little past that of the row before
     EXPECT_NEAR(shown.x(), flight.B[k - 1](3, 0) / flight.interval_s[k - 1], 0.02 * std::abs(shown.x()) + 1e-3);
   }
+}
+
+// What is predicted at another value is as a new linearisation there has it, bit for bit; what parameters change stays as it was.
+TEST(LinearModel, PredictsAtAnotherValueWithTheColumnsItHas) {
+  const auto flown = test::short_flights(R"({type = "rotor_drag", at_hover = 0.01})", {"multisine"}, 3.0);
+  Session one = test::session_of(flown), other = test::session_of(flown);
+  const std::vector<int> columns = one.with_biases(
+      {one.catalogue().find("mass"), one.catalogue().find("motor_lag"), one.catalogue().find("attitude_offset")});
+  Eigen::VectorXd value = one.value();
+  one.linearise(value, columns);
+  const LinearFlight before = one.linear().front();
+  for (const int c : columns) value[c] += 0.5 * one.catalogue().columns()[static_cast<std::size_t>(c)].natural;
+  one.predict_at(value);
+  other.linearise(other.value(), columns);
+  other.linearise(value, columns);
+  const LinearFlight &again = one.linear().front(), &anew = other.linear().front();
+  EXPECT_EQ(one.value(), value);
+  EXPECT_EQ(again.columns, anew.columns);
+  EXPECT_EQ(again.y, anew.y);
+  EXPECT_EQ(again.b, anew.b);
+  EXPECT_EQ(again.B, before.B);
+  EXPECT_NE(again.B, anew.B);
+  EXPECT_NE(again.b, before.b);
 }
 
 }  // namespace

@@ -107,6 +107,26 @@ TEST(FlightData, AGyroscopesFaultsAreTakenOutAsOfTheSamples) {
   EXPECT_GT((recorded.motion[100].body_rate_B_radps - of_smoothed.motion[100].body_rate_B_radps).norm(), 0.1);
 }
 
+// An attitude that is turned alone is smoothed alone: with what was smoothed before it is the motion that all together give.
+TEST(FlightData, ATurnedAttitudeIsSmoothedAloneAsWithAllElse) {
+  SensorCorrection turned_late, turned_other_way;
+  turned_late.attitude_offset_B_rad = Vector3(0.05, 0.0, 0.02);
+  turned_late.pose_delay_s = turned_other_way.pose_delay_s = 0.01;
+  turned_other_way.attitude_offset_B_rad = Vector3(-0.03, 0.01, 0.0);
+  FlightData in_parts = prepare_flight(spin(), read_vehicle("crazyflie", ""), {}), at_once = in_parts;
+  smooth_motion(in_parts, turned_late);
+  smooth_motion(in_parts, turned_other_way);
+  at_once.gyro.clear();
+  smooth_motion(at_once, turned_other_way);
+  for (std::size_t k = 0; k < at_once.samples.size(); ++k) {
+    const Motion &a = in_parts.motion[k], &b = at_once.motion[k];
+    EXPECT_EQ(a.attitude_WB.coeffs(), b.attitude_WB.coeffs());
+    EXPECT_EQ(a.body_rate_B_radps, b.body_rate_B_radps);
+    EXPECT_EQ(a.angular_acceleration_B_radps2, b.angular_acceleration_B_radps2);
+    EXPECT_EQ(a.position_W_m, b.position_W_m);
+  }
+}
+
 // GIVEN sensors that never share a row WHEN read THEN the flight is one stretch, and its whole motion is known at the attitude's rows
 TEST(FlightData, SensorsMayHaveRowsOfTheirOwn) {
   const FlightLog log = rows_apart();
