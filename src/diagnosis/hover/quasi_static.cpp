@@ -395,6 +395,13 @@ double hidden_loss(const Reference& reference, const std::vector<const Flight*>&
   return hidden;
 }
 
+std::string agreement(const Reference& reference, const std::vector<const Flight*>& agreed,
+                      const VehicleModel& vehicle) {
+  return fmt::format(
+      "mean commands of hover agree: {}; a rotor that lost less than {:.0f} % of its thrust may not show",
+      labels(agreed), 100.0 * hidden_loss(reference, agreed, vehicle));
+}
+
 void ask_for_reference(Diagnosis& out) {
   out.notes.emplace_back(
       "mean commands of hover tell nothing without another flight of the same vehicle: name a normal one with "
@@ -445,9 +452,7 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
   });
   const Reference normal(agreed, vehicle);
   if (others.empty()) {
-    out.notes.push_back(
-        fmt::format("mean commands of hover agree: {}; a rotor that lost less than {:.0f} % of its thrust may not show",
-                    labels(agreed), 100.0 * hidden_loss(first, agreed, vehicle)));
+    out.notes.push_back(agreement(first, agreed, vehicle));
     if (given.empty())
       out.notes.emplace_back("what all flights share cannot be told without a normal one (--reference)");
     else out.verdict = Verdict::consistent;
