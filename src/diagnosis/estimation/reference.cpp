@@ -50,12 +50,11 @@ double differ_by(const Grams& grams, const std::vector<int>& free, const std::ve
 
 }  // namespace
 
-Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std::vector<int>& biases) {
-  std::vector<int> free = biases, shared;
+Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std::vector<int>& free) {
+  std::vector<int> shared;
   Reference reference;
   for (int c = 0; c < catalogue.size(); ++c) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-    if (column.group >= 0 && column.flight >= 0) free.push_back(c);
     if (!is_shared(catalogue, column)) continue;
     shared.push_back(c);
     reference.column.push_back(name_of(catalogue, column));

@@ -58,7 +58,16 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
   about.noise = selection.noise_selected;
   about.linearise(about.catalogue().nominal(), about.all_columns());
   about.take_weights(session);
-  fit.known = reference_of(about.catalogue(), about.grams(), about.biases());
+  std::vector<int> free = about.biases();
+  for (const Finding& finding : selection.findings) {
+    const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
+    const int same = about.catalogue().find(group.label);
+    if (group.row->per_flight && same >= 0) {
+      const auto& own = about.catalogue().groups()[static_cast<std::size_t>(same)].columns;
+      free.insert(free.end(), own.begin(), own.end());
+    }
+  }
+  fit.known = reference_of(about.catalogue(), about.grams(), free);
   fit.known.of_each_flight = sizes_of_each_flight(catalogue, selection, flights.size());
   return fit;
 }

@@ -72,6 +72,27 @@ TEST(Reference, MuchInformationLeavesTheMatricesAsTheyAre) {
   EXPECT_LT((beside_reference(catalogue, reference, here).total() - here.total()).norm(), 1e-3 * here.total().norm());
 }
 
+// Flights tell nothing of a number that looks like a force of their own, where they have one; and all of it where they do not.
+TEST(Reference, OnlyForcesThatTheFlightsHaveHideWhatLooksLikeThem) {
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1,
+                            {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const auto first_with = [&](bool of_one_flight) {
+    const auto& all = catalogue.columns();
+    return static_cast<int>(
+        std::find_if(all.begin(), all.end(),
+                     [&](const Column& c) { return c.group >= 0 && (c.flight >= 0) == of_one_flight; }) -
+        all.begin());
+  };
+  const int own = first_with(true), shared = first_with(false);
+  Eigen::MatrixXd rows = rows_of(300, catalogue.size() + 1, 2);
+  rows.col(own) = rows.col(shared);
+  const Grams grams = one_block(rows);
+  const double told = reference_of(catalogue, grams, {}).information(0, 0),
+               hidden = reference_of(catalogue, grams, {own}).information(0, 0);
+  EXPECT_GT(told, 20.0);
+  EXPECT_LT(hidden, 1e-6 * told);
+}
+
 // z = Φ θ + noise, of which every flight has its own θ
 Grams flights_that_differ(const Catalogue& catalogue, int flights, double sd) {
   Grams grams;
