@@ -443,6 +443,7 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
     agreed.push_back(nearest_to_file(others, vehicle));
     std::erase(others, agreed.front());
   }
+  const std::vector<const Flight*> asked = others;
   // flights that agree with the reference are as good as it
   const Reference first(agreed, vehicle);
   std::erase_if(others, [&](const Flight* f) {
@@ -450,13 +451,12 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
     if (agrees) agreed.push_back(f);
     return agrees;
   });
-  const Reference normal(agreed, vehicle);
   if (others.empty()) {
     out.notes.push_back(agreement(first, agreed, vehicle));
     if (given.empty())
       out.notes.emplace_back("what all flights share cannot be told without a normal one (--reference)");
     else out.verdict = Verdict::consistent;
-    report_mismatch(normal, agreed, out);
+    report_mismatch(first, asked, out);
     return cannot_tell(out, !given.empty());
   }
   for (const Flight* f : others) {
@@ -469,6 +469,7 @@ void compare_hover(const std::vector<FlightData>& reference, const std::vector<F
                                   false, false});
   }
   if (fitted.empty()) std::swap(fitted, checked);
+  const Reference normal(agreed, vehicle);
   report_mismatch(normal, fitted, out);
   name_what_changed(normal, fitted, checked, vehicle, out);
   cannot_tell(out, true);

@@ -9,6 +9,7 @@
 #include "simulation/flight.hpp"
 #include "simulation/recorder.hpp"
 #include "support/temporary_folder.hpp"
+#include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
 namespace {
@@ -103,6 +104,18 @@ TEST(QuasiStatic, NamesNothingWithoutANormalFlightOrOnOne) {
     EXPECT_THAT(names(d), IsEmpty());
     EXPECT_EQ(d.verdict, Verdict::insufficient_data);
   }
+}
+
+// a flight that agrees is no part of what it is compared with
+TEST(QuasiStatic, AnAgreeingFlightDiffersFromTheReferenceByAllThatItDiffers) {
+  const TemporaryFolder folder;
+  const std::string normal = fly(folder, "normal", ""),
+                    heavier_by_2 = fly(folder, "other", "[[effect]]\ntype = \"mass\"\ndelta = 0.02\n");
+  const Diagnosis d = compare({heavier_by_2}, {}, {normal});
+  ASSERT_EQ(d.verdict, Verdict::consistent);
+  ASSERT_EQ(d.mismatch.front().channel, "force_z");
+  const double weight_N = read_vehicle("crazyflie", "").weight_N();
+  EXPECT_NEAR(d.mismatch.front().rms, 0.02 * weight_N, 0.003 * weight_N);
 }
 
 TEST(QuasiStatic, SaysHowMuchARotorMayHaveLostWithoutShowing) {
