@@ -23,8 +23,9 @@ struct Reference {
   std::map<std::pair<std::string, int>, double> of_each_flight;
 };
 
-// Of Gram matrices, counted from the nominal vehicle: the shared columns that these flights hold, the columns `free` of single flights
-// (biases, and the winds and forces that were found there) projected out. Flights that differ more than their noise lets them hold as much less information.
+// Of Gram matrices, counted from the nominal vehicle: the shared columns that these flights hold, the columns `free` of
+// single flights (biases, and the winds and forces that were found there) projected out. Flights that differ more than
+// their noise lets them hold as much less information.
 Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std::vector<int>& free);
 
 // What flights say of a change beside numbers that are known only as surely as the reference says: their errors are columns of their own

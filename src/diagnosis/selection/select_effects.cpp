@@ -234,7 +234,7 @@ class Selector {
       for (double last = std::numeric_limits<double>::infinity(), moved;; last = moved) {
         moved = step(columns, value);
         if (moved < near) return value;
-        if (moved > falls_to * last) break;
+        if (!(moved <= falls_to * last)) break;
         s_.predict_at(value);
       }
     }
@@ -355,7 +355,7 @@ class Selector {
   Eigen::MatrixXd settle(Selection& result, std::vector<int>& chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
-    std::set<int> went;  // as soon as it was settled beside the others: not tried again
+    std::set<int> went;  // pruned once: not tried again in this set
     bool simplified = false;
     int noise_steps = 6;
     anew_ = true;
