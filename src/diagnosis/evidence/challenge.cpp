@@ -59,6 +59,29 @@ std::vector<int> named(const std::vector<Evidence>& records) {
   return groups;
 }
 
+// Looks at what was withdrawn, once all that is left stands: what went beside a wrong partner may come back when that has gone too.
+class Looks {
+ public:
+  // The set to be judged next; nothing: what stands is the answer.
+  std::optional<Selection> next(Session& session, const Selection& standing, std::vector<int> names) {
+    if (over_) return std::nullopt;
+    if (before_ && !std::ranges::includes(names, names_) && !explains_more(session, standing, *before_)) {
+      over_ = true;  // what came back has cost a name: as it was
+      return withdraw(session, {}, *before_, {});
+    }
+    // a look that brings no name back is the last
+    if ((before_ && names == names_) || tried_.size() >= most_looks) return std::nullopt;
+    before_ = standing, names_ = std::move(names);
+    return look_again(session, {}, standing, tried_);
+  }
+
+ private:
+  std::set<std::vector<int>> tried_;
+  std::optional<Selection> before_;  // the last look, and which of its names
+  std::vector<int> names_;
+  bool over_ = false;
+};
+
 }  // namespace
 
 bool explains_more(const Session& session, const Selection& one, const Selection& other) {
@@ -99,12 +122,8 @@ std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vect
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs) {
   Challenge result;
+  Looks looks;
   bool without_forces_per_flight = false;
-  // what went beside a wrong partner may come back once that has gone too
-  std::set<std::vector<int>> tried;
-  std::optional<Selection> stood;  // before the last look, and which of its names
-  std::vector<int> names;
-  bool look = true;
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
     result.regimes = regimes(session, selection);
@@ -119,20 +138,10 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
         failing(session, selection, result.records,
                 result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
     if (failed.empty()) {
-      const std::vector<int> now = named(result.records);
-      if (stood && !std::ranges::includes(now, names) && !explains_more(session, selection, *stood)) {
-        // what came back has cost a name: as it was
-        selection = withdraw(session, {}, *std::exchange(stood, std::nullopt), {});
-        look = false;
-        continue;
-      }
-      // a look that brings no name back is the last
-      look = look && !(stood && now == names) && tried.size() < most_looks;
-      if (result.withdrawn.empty() || !look) break;
-      stood = selection, names = now;
-      std::optional<Selection> more = look_again(session, {}, selection, tried);
-      if (!more) break;
-      selection = std::move(*more);
+      if (result.withdrawn.empty()) break;
+      std::optional<Selection> next = looks.next(session, selection, named(result.records));
+      if (!next) break;
+      selection = std::move(*next);
       continue;
     }
     std::vector<int> groups;
