@@ -169,6 +169,15 @@ SurrogateTest moved_signatures(const Session& session, const Selection& selectio
   return surrogate_test(rows.series, known, own, rows.coefficient(both));
 }
 
+// Whether no flight turns: what stays in the world stays in the body then.
+bool headings_are_kept(const Session& session) {
+  return std::ranges::all_of(session.linear(), [](const LinearFlight& flight) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const auto& R_WB : flight.R_WB) sum += R_WB.col(0).template head<2>().normalized();
+    return sum.norm() > decisions::kept_heading * static_cast<double>(flight.R_WB.size());
+  });
+}
+
 bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
   const auto& columns = catalogue.groups()[static_cast<std::size_t>(group)].columns;
   return std::any_of(columns.begin(), columns.end(), [&](int c) {
@@ -222,6 +231,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
   for (const Finding& finding : selection.findings) found.push_back(own_weights(catalogue, selection, finding));
   const std::vector<double> taken_back = undone_shares(project_out(total, session.biases()), found);
   const FittedRows rows = fitted_rows(session, selection);
+  const bool headings_kept = headings_are_kept(session);
   std::vector<Evidence> records(selection.findings.size());
   parallel_for(std::ssize(records), session.jobs(), [&](std::int64_t at) {
     const auto i = static_cast<std::size_t>(at);
@@ -245,9 +255,12 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
                                 std::sqrt(std::max(1.0, record.clustered_inflation) / record.held_out_expected)});
     record.spread_regimes = most_astray(regimes[i]);
     // a force that every flight has for itself is at least as large as what a frame that is not level leaves
-    record.size_in_tolerances = group.row->per_flight ? push_mps2(session, selection, finding) /
-                                                            (decisions::level_share * session.vehicle().gravity_mps2)
-                                                      : size_in_tolerances(session, selection.value, finding.group);
+    record.size_in_tolerances = size_in_tolerances(session, selection.value, finding.group);
+    if (group.row->per_flight) {
+      const double push_share = push_mps2(session, selection, finding) / session.vehicle().gravity_mps2;
+      record.size_in_tolerances = push_share / decisions::level_share;
+      if (headings_kept) record.push_over_tilt = push_share / decisions::tilt_share;
+    }
     record.inclusion = finding.inclusion;
     for (const Rival& rival : finding.rivals)
       if (rival.z >= decisions::equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain))

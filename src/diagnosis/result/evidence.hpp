@@ -53,6 +53,8 @@ struct Evidence {
   bool at_bound = false;          // a value ran into its bound
   // share of what it does to the predictions that the other findings take back; 0 where they add to it
   double undone = 0.0;
+  // a push of a flight's own over what an attitude a little off leaves of gravity; infinite where that would show as well
+  double push_over_tilt = std::numeric_limits<double>::infinity();
   int alike = 0;  // other findings of the same effect, of another rotor
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
   // over its standard error; per horizon, the better of (position, velocity) and (attitude, body rate)

@@ -81,6 +81,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"sensors_share", number(e.sensors_share)},
                         {"at_bound", e.at_bound},
                         {"undone_share", number(e.undone)},
+                        {"push_over_tilt", number(e.push_over_tilt)},
                         {"alike", e.alike},
                         {"horizon_s", e.horizon_s},
                         {"recovered", e.recovered},
