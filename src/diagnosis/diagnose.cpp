@@ -20,6 +20,7 @@
 #include "diagnosis/output/residual_effect.hpp"
 #include "diagnosis/recording/recordings.hpp"
 #include "diagnosis/recording/sensor_latency.hpp"
+#include "diagnosis/recording/total_thrust.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/rollout/verify.hpp"
 #include "diagnosis/selection/reference_fit.hpp"
@@ -121,8 +122,11 @@ std::vector<FlightUse> uses_of(const Aligned& aligned, const Prepared& flights) 
 
 std::vector<FlightLog> proof_flights(const Aligned& aligned) {
   std::vector<FlightLog> proof;
-  for (const FlightLog& log : aligned.holdout)
-    proof.push_back(with_later_inputs(log, aligned.offset_s[aligned.fit.size() + proof.size()]));
+  for (const FlightLog& log : aligned.holdout) {
+    FlightLog known = with_later_inputs(log, aligned.offset_s[aligned.fit.size() + proof.size()]);
+    proof.push_back(aligned.reading.total_thrust ? with_total_thrust(std::move(known), aligned.vehicle)
+                                                : std::move(known));
+  }
   return proof;
 }
 

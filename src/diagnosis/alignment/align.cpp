@@ -52,11 +52,10 @@ bool thrust_is_smooth(const std::vector<FlightData>& flights) {
   });
 }
 
-// commands tell forces alone
-void keep_total_thrust(Aligned& aligned) {
+// commands tell forces, and torques over a while
+void keep_slow_torques(Aligned& aligned) {
   aligned.reading.forces_only = true;
-  for (auto* logs : {&aligned.fit, &aligned.holdout, &aligned.reference})
-    for (FlightLog& log : *logs) log = with_total_thrust(std::move(log), aligned.vehicle);
+  aligned.reading.total_thrust = true;
 }
 
 // what depends on commands of a faster loop would come out too small, and look like other physics
@@ -100,18 +99,19 @@ Aligned align(const Recordings& recordings) {
   if (!rotors.empty()) out.raw_fit = at_own_rate(out.fit, out.vehicle, out.reading.late);
   out.raw_holdout = at_own_rate(out.holdout, out.vehicle, out.reading.late);
 
-  // on another clock than the motion, commands tell forces alone
+  // on another clock than the motion, commands tell forces and what lasts
   const std::vector<LogFinding>& of_logs = recordings.remarks.findings;
   const bool fit_apart = clocks_apart(out.raw_fit, out.vehicle, of_logs, findings),
              holdout_apart = clocks_apart(out.raw_holdout, out.vehicle, of_logs, findings);
-  if (fit_apart || holdout_apart) keep_total_thrust(out);
+  if (fit_apart || holdout_apart) keep_slow_torques(out);
   out.offset_s = command_offsets(out.raw_fit, out.raw_holdout, out.vehicle, findings);
   out.commands_jitter = out.hold_unknown && find_jitter(out.raw_fit, findings);
   // the sum of the commands jitters less than their differences: it tells of the forces
   out.thrust_jitters = out.commands_jitter && !thrust_is_smooth(out.raw_fit);
   if (out.commands_jitter && !out.thrust_jitters && out.attitude) {
-    keep_total_thrust(out);
-    out.remarks.notes.emplace_back("the commanded torques are not known between samples: only forces are judged");
+    keep_slow_torques(out);
+    out.remarks.notes.emplace_back(
+        "the commanded torques are not known between samples: only forces, and torques over two seconds, are judged");
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/estimation/indices.hpp"
+#include "diagnosis/estimation/mean_torques.hpp"
 #include "diagnosis/estimation/rotor_speeds.hpp"
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/linear_model.hpp"
@@ -107,8 +108,10 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
            std::any_of(shooting_flights.begin(), shooting_flights.end(),
                        [](const FlightData& f) { return !f.commands_filtered; }),
            std::any_of(flights_.begin(), flights_.end(), commands_are_slower),
+           std::all_of(flights_.begin(), flights_.end(), [](const FlightData& f) { return f.each_rotor != nullptr; }),
            std::any_of(flights_.begin(), flights_.end(), [](const FlightData& f) { return f.inertial_unused; })}),
       linear_(flights_.size()),
+      each_rotor_(flights_.size()),
       value_(catalogue_.nominal()),
       shooting_flights_(std::move(shooting_flights)),
       shot_(shooting_flights_.size()) {
@@ -168,6 +171,9 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
     read_at(value, f);
     gustlab::diagnosis::linearise(flights_[f], index, catalogue_, value, wanted, linear_[f]);
     take_biases_out(f);
+    if (!flights_[f].each_rotor) return;
+    gustlab::diagnosis::linearise(*flights_[f].each_rotor, index, catalogue_, value, wanted, each_rotor_[f]);
+    balance_torques(*flights_[f].each_rotor, each_rotor_[f], catalogue_, linear_[f]);
   });
   if (shoots()) set_answers_aside();
 }
@@ -181,6 +187,9 @@ void Session::predict_at(const Eigen::VectorXd& value) {
     read_at(value, f);
     predict_again(flights_[f], index, catalogue_, value, linear_[f]);
     take_biases_out(f);
+    if (!flights_[f].each_rotor) return;
+    predict_again(*flights_[f].each_rotor, index, catalogue_, value, each_rotor_[f]);
+    balance_torques(*flights_[f].each_rotor, each_rotor_[f], catalogue_, linear_[f]);
   });
   if (shoots()) set_answers_aside();
 }
@@ -241,7 +250,7 @@ void Session::forget_transitions() {
 
 LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns,
                        const Eigen::VectorXd& coefficient) {
-  LinearFlight rest{flight, {}, {}, {}, {}};
+  LinearFlight rest{flight, {}, {}, {}, {}, {}};
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto at = std::find(flight.columns.begin(), flight.columns.end(), columns[i]) - flight.columns.begin();
     if (at == std::ssize(flight.columns)) continue;
@@ -253,12 +262,14 @@ LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& colum
     for (std::size_t k = 0; k < by.size(); ++k)
       for (std::size_t r = 0; r < max_rotors; ++r)
         rest.faster[k][r] -= coefficient[static_cast<Eigen::Index>(i)] * by[k][r];
+    for (std::size_t w = 0; w < rest.turning.size(); ++w)
+      rest.turning[w] -= coefficient[static_cast<Eigen::Index>(i)] * flight.turning_by[w].col(at);
   }
   return rest;
 }
 
 LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns) {
-  LinearFlight part{flight, {}, {}, {}, {}};
+  LinearFlight part{flight, {}, {}, {}, {}, {}};
   std::vector<Eigen::Index> at;
   for (std::size_t j = 0; j < flight.columns.size(); ++j)
     if (std::find(columns.begin(), columns.end(), flight.columns[j]) != columns.end()) {
@@ -270,6 +281,7 @@ LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns) {
     part.B.push_back(flight.B[k](Eigen::all, at));
     part.D.push_back(flight.D[k](Eigen::all, at));
   }
+  for (const auto& by : flight.turning_by) part.turning_by.push_back(by(Eigen::all, at));
   return part;
 }
 
@@ -307,6 +319,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
       smoothed[f] = smooth(rest[f], noise);
     });
     if (anew) noise.speeds = likeliest(flights_, rest, noise.speeds);
+    if (anew) noise.mean_torque = mean_torque_noise(rest);
     before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
     if (largest_change(before.back(), noise) < least_change) return;
@@ -415,19 +428,20 @@ Grams Session::grams(const std::vector<int>& columns) const {
 }
 
 Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
-  std::vector<Grams> of_body(flights.size()), of_speeds(flights.size());
+  std::vector<Grams> of_body(flights.size()), beside(2 * flights.size());
   for_each_flight([&](std::size_t f) {
     const auto add = [&](const Whitened& rows, Grams& grams) {
       accumulate(rows, flights[f].columns, static_cast<int>(f), catalogue_.size(), grams);
     };
     add(whiten(flights_[f], flights[f], noise), of_body[f]);
-    add(whiten_speeds(flights_[f], flights[f], noise.speeds), of_speeds[f]);
+    add(whiten_speeds(flights_[f], flights[f], noise.speeds), beside[f]);
+    add(whiten_mean_torques(flights[f], noise.mean_torque), beside[flights.size() + f]);
   });
   Grams grams;
   for (Grams& part : of_body) append(std::move(part), grams);
-  // they tell of the commands' way alone: what is material to the body is counted by the body's rows
+  // speeds tell of the commands' way alone, and mean torques are few: what is material to the body is counted by the body's rows
   const double rows = grams.rows;
-  for (Grams& part : of_speeds) append(std::move(part), grams);
+  for (Grams& part : beside) append(std::move(part), grams);
   grams.rows = rows;
   // a faster log has more innovations, and tells no more of what air and noise do not hide
   grams.rows *= std::min(1.0, sample_s() / fastest_sample_s);
@@ -474,6 +488,7 @@ RowSeries Session::row_series(const std::vector<int>& columns) const {
       const std::vector<int> to = indices_of(part.columns, columns);
       append_channels(whiten(flights_[f], part, noise), row_count, to, width, series[f]);
       append_channels(whiten_speeds(flights_[f], part, noise.speeds), vehicle_.rotor_count, to, width, series[f]);
+      append_channels(whiten_mean_torques(part, noise.mean_torque), 3, to, width, series[f]);
       return;
     }
     // every row of a window is a channel, which has one sample a window
@@ -496,7 +511,8 @@ double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& c
   for_each_flight([&](std::size_t f) {
     const LinearFlight rest = taken_out(linear_[f], columns, coefficient);
     of[f] = whiten(flights_[f], rest, noise).minus_two_log_likelihood +
-            whiten_speeds(flights_[f], rest, noise.speeds).minus_two_log_likelihood;
+            whiten_speeds(flights_[f], rest, noise.speeds).minus_two_log_likelihood +
+            whiten_mean_torques(rest, noise.mean_torque).minus_two_log_likelihood;
   });
   return std::accumulate(of.begin(), of.end(), 0.0);
 }

@@ -109,7 +109,7 @@ class Session {
   VehicleModel vehicle_;
   std::vector<FlightData> flights_;
   Catalogue catalogue_;
-  std::vector<LinearFlight> linear_;
+  std::vector<LinearFlight> linear_, each_rotor_;  // of FlightData::each_rotor
   Eigen::VectorXd value_;
   std::vector<int> all_, biases_;
   std::vector<FlightData> shooting_flights_;

@@ -77,8 +77,11 @@ std::optional<NotIdentifiable> why_not_told(const EffectRow& row, const Catalogu
   if (seen.inertial_unused && row.asks(Need::accelerometer))
     return because("the accelerometer is not used: the commands tell forces alone, and the pose shows those",
                    Lack::torque);
-  for (const auto& [need, why, lack] : missing)
-    if (row.asks(need) && !seen.tells(need)) return because(why, lack);
+  for (const auto& [need, why, lack] : missing) {
+    if (!row.asks(need) || seen.tells(need)) continue;
+    if (need != Need::torque || !seen.mean_torques) return because(why, lack);
+    if (row.in_hover == InHover::nothing) return because("these logs tell torques over two seconds alone", lack);
+  }
   if (row.needs_any != Need::nothing && !seen.tells(row.needs_any)) return because(row.lacking, Lack::other);
   if (seen.trims && !row.hidden_by_filter.empty()) return because(row.hidden_by_filter, Lack::raw_sensors);
   return std::nullopt;

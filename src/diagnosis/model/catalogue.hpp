@@ -91,6 +91,7 @@ class Catalogue {
     bool trims = false;      // torque trims and command clocks are free in every flight
     bool smoothing = false;  // and how much less the commands were smoothed
     bool slow_commands = false;
+    bool mean_torques = false;     // over a while: see mean_torques.hpp
     bool inertial_unused = false;  // an accelerometer was recorded, and is not used: see ReadingOptions::forces_only
     bool tells(Need need) const { return (told & need) != Need::nothing; }
   };

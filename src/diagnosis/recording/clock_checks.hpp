@@ -31,8 +31,4 @@ FlightLog laid_on_pose_clock(FlightLog log, const ClockTrack& track);
 bool clocks_apart(const std::vector<FlightData>& flights, const VehicleModel& vehicle,
                   const std::vector<LogFinding>& of_logs, std::vector<LogFinding>& findings);
 
-// The log with the sum of its rotors' commands as its only input (collective_thrust), N. Unchanged when it has measured
-// rotor speeds or no input of every rotor.
-FlightLog with_total_thrust(FlightLog log, const VehicleModel& vehicle);
-
 }  // namespace gustlab::diagnosis

@@ -8,6 +8,7 @@
 
 #include "diagnosis/recording/log_filters.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
+#include "diagnosis/recording/total_thrust.hpp"
 #include "gustlab/errors.hpp"
 #include "util/rotations.hpp"
 #include "vehicle/rotor_speed.hpp"
@@ -452,6 +453,14 @@ void find_saturation(FlightData& flight) {
 }  // namespace
 
 FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
+  if (options.total_thrust) {
+    ReadingOptions as_it_is = options;
+    as_it_is.total_thrust = false;
+    FlightData flight = prepare_flight(with_total_thrust(original, vehicle), vehicle, as_it_is);
+    if (original.meta.actuator != ActuatorKind::collective_thrust && original.find("qw") != nullptr)
+      flight.each_rotor = std::make_shared<FlightData>(prepare_flight(original, vehicle, as_it_is));
+    return flight;
+  }
   const bool filters = options.common_filter_s > 0.0, averages = !filters && options.coarse_rate_hz > 0.0;
   const FlightLog changed = filters    ? filtered_alike(original, options.common_filter_s)
                             : averages ? with_mean_poses(original, options)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -126,6 +127,8 @@ struct FlightData {
   bool commands_filtered = false;  // as all else, or not
   bool read_slower = false;        // than it was logged: neighbouring innovations are then never quite white
   double start_s = 0.0;
+  // with the command of each rotor, where the total alone is known from sample to sample: means of torques over a while
+  std::shared_ptr<const FlightData> each_rotor;
   // from the first sample to the last
   double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s - samples.front().time_s; }
 };
@@ -141,6 +144,8 @@ struct ReadingOptions {
   // The recorded states are the motion: nothing is smoothed over more than a few samples, a recorded velocity counts.
   bool as_recorded = false;
   bool forces_only = false;  // torques are not told, and with a pose inertial data are not used
+  // Of the commands of several rotors their total alone is taken, and `each_rotor` beside it.
+  bool total_thrust = false;
   SensorLatency late = {};
 };
 

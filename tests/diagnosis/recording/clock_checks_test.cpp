@@ -82,23 +82,6 @@ TEST(ClockChecks, FollowAClockAndLayTheBoardOnThePose) {
   for (std::size_t k = 200; k < 800; ++k) EXPECT_NEAR((*laid.find("u1"))[k], roll_rate_radps(laid.time_s[k], 1.5), 0.1);
 }
 
-// or thrust would be nought in four of five rows of a log whose commands are slow
-TEST(TotalThrust, IsMissingWhereCommandsAre) {
-  VehicleModel vehicle;
-  vehicle.rotor_count = 4;
-  for (int i = 0; i < 4; ++i) vehicle.rotors[static_cast<std::size_t>(i)].thrust_coefficient_Ns2 = 1e-5;
-  vehicle.actuator.throttle_thrust = {0.0, 2.0, 3.0};
-  FlightLog log;
-  log.meta.actuator = ActuatorKind::throttle;
-  log.time_s = {0.0, 0.1, 0.2};
-  for (const char* name : {"u1", "u2", "u3", "u4"}) log.columns.push_back({name, {0.5, std::nan(""), 0.0}});
-  const FlightLog total = with_total_thrust(log, vehicle);
-  ASSERT_EQ(total.columns.size(), 1u);
-  EXPECT_NEAR(total.columns[0].values[0], 4.0 * (1.0 + 0.75), 1e-12);
-  EXPECT_TRUE(std::isnan(total.columns[0].values[1]));
-  EXPECT_EQ(total.columns[0].values[2], 0.0);
-}
-
 TEST(PoseGaps, AreLongerThanTheColumnsOwnIntervals) {
   std::vector<double> time_s, values;
   for (int k = 0; k < 400; ++k) {

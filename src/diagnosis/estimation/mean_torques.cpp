@@ -1,0 +1,115 @@
+#include "diagnosis/estimation/mean_torques.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gustlab::diagnosis {
+
+namespace {
+
+// Of Neural-Swarm's flights means over 1 s are correlated with their neighbours by −0.2 to −0.7, those over 2 s by 0.1 to 0.4.
+constexpr double averaged_s = 2.0;
+constexpr double least_sd_radps2 = 0.05;
+
+// of the axes that are alike
+std::size_t group_of(int axis) { return axis < 2 ? 0 : 1; }
+
+using Pushed = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+// What scales all rotors scales their means as well, and a mean that answers a shifted centre of mass would be taken for a wrong scale:
+// of torques as slow as this only what shifts them is asked.
+void keep_what_shifts(const std::vector<int>& columns, const Catalogue& catalogue, std::vector<Pushed>& by) {
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const int g = catalogue.columns()[static_cast<std::size_t>(columns[j])].group;
+    const InHover shown = g < 0 ? InHover::nothing : catalogue.groups()[static_cast<std::size_t>(g)].row->in_hover;
+    if (shown == InHover::center || shown == InHover::rotor) continue;
+    for (Pushed& of_window : by) of_window.col(static_cast<Eigen::Index>(j)).setZero();
+  }
+}
+
+// Between samples the loop answers how the body turns: what goes with its rate is projected out, axis by axis.
+void take_damping_out(const std::vector<Vector3>& rates, LinearFlight& flight) {
+  for (int axis = 0; axis < 3; ++axis) {
+    double squares = 1e-12;
+    for (const Vector3& rate : rates) squares += rate[axis] * rate[axis];
+    double along = 0.0;
+    Eigen::RowVectorXd along_by = Eigen::RowVectorXd::Zero(std::ssize(flight.columns));
+    for (std::size_t w = 0; w < rates.size(); ++w) {
+      along += rates[w][axis] * flight.turning[w][axis] / squares;
+      along_by += rates[w][axis] / squares * flight.turning_by[w].row(axis);
+    }
+    for (std::size_t w = 0; w < rates.size(); ++w) {
+      flight.turning[w][axis] -= rates[w][axis] * along;
+      flight.turning_by[w].row(axis) -= rates[w][axis] * along_by;
+    }
+  }
+}
+
+}  // namespace
+
+void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, const Catalogue& catalogue,
+                     LinearFlight& flight) {
+  flight.window_s.clear(), flight.turning.clear(), flight.turning_by.clear();
+  std::vector<Vector3> rates;
+  const std::size_t n = linear.size();
+  for (std::size_t first = 0; first < n;) {
+    std::size_t last = first;
+    double duration_s = 0.0;
+    Vector3 missing = Vector3::Zero(), turned = Vector3::Zero();
+    Pushed by = Pushed::Zero(3, std::ssize(linear.columns));
+    for (; last + 1 < n && !linear.starts[last + 1] && duration_s < averaged_s; ++last) {
+      missing -= linear.b[last].tail<3>();
+      by += linear.B[last].bottomRows<3>();
+      turned += linear.interval_s[last] * each_rotor.motion[last].body_rate_B_radps;
+      duration_s += linear.interval_s[last];
+    }
+    if (duration_s >= averaged_s) {
+      flight.window_s.push_back(each_rotor.samples[first].time_s);
+      flight.turning.emplace_back(missing / duration_s);
+      flight.turning_by.emplace_back(by / duration_s);
+      rates.emplace_back(turned / duration_s);
+    }
+    first = std::max(last, first + 1);
+  }
+  keep_what_shifts(linear.columns, catalogue, flight.turning_by);
+  take_damping_out(rates, flight);
+}
+
+Whitened whiten_mean_torques(const LinearFlight& flight, const MeanTorqueNoise& noise) {
+  Whitened out;
+  if (flight.turning.empty() || noise.front() <= 0.0) return out;
+  const auto own = static_cast<Eigen::Index>(flight.columns.size());
+  out.rows.resize(3 * std::ssize(flight.turning), own + 1);
+  Eigen::Index row = 0;
+  for (std::size_t w = 0; w < flight.turning.size(); ++w)
+    for (int axis = 0; axis < 3; ++axis, ++row) {
+      const double variance = noise[group_of(axis)], sd = std::sqrt(variance), z = flight.turning[w][axis] / sd;
+      if (own > 0) out.rows.row(row).head(own) = flight.turning_by[w].row(axis) / sd;
+      out.rows(row, own) = z;
+      out.minus_two_log_likelihood += std::log(variance) + z * z;
+      out.time_s.push_back(flight.window_s[w]);
+      out.channel.push_back(axis);
+      out.warm.push_back(true);
+    }
+  return out;
+}
+
+MeanTorqueNoise mean_torque_noise(const std::vector<LinearFlight>& rest) {
+  MeanTorqueNoise squares{}, differences{}, count{}, pairs{};
+  for (const LinearFlight& flight : rest)
+    for (std::size_t w = 0; w < flight.turning.size(); ++w)
+      for (int axis = 0; axis < 3; ++axis) {
+        const std::size_t g = group_of(axis);
+        const double now = flight.turning[w][axis];
+        squares[g] += now * now, count[g] += 1.0;
+        if (w > 0) differences[g] += 0.5 * std::pow(now - flight.turning[w - 1][axis], 2), pairs[g] += 1.0;
+      }
+  MeanTorqueNoise noise{};
+  for (std::size_t g = 0; g < noise.size(); ++g)
+    if (count[g] > 0.0)
+      noise[g] = std::max(
+          {squares[g] / count[g], differences[g] / std::max(1.0, pairs[g]), least_sd_radps2 * least_sd_radps2});
+  return noise;
+}
+
+}  // namespace gustlab::diagnosis

@@ -1,0 +1,24 @@
+// Where commands were sampled from a faster loop, or on a clock of their own, their torques are not known from sample to sample, and
+// their means over a while are: the change of the body's rate over a window is what the mean torque made of it. Means of sampled
+// commands differ from true means by chance, which is white from window to window.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/estimation/noise_model.hpp"
+#include "diagnosis/model/catalogue.hpp"
+#include "diagnosis/recording/flight_data.hpp"
+
+namespace gustlab::diagnosis {
+
+// What the windows of a flight show of torques, from a linearisation with the commands of each rotor: `window_s`, `turning` and
+// `turning_by` of the flight whose total thrust alone is known.
+void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, const Catalogue& catalogue,
+                     LinearFlight& flight);
+// Whitened rows, roll, pitch and yaw of every window, y last. None where nothing is told or the noise is not known.
+Whitened whiten_mean_torques(const LinearFlight& flight, const MeanTorqueNoise& noise);
+// The noise of such means in flights without columns: by their mean square, or by how much neighbours differ, whatever is more. What no
+// effect explains is noise, and a fit of few windows makes it no less.
+MeanTorqueNoise mean_torque_noise(const std::vector<LinearFlight>& rest);
+
+}  // namespace gustlab::diagnosis
