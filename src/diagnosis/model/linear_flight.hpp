@@ -24,17 +24,20 @@ using Vector12 = Eigen::Matrix<double, 12, 1>;
 using SpatialAcceleration = Eigen::Matrix<double, 6, 1>;
 using SpatialAccelerations = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-// Γ: what pushes over one interval do to the error state. `Pushes`: a column each, one or as many as there are.
-template <class Pushes>
-Eigen::Matrix<double, 12, Pushes::ColsAtCompileTime> moved_by(const Pushes& push, double interval_s) {
-  Eigen::Matrix<double, 12, Pushes::ColsAtCompileTime> moved(12, push.cols());
-  moved << 0.5 * interval_s * interval_s * push.template topRows<3>(), interval_s * push.template topRows<3>(),
-      0.5 * interval_s * interval_s * push.template bottomRows<3>(), interval_s * push.template bottomRows<3>();
+// Γ: what accelerations over one interval do to the error state. `Accelerations`: a column each, one or as many as there are.
+template <class Accelerations>
+Eigen::Matrix<double, 12, Accelerations::ColsAtCompileTime> moved_by(const Accelerations& acceleration,
+                                                                     double interval_s) {
+  Eigen::Matrix<double, 12, Accelerations::ColsAtCompileTime> moved(12, acceleration.cols());
+  moved << 0.5 * interval_s * interval_s * acceleration.template topRows<3>(),
+      interval_s * acceleration.template topRows<3>(),
+      0.5 * interval_s * interval_s * acceleration.template bottomRows<3>(),
+      interval_s * acceleration.template bottomRows<3>();
   return moved;
 }
 // What an accelerometer feels of them: rows of the specific force in B.
-inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const SpatialAccelerations& push, const Matrix3& R_WB) {
-  return R_WB.transpose() * push.topRows<3>();
+inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const SpatialAccelerations& acceleration, const Matrix3& R_WB) {
+  return R_WB.transpose() * acceleration.topRows<3>();
 }
 
 // The plant along one flight.
