@@ -84,6 +84,9 @@ TEST(Gram, ShiftedRowsCountCoefficientsFromElsewhere) {
   const Eigen::VectorXd before = solve(rows.grams.total(), of).coefficient;
   rows.grams.shift(from);
   EXPECT_LT((solve(rows.grams.total(), of).coefficient - before - from).norm(), 1e-6);
+  Eigen::MatrixXd moved = rows.all;
+  moved.col(columns) += rows.all.leftCols(columns) * from;
+  EXPECT_LT((rows.grams.total() - moved.transpose() * moved).norm(), 1e-9);
 }
 
 // (XᵀX)⁻¹ Σ_clusters (Xᵀe)(Xᵀe)ᵀ (XᵀX)⁻¹, up to the correction for few clusters
