@@ -83,10 +83,10 @@ TEST(CommandJitter, OutsideOfTheFlightDoesNotCount) {
   FlightData flight = commanded(50.0, 0.0);
   std::vector<RotorArray> speed = flight.commands.speed_radps();
   const std::vector<RotorArray> jittering = commanded(50.0, 200.0).commands.speed_radps();
-  std::copy(jittering.begin(), jittering.begin() + 500, speed.begin());
-  std::copy(jittering.begin() + 1500, jittering.end(), speed.begin() + 1500);
+  std::copy(jittering.begin(), jittering.begin() + 800, speed.begin());
+  std::copy(jittering.begin() + 1200, jittering.end(), speed.begin() + 1200);
   flight.commands = CommandRecord(flight.commands.time_s(), speed, false);
-  flight.samples = {flight.samples.begin() + 500, flight.samples.begin() + 1500};
+  flight.samples = {flight.samples.begin() + 800, flight.samples.begin() + 1200};
   flight.start_s = flight.samples.front().time_s;
   EXPECT_LT(command_jitter_share(flight), 0.01);
 }
