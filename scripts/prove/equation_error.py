@@ -5,25 +5,21 @@ This is what sparse identification of a discrepancy usually starts from. Every c
 """
 
 import numpy as np
+from scipy.signal import savgol_filter
+from scipy.spatial.transform import Rotation
 
 POSE_WINDOW_s, RATE_WINDOW_s = 0.19, 0.09  # of the local polynomials, as for our own linearisation point
 AIR_kgpm3 = 1.225
 
 
 def local_polynomial(y, dt, window_s, degree, derivative):
-    """Savitzky-Golay: the derivative of the least-squares polynomial around each sample."""
+    """The derivative of the least-squares polynomial around each sample (Savitzky-Golay); beyond the ends the first and the last value stay."""
     half = max(degree, round(0.5 * window_s / dt))
-    t = np.arange(-half, half + 1) * dt
-    fit = np.linalg.pinv(np.vander(t, degree + 1, increasing=True))[derivative] * (2 if derivative == 2 else 1)
-    padded = np.concatenate([np.repeat(y[:1], half, 0), y, np.repeat(y[-1:], half, 0)])
-    return np.column_stack([np.convolve(padded[:, k], fit[::-1], "valid") for k in range(y.shape[1])])
+    return savgol_filter(y, 2 * half + 1, degree, deriv=derivative, delta=dt, axis=0, mode="nearest")
 
 
 def rotations(q):
-    w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]).transpose(2, 0, 1)
+    return Rotation.from_quat(q[:, [1, 2, 3, 0]]).as_matrix()
 
 
 def first_order(command, dt, up, down):

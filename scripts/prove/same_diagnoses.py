@@ -5,7 +5,8 @@
 
 The list (CASES) holds concealed trials of every kind, drawn by the independent reality from development seeds, some of them as a
 filtered or an inertial log; with --full also more of each and the recorded flights (GUSTLAB_FLIGHTS or --flights). What BEFORE
-said is kept under --work by the program's SHA-256, so a second comparison costs half. A case that ends with an error must end
+said is kept under --work by the program's SHA-256, so a second comparison costs half. Of a program and itself, each case is
+diagnosed again. A case that ends with an error must end
 with the same exit code and message.
 """
 
@@ -14,6 +15,7 @@ import concurrent.futures
 import difflib
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -157,6 +159,10 @@ def main():
         sys.exit(f"same_diagnoses: {', '.join(unknown)}: no such case (or its flights are not there)")
 
     programs = {which: (program, options.work / sha256_of(program)) for which, program in (("before", options.before), ("after", options.after))}
+    if programs["before"][1] == programs["after"][1]:  # the same program: it runs twice
+        again = options.work / f"{sha256_of(options.after)}_again"
+        shutil.rmtree(again, ignore_errors=True)
+        programs["after"] = options.after, again
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         runs = {(which, name): pool.submit(diagnose, program, flights, out / name)
                 for name, flights in cases.items() for which, (program, out) in programs.items()}

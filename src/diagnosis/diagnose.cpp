@@ -125,13 +125,13 @@ std::vector<FlightLog> proof_flights(const Aligned& aligned) {
   for (const FlightLog& log : aligned.holdout) {
     FlightLog known = with_later_inputs(log, aligned.offset_s[aligned.fit.size() + proof.size()]);
     proof.push_back(aligned.reading.total_thrust ? with_total_thrust(std::move(known), aligned.vehicle)
-                                                : std::move(known));
+                                                 : std::move(known));
   }
   return proof;
 }
 
 // says where the work is; the shares of the stages are guesses
-void tell(const DiagnoseOptions& options, std::string_view stage, double done) {
+void report_progress(const DiagnoseOptions& options, std::string_view stage, double done) {
   if (options.progress) options.progress(stage, done);
 }
 
@@ -166,9 +166,9 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
         "the commands were logged at a lower rate than the motion: how much torque in roll and pitch the loop added "
         "between them is fitted beside all else, and what roll and pitch alone would show (inertia, damping) is not "
         "told");
-  tell(options, "choosing effects", 0.1);
+  report_progress(options, "choosing effects", 0.1);
   Selection selection = select_effects(session, {});
-  tell(options, "testing them on other flights", 0.5);
+  report_progress(options, "testing them on other flights", 0.5);
   std::vector<FlightLog> proof = proof_flights(aligned);
   Challenge challenged = challenge(
       session, selection, {flights.holdout, flights.holdout_own_rate, proof},
@@ -178,7 +178,7 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
           std::move(reading.remarks)};
 }
 
-// Moments that depend on the velocity are not told without a pose, and would be charged to what can be.
+// Moments that depend on the velocity are not identifiable without a pose, and would be charged to what can be.
 bool torques_mislead(const Aligned& aligned, const Fitted& fitted) {
   return !aligned.attitude && !fitted.challenged.rest.alarms.empty();
 }
@@ -269,7 +269,7 @@ Diagnosis diagnose_hover(const Recordings& recordings) {
 
 Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options) {
   const int jobs = options.jobs;
-  tell(options, "checking rotors and clocks", 0.02);
+  report_progress(options, "checking rotors and clocks", 0.02);
   recordings = with_held_out_part(std::move(recordings));
   const Aligned aligned = align(recordings);
   Fitted fitted = fit(aligned, false, options);
@@ -285,14 +285,14 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
     suspect(out, "only suspected: the commands were sampled from a faster loop",
             [](const EffectFinding& effect) { return !find_effect(effect.effect)->commanded; });
 
-  // a motion that contradicts itself is no push from outside
+  // a motion that contradicts itself is no force from outside
   if (std::ranges::any_of(out.log_findings, [](const LogFinding& f) {
         return f.kind == "inconsistent" && f.column.find_first_of("pvqwa") == 0;
       }))
     suspect(out, "only suspected: columns of the motion contradict each other",
             [](const EffectFinding& effect) { return !find_effect(effect.effect)->external; });
 
-  tell(options, "flying the model in the simulator", 0.75);
+  report_progress(options, "flying the model in the simulator", 0.75);
   Verification verified = verify_names(out, fitted.proof, fitted.vehicle, jobs);
   out.fit = std::move(verified.fit);
   if (!out.fit.is_null())
@@ -307,7 +307,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
     out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
   out.verdict = conclude(out, fitted.challenged.rest, !bound.empty(), aligned.commands_jitter);
 
-  tell(options, "looking for a flight that would tell more", 0.85);
+  report_progress(options, "looking for a flight that would tell more", 0.85);
   suggest_flight(fitted.session, fitted.selection, jobs, out);
   if (out.verdict == Verdict::unexplained || out.verdict == Verdict::partly_explained)
     offer_residual(fitted.session, fitted.selection, fitted.proof, jobs, out);
@@ -319,7 +319,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
 }  // namespace
 
 Diagnosis diagnose(const DiagnoseOptions& options) {
-  tell(options, "reading the flights", 0.0);
+  report_progress(options, "reading the flights", 0.0);
   Recordings recordings = check(read_recordings(options.fit, options.holdout, options.reference, options.vehicle));
   std::vector<Stretch> stretches = std::move(recordings.stretches);
   Diagnosis out = is_recorded(recordings.fit, {"qw", "wx"}) ? diagnose_motion(std::move(recordings), options)

@@ -16,7 +16,7 @@ struct DiagnoseOptions {
   std::vector<std::string> reference;  // normal flights of the vehicle, for logs without attitude and body rate
   std::optional<std::string> vehicle;  // overrides the logs'
   int jobs = 1;
-  ProgressReport progress;  // empty: nobody is told
+  ProgressReport progress;  // empty: none
 };
 
 // Throws DataError when no fit flight is usable.

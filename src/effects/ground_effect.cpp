@@ -2,9 +2,8 @@
 //
 // f_i (1 + strength (R / 4 z_i)²), z_i ≥ R the height of hub i. Cheeseman, Bennett, ARC R&M 3021, 1955 (strength 1, to first
 // order); multirotors show 4–10: Sanchez-Cuevas, Heredia, Ollero, IJAE 2017, doi 10.1155/2017/1823056.
-#include <algorithm>
-
 #include "effects/effects.hpp"
+#include "effects/near_surface.hpp"
 
 namespace gustlab {
 
@@ -21,15 +20,8 @@ class GroundEffect final : public Effect {
   }
 
   void on_rotor(Flow& flow, RotorSet& rotors) const override {
-    const auto& surface = flow.vehicle->environment.ground_z_m;
-    if (strength_ == 0.0 || !surface) return;
-    const double radius_m = flow.vehicle->rotor_radius_m;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(rotors.count); ++i) {
-      const Vector3 hub_B_m = flow.vehicle->center_of_mass_B_m + rotors.hub_B_m[i];
-      const double height_m = flow.position_W_m.z() + flow.R_WB.row(2).dot(hub_B_m);
-      const double ratio = radius_m / (4.0 * std::max(height_m - *surface, radius_m));
-      rotors.thrust_N[i] *= 1.0 + strength_ * ratio * ratio;
-    }
+    if (const auto& surface = flow.vehicle->environment.ground_z_m)
+      push_more_near(*surface, 1.0, strength_, flow, rotors);
   }
 
  private:

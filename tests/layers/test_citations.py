@@ -38,6 +38,16 @@ class Citations(unittest.TestCase):
         self.assertGreater(found, 20)
         self.assertFalse(problems, "\n" + "\n".join(problems))
 
+    def test_every_file_on_the_map_exists(self):
+        text = (ROOT / "docs/ARCHITECTURE.md").read_text(encoding="utf-8")
+        named = re.findall(r"`([\w./]+\.(?:[ch]pp|py|sh|cmake))`", text)
+        self.assertGreater(len(named), 10)
+        folders = (ROOT, ROOT / "src", ROOT / "src/diagnosis")
+        self.assertFalse([name for name in named if not any((folder / name).exists() for folder in folders)])
+        # the newcomer's walk through the diagnosis
+        walk = re.search(r"From the command to a name in eight files: (.*?)\. Below", text, re.DOTALL)
+        self.assertEqual(len(re.findall(r"`[\w./]+\.cpp`", walk[1])), 8)
+
     def test_every_decision_is_listed_once(self):
         folder = ROOT / "docs/decisions"
         listed = re.findall(r"\]\((\d\d-[a-z0-9-]+\.md)\)", (folder / "README.md").read_text(encoding="utf-8"))

@@ -43,7 +43,7 @@ METHOD = {
     "validation/dependence.cpp": "ridge",
     "validation/generic_bases.hpp": "near_ground",
     "validation/gust_parts.cpp": "slowest_periods fastest_radps bins_apart bins_beside",
-    "validation/regimes.cpp": "thirds few untold",
+    "validation/regimes.cpp": "thirds few not_known",
 }
 
 

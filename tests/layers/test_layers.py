@@ -32,6 +32,12 @@ ALLOWED = {
 
 # the rooms of src/diagnosis from the bottom up: each may include itself and those before it; the files beside them stand on top
 DIAGNOSIS_ROOMS = ("result", "recording", "model", "estimation", "alignment", "selection", "rollout", "validation", "evidence", "hover", "output")
+# a .cpp whose functions another header declares
+SECOND_FILES = {
+    "diagnosis/result/to_json": "diagnosis/result/diagnosis",
+    "diagnosis/estimation/smoother": "diagnosis/estimation/innovation_filter",
+    "diagnosis/evidence/rollouts_without_each": "diagnosis/evidence/gather_evidence",
+}
 
 # a third-party header stays behind the folder that wraps it
 WRAPPED = {
@@ -128,13 +134,15 @@ class Layers(unittest.TestCase):
         self.check(problems)
 
     def test_components_of_the_diagnosis_have_no_circle(self):
-        """A component is a header with its .cpp; two that need each other are one or hide a third."""
-        needs = {}
+        """A component is a header with its .cpp (or two); two that need each other are one or hide a third."""
+        needs, problems = {}, []
         for path in code_files("src/diagnosis"):
             component = path.relative_to(ROOT / "src").with_suffix("").as_posix()
+            component = SECOND_FILES.get(component, component)
+            if not (ROOT / "src" / f"{component}.hpp").exists():
+                problems.append(f"src/{component}.cpp: which header declares it? (SECOND_FILES)")
             quoted = {name.removesuffix(".hpp") for system, name in includes(path) if not system}
             needs.setdefault(component, set()).update(quoted - {component})
-        problems = []
         ended, path_here = set(), []
 
         def visit(component):
@@ -150,6 +158,12 @@ class Layers(unittest.TestCase):
         for component in sorted(needs):
             visit(component)
         self.check(problems)
+
+    def test_a_test_includes_every_header_of_the_diagnosis(self):
+        included = {name for path in code_files("tests") for system, name in includes(path) if not system}
+        headers = [path.relative_to(ROOT / "src").as_posix() for path in code_files("src/diagnosis") if path.suffix == ".hpp"]
+        self.assertGreater(len(headers), 60)
+        self.check([f"src/{header}: no test includes it" for header in headers if header not in included])
 
 
 if __name__ == "__main__":

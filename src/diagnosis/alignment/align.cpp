@@ -18,7 +18,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// logs that were smoothed before they were written tell less than their rate
+// logs that were smoothed before they were written hold less than their rate
 constexpr double filtered_rate_hz = 20.0, common_filter_s = 0.022;
 // What a loop answers within a few milliseconds, and vibration, are no disturbance of the filter's kind: it reads fast logs at this rate.
 constexpr double coarse_rate_hz = 130.0;
@@ -52,7 +52,7 @@ bool thrust_is_smooth(const std::vector<FlightData>& flights) {
   });
 }
 
-// commands tell forces, and torques over a while
+// commands give forces, and torques over a while
 void keep_slow_torques(Aligned& aligned) {
   aligned.reading.forces_only = true;
   aligned.reading.total_thrust = true;
@@ -99,14 +99,14 @@ Aligned align(const Recordings& recordings) {
   if (!rotors.empty()) out.raw_fit = at_own_rate(out.fit, out.vehicle, out.reading.late);
   out.raw_holdout = at_own_rate(out.holdout, out.vehicle, out.reading.late);
 
-  // on another clock than the motion, commands tell forces and what lasts
+  // on another clock than the motion, commands give forces and what lasts
   const std::vector<LogFinding>& of_logs = recordings.remarks.findings;
   const bool fit_apart = clocks_apart(out.raw_fit, out.vehicle, of_logs, findings),
              holdout_apart = clocks_apart(out.raw_holdout, out.vehicle, of_logs, findings);
   if (fit_apart || holdout_apart) keep_slow_torques(out);
   out.offset_s = command_offsets(out.raw_fit, out.raw_holdout, out.vehicle, findings);
   out.commands_jitter = out.hold_unknown && find_jitter(out.raw_fit, findings);
-  // the sum of the commands jitters less than their differences: it tells of the forces
+  // the sum of the commands jitters less than their differences: it gives the forces
   out.thrust_jitters = out.commands_jitter && !thrust_is_smooth(out.raw_fit);
   if (out.commands_jitter && !out.thrust_jitters && out.attitude) {
     keep_slow_torques(out);
@@ -141,7 +141,7 @@ Prepared prepare(const Aligned& aligned, const VehicleModel& vehicle, const Read
     holdout = prepare(aligned.holdout, vehicle, how, aligned.offset_s, aligned.fit.size());
   };
   read(reading.options, out.fit, out.holdout);
-  // one-sample innovations of smoothed logs tell of the smoothing: half a second tells of the vehicle
+  // one-sample innovations of smoothed logs say more of the smoothing, half a second ahead of the vehicle
   if (aligned.was_filtered()) read(reading.own_rate(), out.fit_own_rate, out.holdout_own_rate);
   return out;
 }

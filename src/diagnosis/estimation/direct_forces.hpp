@@ -1,4 +1,4 @@
-// Logs of inertial data alone whose torques are not told: the specific force is what the rotors do now, with no motion
+// Logs of inertial data alone whose torques are unknown: the specific force is what the rotors do now, with no motion
 // between. Its residual is coloured, and a filter that whitens it sample by sample would weigh the highest frequencies
 // most, where the rotors answer least; so it counts as white noise of the same strength at low frequencies.
 #pragma once

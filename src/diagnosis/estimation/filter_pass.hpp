@@ -82,7 +82,7 @@ class FilterPass {
     subtract_product(state_, 0, size, innovation_.data(), 1, state_.cols(), innovation_, rows(), state_.cols());
   }
 
-  // On to sample k + 1. `add(row, x)` adds to the rows of velocity and position what pushes change.
+  // On to sample k + 1. `add(row, x)` adds to the rows of velocity and position what accelerations change.
   void advance(std::size_t k) {
     set_transition(k);
     multiply(A_.data(), size, state_, next_, padded(size));
@@ -123,7 +123,7 @@ class FilterPass {
     for (int i = 0; i < 6; ++i)
       process_[static_cast<std::size_t>(white_row(i))] +=
           noise_.white[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(i)])] * dt;
-    // torques unknown: the rotation is free, so that only forces tell
+    // torques unknown: the rotation is free, so that only forces count
     if (!flight_.torque_known) std::fill_n(process_.begin() + 9, 3, 1e4 * dt);
   }
 

@@ -111,6 +111,13 @@ Fit solve(const Eigen::MatrixXd& gram, const std::vector<int>& columns, double r
   return fit;
 }
 
+Eigen::MatrixXd solve_ridged(const Eigen::MatrixXd& A, const Eigen::MatrixXd& right, double ridge) {
+  const Eigen::VectorXd scale = A.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd unit = scale.asDiagonal() * A * scale.asDiagonal();
+  unit.diagonal().array() += ridge;
+  return scale.asDiagonal() * unit.ldlt().solve(scale.asDiagonal() * right);
+}
+
 Eigen::MatrixXd project_out(const Eigen::MatrixXd& gram, const std::vector<int>& columns) {
   if (columns.empty()) return gram;
   std::vector<int> all(static_cast<std::size_t>(gram.cols()));

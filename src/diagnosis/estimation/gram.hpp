@@ -42,6 +42,9 @@ struct Fit {
 };
 Fit solve(const Eigen::MatrixXd& gram, const std::vector<int>& columns, double ridge = 1e-9);
 
+// Solution X (n × m) of A X = right, A symmetric and not negative (n × n); `ridge` is added to every diagonal element in units of itself.
+Eigen::MatrixXd solve_ridged(const Eigen::MatrixXd& A, const Eigen::MatrixXd& right, double ridge);
+
 // The Gram matrix with some columns (always free) projected out of all others.
 Eigen::MatrixXd project_out(const Eigen::MatrixXd& gram, const std::vector<int>& columns);
 

@@ -10,13 +10,14 @@
 
 namespace gustlab::diagnosis {
 
-// `extra`: further columns (m pushes per sample), appended before y.
+// `extra`: further columns (6 × m accelerations per sample), appended before y.
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
                 const std::vector<SpatialAccelerations>* extra = nullptr);
 
-// −2 log likelihood of a flight without columns whose poses or torques are told.
+// −2 log likelihood of a flight without columns whose poses or torques are known.
 double misfit(const LinearFlight& flight, const NoiseModel& noise);
 
+// What EM learns from, and the disturbance at every sample (6, in W and B), by a way back along the flight.
 Smoothed smooth(const LinearFlight& flight, const NoiseModel& noise);
 
 }  // namespace gustlab::diagnosis

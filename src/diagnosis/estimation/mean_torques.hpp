@@ -15,7 +15,7 @@ namespace gustlab::diagnosis {
 // `turning_by` of the flight whose total thrust alone is known.
 void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, const Catalogue& catalogue,
                      LinearFlight& flight);
-// Whitened rows, roll, pitch and yaw of every window, y last. None where nothing is told or the noise is not known.
+// Whitened rows, roll, pitch and yaw of every window, y last. None where nothing is observed or the noise is not known.
 Whitened whiten_mean_torques(const LinearFlight& flight, const MeanTorqueNoise& noise);
 // The noise of such means in flights without columns: by their mean square, or by how much neighbours differ, whatever is more. What no
 // effect explains is noise, and a fit of few windows makes it no less.

@@ -86,11 +86,7 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
   const Eigen::MatrixXd total = grams.total();
   Eigen::MatrixXd H = reference.information(at, at);
   H.diagonal().array() += decisions::reference_prior;
-  const Eigen::MatrixXd sum = total(known, known) + H;
-  const Eigen::VectorXd scale = sum.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd unit = scale.asDiagonal() * sum * scale.asDiagonal();
-  unit.diagonal().array() += 1e-10;
-  const Eigen::MatrixXd error = scale.asDiagonal() * unit.ldlt().solve(scale.asDiagonal() * total(known, Eigen::all));
+  const Eigen::MatrixXd error = solve_ridged(total(known, known) + H, total(known, Eigen::all), 1e-10);
   // rows less what the errors of the known numbers explain of them, and the rows of the reference that these errors cost
   Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(total.cols(), total.cols());
   for (std::size_t i = 0; i < known.size(); ++i) rest.row(known[i]) -= error.row(static_cast<Eigen::Index>(i));

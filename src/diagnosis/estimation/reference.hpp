@@ -1,4 +1,4 @@
-// Numbers that other flights tell already, with the error that they have there.
+// Numbers that other flights show already, with the error that they have there.
 #pragma once
 
 #include <Eigen/Core>

@@ -105,10 +105,9 @@ std::vector<double> smoothed(const std::vector<double>& y, const std::vector<dou
 void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                      const SpeedNoise& noise) {
   flight.estimated = {};
-  if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only || noise.white <= 0.0) return;
+  if (flight.measured_at_sample.empty() || noise.white <= 0.0) return;
   const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
   RotorHistory estimate = commanded_history(flight, forces);
-  if (flight.measured_at_sample.empty()) flight.measured_at_sample = measured_history(flight).at_sample;
   const std::vector<RotorArray>& measured = flight.measured_at_sample;
   const std::size_t n = measured.size(), count = static_cast<std::size_t>(estimate.substeps);
   const auto rotors = static_cast<std::size_t>(flight.vehicle.rotor_count);

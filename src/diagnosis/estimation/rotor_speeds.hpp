@@ -15,7 +15,7 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
 // What commands do not predict of the speeds, rms, the map of every rotor in every flight apart.
 double speeds_left_radps(const std::vector<FlightData>& flights, const Catalogue& catalogue,
                          const Eigen::VectorXd& value);
-// How much later than predicted the speeds change, to a quarter of a sample: commands that jitter tell a delay only once it is nearly
+// How much later than predicted the speeds change, to a quarter of a sample: commands that jitter show a delay only once it is nearly
 // known. 0 where nothing is compared.
 double speed_latency_s(const std::vector<FlightData>& data, const std::vector<LinearFlight>& flights);
 // All of it white, as a first guess: a slow process would hide what changes slowly.

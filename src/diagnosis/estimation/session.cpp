@@ -10,6 +10,7 @@
 #include "diagnosis/estimation/rotor_speeds.hpp"
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/linear_model.hpp"
+#include "diagnosis/model/speed_comparison.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "util/parallel.hpp"
 
@@ -28,20 +29,20 @@ bool any_channel(const std::vector<FlightData>& flights, unsigned channel) {
   return false;
 }
 
-Need told_by(const std::vector<FlightData>& flights) {
-  Need told = Need::nothing;
+Need observable_in(const std::vector<FlightData>& flights) {
+  Need observable = Need::nothing;
   for (const auto& [channel, need] : {std::pair<unsigned, Need>{has_attitude, Need::attitude},
                                       {has_position | has_velocity, Need::motion},
                                       {has_force, Need::accelerometer}})
-    if (any_channel(flights, channel)) told = told | need;
+    if (any_channel(flights, channel)) observable = observable | need;
   for (const FlightData& flight : flights) {
     const Environment& around = flight.vehicle.environment;
-    if (!flight.collective_only) told = told | Need::torque;
-    if (around.ground_z_m) told = told | Need::ground;
-    if (around.ceiling_z_m) told = told | Need::ceiling;
-    if (!around.walls.empty()) told = told | Need::wall;
+    if (!flight.collective_only) observable = observable | Need::torque;
+    if (around.ground_z_m) observable = observable | Need::ground;
+    if (around.ceiling_z_m) observable = observable | Need::ceiling;
+    if (!around.walls.empty()) observable = observable | Need::wall;
   }
-  return told;
+  return observable;
 }
 
 }  // namespace
@@ -104,7 +105,7 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       flights_(std::move(flights)),
       catalogue_(
           vehicle, static_cast<int>(flights_.size()),
-          {told_by(flights_), all_have_voltage(flights_), !shooting_flights.empty(),
+          {observable_in(flights_), all_have_voltage(flights_), !shooting_flights.empty(),
            std::any_of(shooting_flights.begin(), shooting_flights.end(),
                        [](const FlightData& f) { return !f.commands_filtered; }),
            std::any_of(flights_.begin(), flights_.end(), commands_are_slower),
@@ -115,8 +116,10 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       value_(catalogue_.nominal()),
       shooting_flights_(std::move(shooting_flights)),
       shot_(shooting_flights_.size()) {
-  if (!shoots())
-    for_each_flight([&](std::size_t f) { flights_[f].command_innovation = command_innovation(flights_[f]); });
+  for_each_flight([&](std::size_t f) {
+    flights_[f].measured_at_sample = measured_beside_commands(flights_[f]);
+    if (!shoots()) flights_[f].command_innovation = command_innovation(flights_[f]);
+  });
   for (int c = 0; c < catalogue_.size(); ++c) {
     all_.push_back(c);
     if (catalogue_.columns()[static_cast<std::size_t>(c)].group < 0) biases_.push_back(c);
@@ -439,11 +442,11 @@ Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
   });
   Grams grams;
   for (Grams& part : of_body) append(std::move(part), grams);
-  // speeds tell of the commands' way alone, and mean torques are few: what is material to the body is counted by the body's rows
+  // speeds say only how commands reach the rotors, and mean torques are few: what is material to the body is counted by the body's rows
   const double rows = grams.rows;
   for (Grams& part : beside) append(std::move(part), grams);
   grams.rows = rows;
-  // a faster log has more innovations, and tells no more of what air and noise do not hide
+  // a faster log has more innovations, and no more information where air and noise hide nothing
   grams.rows *= std::min(1.0, sample_s() / fastest_sample_s);
   return grams;
 }

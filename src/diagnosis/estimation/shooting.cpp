@@ -123,26 +123,35 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
 // histories come from scans; a lever shows in an accelerometer only
 bool has_no_prediction(const EffectRow& row) { return row.is_history() || row.asks(Need::accelerometer); }
 
+// a flight at one value, and what every window of it misses there
+struct Shot {
+  std::vector<Window> windows;
+  Reading reading;
+  ForceModel forces;
+  RotorHistory rotors;
+  Eigen::MatrixXd missed;  // one column per window
+
+  Shot(const FlightData& flight, int index, const Catalogue& catalogue, const Eigen::VectorXd& value, double spacing_s)
+      : windows(windows_of(flight, spacing_s)),
+        reading(flight, index, catalogue, value),
+        forces(force_model(reading.flight, catalogue, value, index, -1)),
+        rotors(rotor_history(reading.flight, forces)),
+        missed(residuals(reading, forces, rotors, windows)) {}
+};
+
 }  // namespace
 
 void shoot_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                  double spacing_s, ShotFlight& shot) {
-  const std::vector<Window> windows = windows_of(flight, spacing_s);
-  const Reading reading(flight, flight_index, catalogue, value);
-  const ForceModel forces = force_model(reading.flight, catalogue, value, flight_index, -1);
-  const Eigen::MatrixXd missed = residuals(reading, forces, rotor_history(reading.flight, forces), windows);
-  for (std::size_t w = 0; w < windows.size(); ++w)
-    shot.window[w].rightCols<1>() = missed.col(static_cast<Eigen::Index>(w));
+  const Shot again(flight, flight_index, catalogue, value, spacing_s);
+  for (std::size_t w = 0; w < again.windows.size(); ++w)
+    shot.window[w].rightCols<1>() = again.missed.col(static_cast<Eigen::Index>(w));
 }
 
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                  const std::vector<int>& wanted, double spacing_s) {
   ShotFlight shot;
-  const std::vector<Window> windows = windows_of(flight, spacing_s);
-  const Reading base(flight, flight_index, catalogue, value);
-  const ForceModel forces = force_model(base.flight, catalogue, value, flight_index, -1);
-  const RotorHistory rotors = rotor_history(base.flight, forces);
-  const Eigen::MatrixXd r0 = residuals(base, forces, rotors, windows);
+  const auto [windows, base, forces, rotors, r0] = Shot(flight, flight_index, catalogue, value, spacing_s);
   for (const int c : wanted) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
     if (column.flight < 0 || column.flight == flight_index) shot.columns.push_back(c);
@@ -285,12 +294,8 @@ Answers answers_of(const std::vector<ShotFlight>& nominal, const std::vector<std
   const Eigen::MatrixXd gram = products(nominal, weights, all, all);
   if (gram.size() == 0) return answers;
   const Eigen::Index known = std::ssize(others);
-  const Eigen::VectorXd scale = gram.diagonal().head(known).cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd unit = scale.asDiagonal() * gram.topLeftCorner(known, known) * scale.asDiagonal();
-  unit.diagonal().array() += 1e-6;
   Eigen::MatrixXd weight(gram.cols(), std::ssize(axes));
-  weight << -(scale.asDiagonal() *
-              unit.ldlt().solve(scale.asDiagonal() * gram.topRightCorner(known, std::ssize(axes)))),
+  weight << -solve_ridged(gram.topLeftCorner(known, known), gram.topRightCorner(known, std::ssize(axes)), 1e-6),
       Eigen::MatrixXd::Identity(std::ssize(axes), std::ssize(axes));
   for (std::size_t f = 0; f < nominal.size(); ++f)
     for (std::size_t w = 0; w < nominal[f].window.size(); ++w) answers.window[f].push_back(all(f, w) * weight);
@@ -332,7 +337,7 @@ Eigen::MatrixXd alike_in_level_axes(const Eigen::MatrixXd& correlation) {
   return result;
 }
 
-// Of sums over windows of z zᵀ and of its squares. Some tens of windows do not tell the 435 correlations of 30 rows: those between axes
+// Of sums over windows of z zᵀ and of its squares. Some tens of windows do not determine the 435 correlations of 30 rows: those between axes
 // are kept as far as they are more than chance (Schäfer & Strimmer, Stat. Appl. Genet. Mol. Biol. 4, 2005, eq. 8).
 Eigen::MatrixXd shrunk(const Eigen::MatrixXd& sum, const Eigen::MatrixXd& squares, double windows) {
   double chance = 0.0, all = 0.0;

@@ -11,7 +11,7 @@
 
 namespace gustlab::diagnosis {
 
-// Rows of a window: the error state (12) at each horizon.
+// Rows of a window: velocity (else position) and body rate (else attitude) at each horizon, 3 and 3.
 inline constexpr std::array<double, 5> shooting_horizon_s = {0.06, 0.12, 0.2, 0.32, 0.5};
 
 struct ShotFlight {
@@ -23,7 +23,7 @@ struct ShotFlight {
       sample;  // first of the window, then at each horizon
 };
 
-// Windows start from the recorded motion, one every `spacing_s`, and do not cross gaps.
+// Windows start from the recorded motion, one every `spacing_s`, and do not cross gaps. `wanted`: columns of the catalogue.
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                  const std::vector<int>& wanted, double spacing_s);
 // The residuals of `shot` at another value; its columns and windows (of the same flight and spacing) stay.
@@ -57,7 +57,7 @@ Answers answers_of(const std::vector<ShotFlight>& nominal, const std::vector<std
 void set_aside(const Answers& answers, const ShootingWeights& weights, const Catalogue& catalogue,
                std::vector<ShotFlight>& flights);
 
-// Gram matrices, one block per window; One more block holds what is
+// Gram matrices, one block per window. One more block holds what is
 // believed beforehand: nuisances are about their natural size, effects not absurdly large.
 Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeights& weights, const Catalogue& catalogue,
                      const Eigen::VectorXd& value);

@@ -112,13 +112,13 @@ class WayBack {
       product_.row(0).setZero();
       subtract_product(product_, 0, 1, K.data(), 0, 1, Lambda_, size, Lambda_.cols());
       const Vector LK = -product_.row(0).template head<size>().transpose();
-      const double push = K.dot(lambda_) + step.innovation[at] / sd, square = K.dot(LK) + 1.0 / step.variance[at];
+      const double correction = K.dot(lambda_) + step.innovation[at] / sd, square = K.dot(LK) + 1.0 / step.variance[at];
       const auto g = static_cast<std::size_t>(step.row[at] / 3);
       const double R = noise_.measurement[g];
-      out_.residual[g] += R * R * (push * push - square) + R;
+      out_.residual[g] += R * R * (correction * correction - square) + R;
       out_.residual_count[g] += 1.0;
       for (std::size_t q = 0; q < static_cast<std::size_t>(h.size); ++q) {
-        lambda_[h.at[q]] -= h.value[q] * push;
+        lambda_[h.at[q]] -= h.value[q] * correction;
         Lambda_.row(h.at[q]).template head<size>() -= h.value[q] * LK.transpose();
         Lambda_.col(h.at[q]) -= h.value[q] * LK;
       }

@@ -121,13 +121,13 @@ void measure_flights(const Session& session, const Selection& selection, const W
     mean += share.share / std::pow(share.deviation, 2), weight += 1.0 / std::pow(share.deviation, 2);
   }
   // random effects, DerSimonian & Laird 1986
-  double q = 0.0, weight_squares = 0.0, told = 0.0;
+  double q = 0.0, weight_squares = 0.0, count = 0.0;
   for (const FlightShare& share : out.flights) {
     const double w_f = 1.0 / std::pow(share.deviation, 2);
-    q += w_f * std::pow(share.share - mean / weight, 2), weight_squares += w_f * w_f, told += 1.0;
+    q += w_f * std::pow(share.share - mean / weight, 2), weight_squares += w_f * w_f, count += 1.0;
   }
   out.spread_flights =
-      told > 1.0 ? std::sqrt(std::max(0.0, (q - (told - 1.0)) / (weight - weight_squares / weight))) : 0.0;
+      count > 1.0 ? std::sqrt(std::max(0.0, (q - (count - 1.0)) / (weight - weight_squares / weight))) : 0.0;
 }
 
 // The whitened rows of all columns that any finding is tested with, and what was fitted: both counted from the vehicle file.
@@ -189,7 +189,7 @@ bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int gr
 
 }  // namespace
 
-double push_mps2(const Session& session, const Selection& selection, const Finding& finding) {
+double own_acceleration_mps2(const Session& session, const Selection& selection, const Finding& finding) {
   const Eigen::VectorXd weights = own_weights(session.catalogue(), selection, finding);
   double squares = 0.0, samples = 0.0;
   for (const LinearFlight& flight : session.linear())
@@ -257,7 +257,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     // a force that every flight has for itself is at least as large as what a frame that is not level leaves
     record.size_in_tolerances = size_in_tolerances(session, selection.value, finding.group);
     if (group.row->per_flight) {
-      const double push_share = push_mps2(session, selection, finding) / session.vehicle().gravity_mps2;
+      const double push_share = own_acceleration_mps2(session, selection, finding) / session.vehicle().gravity_mps2;
       record.size_in_tolerances = push_share / decisions::level_share;
       if (headings_kept) record.push_over_tilt = push_share / decisions::tilt_share;
     }

@@ -19,8 +19,9 @@ double share_done_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& effect,
 // common, 1 where they undo it. `gram`: of the columns; one vector of coefficients an effect.
 std::vector<double> undone_shares(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects);
 
-// Root mean square, over all samples of the fit flights, of what a finding's own values push, m/s². The session is linearised there.
-double push_mps2(const Session& session, const Selection& selection, const Finding& finding);
+// Root mean square, over all samples of the fit flights, of the linear acceleration by a finding's own values, m/s². The session is
+// linearised there.
+double own_acceleration_mps2(const Session& session, const Selection& selection, const Finding& finding);
 
 // Of every finding of a selection, the session linearised there; rollouts are not flown yet.
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,

@@ -41,7 +41,7 @@ struct Feature {
 // * "rollout_500ms": a name that made rollouts a hundred times worse had passed;
 // * "alone", "bounds" and the gain with a partner: on smoothed flights of a racer (NeuroBEM) a tilt of all rotors, a turned attitude, a
 //   lost rotor and a mass undid each other, and a yaw torque ratio of −95 % stood for a moment that the catalogue does not hold.
-// * "force_and_moment": a wind of which the moments told 63 % less than the forces (NanoBench, indoors).
+// * "force_and_moment": a wind of which the moments said 63 % less than the forces (NanoBench, indoors).
 // * "single": two rotors across that lacked 40 % each, beside a mass of -30 %, stood for a moment of the racer that the catalogue does
 //   not hold (NeuroBEM, a vehicle file that is 10 % too heavy). Two rotors at once are rarer than such a moment.
 // * "undone": a tilt of all rotors by 10 degrees and a turned attitude, or a mass and a lost rotor with a centre of mass, that took each

@@ -316,7 +316,7 @@ double misfit_of(const std::vector<const Flight*>& flights, const Reference& ref
 
 void name_what_changed(const Reference& reference, const std::vector<const Flight*>& fitted,
                        const std::vector<const Flight*>& checked, const VehicleModel& vehicle, Diagnosis& out) {
-  // neither thrust nor reaction torque of a rotor at its limit is known: the balance of yaw, which would tell a loss from
+  // neither thrust nor reaction torque of a rotor at its limit is known: the balance of yaw, which would distinguish a loss from
   // a weight beside that rotor, does not count
   const std::vector<int> limited = limited_rotors(fitted);
   const std::vector<int> rows = limited.empty() ? std::vector<int>{0, 1, 2, 3} : std::vector<int>{0, 1, 2};
@@ -334,25 +334,27 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
   if (!best) return reject_all(all, out);
   const Alike alike = alike_to(*best, all);
   const std::vector<std::string> names = names_of(alike.hypotheses);
-  const Hypothesis& told = **std::find_if(alike.hypotheses.begin(), alike.hypotheses.end(),
-                                          [&](const Hypothesis* h) { return names_of({h}).front() == names.front(); });
-  const bool which = std::any_of(alike.hypotheses.begin(), alike.hypotheses.end(),
-                                 [&](const Hypothesis* h) { return !told.rotors.empty() && h->rotors != told.rotors; });
+  const Hypothesis& chosen = **std::find_if(alike.hypotheses.begin(), alike.hypotheses.end(), [&](const Hypothesis* h) {
+    return names_of({h}).front() == names.front();
+  });
+  const bool which = std::any_of(alike.hypotheses.begin(), alike.hypotheses.end(), [&](const Hypothesis* h) {
+    return !chosen.rotors.empty() && h->rotors != chosen.rotors;
+  });
 
   // does it hold on flights that were not used?
   const double before = misfit_of(checked, reference, rows, Vector4::Zero()),
-               after = misfit_of(checked, reference, rows, told.directions * told.value),
+               after = misfit_of(checked, reference, rows, chosen.directions * chosen.value),
                none = misfit_of(fitted, reference, rows, Vector4::Zero());
   const bool pays = checked.empty() || after < most_left_in_hover * before;
-  std::vector<EffectFinding> effects = effects_of(told, reference, vehicle, fitted);
+  std::vector<EffectFinding> effects = effects_of(chosen, reference, vehicle, fitted);
   // one cause that needs nothing beside it is as good: what was added beside this one is part of the class
-  if (names.size() > 1 && effects.size() > 1 && told.center_of_mass) {
+  if (names.size() > 1 && effects.size() > 1 && chosen.center_of_mass) {
     out.notes.push_back(fmt::format("if it is the centre of mass that moved, the vehicle is {:.1f} g heavier as well",
-                                    1e3 * told.value[0] * reference.mean[0] / vehicle.gravity_mps2));
+                                    1e3 * chosen.value[0] * reference.mean[0] / vehicle.gravity_mps2));
     effects.resize(1);
   }
   for (EffectFinding& effect : effects) {
-    effect.gain = none - told.misfit;
+    effect.gain = none - chosen.misfit;
     if (which || !pays) {
       out.rejected.push_back({effect.effect, pays ? effect.gain : before - after,
                               pays ? "another rotor explains the means as well"

@@ -69,8 +69,8 @@ constexpr Missing missing[] = {
     {Need::ceiling, "no ceiling height in the logs (environment.ceiling_z_m)", Lack::surroundings},
     {Need::wall, "no walls in the logs (environment.walls)", Lack::surroundings}};
 
-// why flights do not tell of an effect, whatever the vehicle file says; no value when they do
-std::optional<NotIdentifiable> why_not_told(const EffectRow& row, const Catalogue::Seen& seen) {
+// why an effect is not identifiable in flights, whatever the vehicle file says; no value when they do
+std::optional<NotIdentifiable> why_not_observable(const EffectRow& row, const Catalogue::Seen& seen) {
   const auto because = [&](std::string_view why, Lack lack) {
     return NotIdentifiable{std::string(row.name), std::string(why), lack};
   };
@@ -78,11 +78,11 @@ std::optional<NotIdentifiable> why_not_told(const EffectRow& row, const Catalogu
     return because("the accelerometer is not used: the commands tell forces alone, and the pose shows those",
                    Lack::torque);
   for (const auto& [need, why, lack] : missing) {
-    if (!row.asks(need) || seen.tells(need)) continue;
+    if (!row.asks(need) || seen.observes(need)) continue;
     if (need != Need::torque || !seen.mean_torques) return because(why, lack);
     if (row.in_hover == InHover::nothing) return because("these logs tell torques over two seconds alone", lack);
   }
-  if (row.needs_any != Need::nothing && !seen.tells(row.needs_any)) return because(row.lacking, Lack::other);
+  if (row.needs_any != Need::nothing && !seen.observes(row.needs_any)) return because(row.lacking, Lack::other);
   if (seen.trims && !row.hidden_by_filter.empty()) return because(row.hidden_by_filter, Lack::raw_sensors);
   return std::nullopt;
 }
@@ -110,7 +110,7 @@ std::optional<VehicleGap> gap_of(const EffectRow& row, const VehicleModel& vehic
   return std::nullopt;
 }
 
-// Shown by neither a mean torque nor a force, or alike to another effect once moments of inertia are not told.
+// Shown by neither a mean torque nor a force, or alike to another effect once moments of inertia are not identifiable.
 bool needs_torque_gain(const EffectRow& row) {
   return (row.commanded && row.asks(Need::torque) && row.in_hover == InHover::nothing) || !row.never_beside.empty();
 }
@@ -147,7 +147,7 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
   }
   add_biases(flights);
   if (seen.trims) add_trims(flights);
-  else if (seen.tells(Need::torque)) add_command_innovation();
+  else if (seen.observes(Need::torque)) add_command_innovation();
 }
 
 void Catalogue::add_effect(const EffectRow& row, int rotor, int flights) {
@@ -159,7 +159,7 @@ void Catalogue::add_effect(const EffectRow& row, int rotor, int flights) {
                               [&](const EffectSpec& spec) { return is_of(spec, group); });
   // a number that the file does not have has no effect; a torque ratio that was estimated is fitted, and never named
   const auto gap = gap_of(row, vehicle_);
-  group.candidate = row.diagnosable && !why_not_told(row, seen_) && (!gap || gap->need == Need::torque_ratio);
+  group.candidate = row.diagnosable && !why_not_observable(row, seen_) && (!gap || gap->need == Need::torque_ratio);
   if (!row.is_predictable() || (!group.candidate && !group.nominal)) return;
   const auto effect = make(group);
   const auto numbers = numbers_of(*effect);
@@ -201,7 +201,7 @@ Column Catalogue::column_of(const EffectRow& row, const Number& number) const {
 
 void Catalogue::add_biases(int flights) {
   for (int f = 0; f < flights; ++f)
-    for (int p = 0; p < (seen_.tells(Need::accelerometer) ? 6 : 3); ++p) {
+    for (int p = 0; p < (seen_.observes(Need::accelerometer) ? 6 : 3); ++p) {
       Column bias;
       bias.parameter = p;
       bias.flight = f;
@@ -258,7 +258,7 @@ std::optional<NotIdentifiable> Catalogue::why_left_out(const EffectRow& row) con
         std::string(row.name),
         "within half a second the recorded loop answers what disturbs the vehicle: the torque per command is not told",
         Lack::raw_sensors};
-  if (const auto untold = why_not_told(row, seen_)) return untold;
+  if (const auto lacking = why_not_observable(row, seen_)) return lacking;
   const auto gap = gap_of(row, vehicle_);
   if (gap) return NotIdentifiable{std::string(row.name), gap->says(), Lack::vehicle_file};
   return std::nullopt;
@@ -275,7 +275,7 @@ std::unique_ptr<Effect> Catalogue::make(const Group& group) const {
   }
   // a lag that is alike up and down becomes two equal numbers, so that both can be fitted
   const auto numbers = numbers_of(*effect);
-  for (std::size_t p = 1; p < numbers.size() && seen_.tells(Need::motion); ++p)
+  for (std::size_t p = 1; p < numbers.size() && seen_.observes(Need::motion); ++p)
     if (numbers[p].info.fitted == Fitted::unless_negative && *numbers[p].value < 0.0)
       *numbers[p].value = *numbers[p - 1].value;
   return effect;

@@ -82,18 +82,18 @@ double scale_of(Scale scale, const VehicleModel& vehicle);
 class Catalogue {
  public:
   // What sags is fitted by voltage where that was seen, otherwise by time. `flights`: how many, for values per flight.
-  // Without attitude nothing fixed in the world, without position or velocity nothing that depends on them can be told,
+  // Without attitude nothing fixed in the world, without position or velocity nothing that depends on them is identifiable,
   // and without torque nothing that only turns the vehicle. Without velocity, a speed that falls more slowly than it
-  // rises cannot be told from thrust that is lost in a climb: a lag then has one time constant.
+  // rises is not distinguished from thrust that is lost in a climb: a lag then has one time constant.
   struct Seen {
-    Need told = Need::nothing;
+    Need observable = Need::nothing;
     bool voltage = false;
     bool trims = false;      // torque trims and command clocks are free in every flight
     bool smoothing = false;  // and how much less the commands were smoothed
     bool slow_commands = false;
     bool mean_torques = false;     // over a while: see mean_torques.hpp
     bool inertial_unused = false;  // an accelerometer was recorded, and is not used: see ReadingOptions::forces_only
-    bool tells(Need need) const { return (told & need) != Need::nothing; }
+    bool observes(Need need) const { return (observable & need) != Need::nothing; }
   };
   Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen);
 
@@ -103,9 +103,9 @@ class Catalogue {
   bool filter_looks_like_lag() const { return seen_.smoothing; }
   // the torque per command was taken out of all columns
   bool loop_answers() const { return loop_answers_; }
-  bool tells(Need need) const { return seen_.tells(need); }
+  bool observes(Need need) const { return seen_.observes(need); }
   // what the loop did between two of them is a nuisance (command_innovation.hpp)
-  bool commands_are_slow() const { return seen_.slow_commands && !seen_.trims && seen_.tells(Need::torque); }
+  bool commands_are_slow() const { return seen_.slow_commands && !seen_.trims && seen_.observes(Need::torque); }
   // why an effect of the registry is not among the candidates; no value when it is
   std::optional<NotIdentifiable> why_left_out(const EffectRow& row) const;
   int size() const { return static_cast<int>(columns_.size()); }

@@ -24,17 +24,20 @@ using Vector12 = Eigen::Matrix<double, 12, 1>;
 using SpatialAcceleration = Eigen::Matrix<double, 6, 1>;
 using SpatialAccelerations = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-// Γ: what pushes over one interval do to the error state. `Pushes`: a column each, one or as many as there are.
-template <class Pushes>
-Eigen::Matrix<double, 12, Pushes::ColsAtCompileTime> moved_by(const Pushes& push, double interval_s) {
-  Eigen::Matrix<double, 12, Pushes::ColsAtCompileTime> moved(12, push.cols());
-  moved << 0.5 * interval_s * interval_s * push.template topRows<3>(), interval_s * push.template topRows<3>(),
-      0.5 * interval_s * interval_s * push.template bottomRows<3>(), interval_s * push.template bottomRows<3>();
+// Γ: what accelerations over one interval do to the error state. `Accelerations`: a column each, one or as many as there are.
+template <class Accelerations>
+Eigen::Matrix<double, 12, Accelerations::ColsAtCompileTime> moved_by(const Accelerations& acceleration,
+                                                                     double interval_s) {
+  Eigen::Matrix<double, 12, Accelerations::ColsAtCompileTime> moved(12, acceleration.cols());
+  moved << 0.5 * interval_s * interval_s * acceleration.template topRows<3>(),
+      interval_s * acceleration.template topRows<3>(),
+      0.5 * interval_s * interval_s * acceleration.template bottomRows<3>(),
+      interval_s * acceleration.template bottomRows<3>();
   return moved;
 }
 // What an accelerometer feels of them: rows of the specific force in B.
-inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const SpatialAccelerations& push, const Matrix3& R_WB) {
-  return R_WB.transpose() * push.topRows<3>();
+inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const SpatialAccelerations& acceleration, const Matrix3& R_WB) {
+  return R_WB.transpose() * acceleration.topRows<3>();
 }
 
 // The plant along one flight.
@@ -49,7 +52,7 @@ struct LinearPlant {
   std::vector<Eigen::Matrix<double, 3, 9>> force_rows;  // ∂ specific force / ∂ (δv, δϑ, δω)
   // where commands and rotor speeds are both recorded, per sample: speed as commands predict it, and how much faster it is, rad/s
   std::vector<RotorArray> predicted, faster;
-  // where torques are told over a while alone (mean_torques.hpp), per window: its first sample's time, and the mean angular
+  // where torques are observed over a while alone (mean_torques.hpp), per window: its first sample's time, and the mean angular
   // acceleration, measured less predicted, rad/s²
   std::vector<double> window_s;
   std::vector<Vector3> turning;

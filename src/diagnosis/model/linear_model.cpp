@@ -131,7 +131,7 @@ struct Evaluation {
 // accelerations per unit of a column, per sample: a slung load, a lower speed limit, commands that nothing predicts
 struct History {
   int column;
-  std::function<SpatialAcceleration(std::size_t)> push;
+  std::function<SpatialAcceleration(std::size_t)> acceleration;
 };
 
 // One flight, linearised at given values.
@@ -180,7 +180,7 @@ class Lineariser {
   const RotorArray* speed(std::size_t k) const { return &rotors_.mean[k * count_]; }
   const RotorArray* rise(std::size_t k) const { return &rotors_.acceleration[k * count_]; }
 
-  // What the accelerometer feels and how the body turns: one that is away from the middle feels that, and a late gyro tells how
+  // What the accelerometer feels and how the body turns: one that is away from the middle feels that, and a late gyro shows how
   // it turned.
   void feel() {
     const std::size_t n = x_.size();
@@ -236,15 +236,16 @@ class Lineariser {
   static double step_of(int i) { return i / 3 % 2 == 0 ? 1e-4 : 1e-3; }
 
   void find_histories() {
-    const auto add = [&](ColumnFrom column, bool suspected, std::function<SpatialAcceleration(std::size_t)> push) {
+    const auto add = [&](ColumnFrom column, bool suspected,
+                         std::function<SpatialAcceleration(std::size_t)> acceleration) {
       const int g = catalogue_.find(column);
       if (!suspected || g < 0) return;
-      histories_.push_back({catalogue_.groups()[static_cast<std::size_t>(g)].columns.front(), std::move(push)});
+      histories_.push_back({catalogue_.groups()[static_cast<std::size_t>(g)].columns.front(), std::move(acceleration)});
     };
     add(ColumnFrom::swing, !flight_.load_force_W_mps2.empty(), [&](std::size_t k) {
-      SpatialAcceleration push;
-      push << flight_.load_force_W_mps2[k] / forces_.vehicle().mass_kg, Vector3::Zero();
-      return push;
+      SpatialAcceleration acceleration;
+      acceleration << flight_.load_force_W_mps2[k] / forces_.vehicle().mass_kg, Vector3::Zero();
+      return acceleration;
     });
     add(ColumnFrom::speed_limit, !flight_.limit_change.empty(), [&](std::size_t k) { return flight_.limit_change[k]; });
     for (int c = 0; c < catalogue_.size() && !flight_.command_innovation.empty(); ++c) {
@@ -252,11 +253,11 @@ class Lineariser {
       if (!column.of_command_innovation() && !column.of_loop_between()) continue;
       const int p = column.parameter - command_innovation_of;
       histories_.push_back({c, [&, p, between = column.of_loop_between()](std::size_t k) {
-                              SpatialAcceleration push = SpatialAcceleration::Zero();
-                              if (between) push[3 + p % 2] = flight_.command_innovation[k][p];
-                              else if (p % 4 < 3) push[3 + p % 4] = flight_.command_innovation[k][p];
-                              else push.head<3>() = flight_.command_innovation[k][p] * out_.R_WB[k].col(2);
-                              return push;
+                              SpatialAcceleration acceleration = SpatialAcceleration::Zero();
+                              if (between) acceleration[3 + p % 2] = flight_.command_innovation[k][p];
+                              else if (p % 4 < 3) acceleration[3 + p % 4] = flight_.command_innovation[k][p];
+                              else acceleration.head<3>() = flight_.command_innovation[k][p] * out_.R_WB[k].col(2);
+                              return acceleration;
                             }});
     }
   }
@@ -267,8 +268,8 @@ class Lineariser {
       if (value_[history.column] == 0.0) continue;
       const std::vector<Vector3> shown = shown_of(history, value_[history.column]);
       for (std::size_t k = 0; k < x_.size(); ++k) {
-        const SpatialAcceleration push = value_[history.column] * history.push(k);
-        if (!out_.b[k].isZero(0.0)) out_.b[k] += moved_by(push, out_.interval_s[k]);
+        const SpatialAcceleration acceleration = value_[history.column] * history.acceleration(k);
+        if (!out_.b[k].isZero(0.0)) out_.b[k] += moved_by(acceleration, out_.interval_s[k]);
         out_.y[k].tail<3>() -= shown[k];
       }
     }
@@ -277,7 +278,7 @@ class Lineariser {
   // what the accelerometer shows of a history of this size
   std::vector<Vector3> shown_of(const History& history, double size) const {
     std::vector<Vector3> now(x_.size());
-    for (std::size_t k = 0; k < now.size(); ++k) now[k] = felt(size * history.push(k), out_.R_WB[k]);
+    for (std::size_t k = 0; k < now.size(); ++k) now[k] = felt(size * history.acceleration(k), out_.R_WB[k]);
     return shown_late(flight_, now);
   }
 
@@ -361,7 +362,7 @@ class Lineariser {
   void push_column(Eigen::Index j, const Column& column, const History& history) {
     const std::vector<Vector3> shown = shown_of(history, column.natural);
     for (std::size_t k = 0; k < x_.size(); ++k) {
-      out_.B[k].col(j) = moved_by(SpatialAcceleration(column.natural * history.push(k)), out_.interval_s[k]);
+      out_.B[k].col(j) = moved_by(SpatialAcceleration(column.natural * history.acceleration(k)), out_.interval_s[k]);
       out_.D[k].col(j).tail<3>() = shown[k];
     }
   }
@@ -398,10 +399,10 @@ class Lineariser {
         row.place == Place::actuation ? moved_by_commands() : evaluate(model, rotors_, means_, sensors);
     const double unit = column.natural / step;
     for (std::size_t k = 0; k < x_.size(); ++k) {
-      SpatialAcceleration push;
-      push << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
+      SpatialAcceleration acceleration;
+      acceleration << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
           moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2;
-      out_.B[k].col(j) = moved_by(SpatialAcceleration(unit * push), out_.interval_s[k]);
+      out_.B[k].col(j) = moved_by(SpatialAcceleration(unit * acceleration), out_.interval_s[k]);
       if (sensors) out_.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
     }
   }

@@ -19,14 +19,17 @@ std::vector<RotorArray> commanded(const FlightData& flight, const Catalogue& cat
 
 }  // namespace
 
+std::vector<RotorArray> measured_beside_commands(const FlightData& flight) {
+  if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only) return {};
+  return measured_history(flight).at_sample;
+}
+
 void compare_speeds_again(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                           const Eigen::VectorXd& value, LinearFlight& out) {
   out.predicted.clear(), out.faster.clear();
-  if (flight.commands.empty() || flight.measured_speed.empty() || flight.collective_only ||
-      same_rows(flight.commands, flight.measured_speed))
-    return;
+  if (flight.measured_at_sample.empty() || same_rows(flight.commands, flight.measured_speed)) return;
   out.predicted = commanded(flight, catalogue, value, flight_index, -1);
-  out.faster = flight.measured_at_sample.empty() ? measured_history(flight).at_sample : flight.measured_at_sample;
+  out.faster = flight.measured_at_sample;
   for (std::size_t k = 0; k < out.faster.size(); ++k)
     for (std::size_t i = 0; i < max_rotors; ++i) out.faster[k][i] -= out.predicted[k][i];
 }

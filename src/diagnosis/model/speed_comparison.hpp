@@ -7,7 +7,10 @@
 
 namespace gustlab::diagnosis {
 
-// Fills a flight's `predicted`, `faster` and `predicted_by`; nothing where only one of the two was recorded, or one was written
+// Measured speeds at the samples, one row each [rad/s]; empty where they are not compared with commands: only one of the two was
+// recorded, or torques are not judged. A session holds them in `FlightData::measured_at_sample`, from which the functions below read.
+std::vector<RotorArray> measured_beside_commands(const FlightData& flight);
+// Fills a flight's `predicted`, `faster` and `predicted_by`; nothing where speeds are not compared, or one record was written
 // down as the other.
 void compare_speeds(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                     const Eigen::VectorXd& value, LinearFlight& out);

@@ -22,8 +22,8 @@ namespace {
 
 std::string catalogue_name(const Group& group) { return std::string(group.row->name); }
 
-// why a group can hardly be told from these flights; no value when it can
-std::optional<NotIdentifiable> why_not_told(const Session& session, const Selection& selection, int g) {
+// why a group is hardly identifiable in these flights; no value when it is
+std::optional<NotIdentifiable> why_not_identifiable(const Session& session, const Selection& selection, int g) {
   const Group& group = session.catalogue().groups()[static_cast<std::size_t>(g)];
   if (session.catalogue().filter_looks_like_lag() && group.row->place == Place::actuation &&
       group.row->latency != Latency::none && !selection.find(g))
@@ -98,7 +98,7 @@ void fill_values(const Session& session, const Selection& selection, const Group
                                      values_of(catalogue, selection, group, static_cast<int>(f)));
 }
 
-// Names that these flights cannot tell from the effect, and whether one of them would be a trim.
+// Names that these flights do not distinguish from the effect, and whether one of them would be a trim.
 bool fill_rivals(const Session& session, const Selection& selection, const Finding& finding, EffectFinding& effect) {
   bool trim = false;
   const bool commanded = group_of(session, finding.group).row->commanded;
@@ -116,7 +116,7 @@ bool fill_rivals(const Session& session, const Selection& selection, const Findi
   return trim;
 }
 
-// names that no flight, or no such log, can tell from the effect
+// names that no flight, or no such log, distinguishes from the effect
 void fill_aliases(const Catalogue& catalogue, const EffectRow& row, EffectFinding& effect) {
   // only c_τ k_f / J_z is visible, when J_x and J_y are right
   if (!row.alias.effect.empty()) effect.classmates.emplace_back(row.alias.effect);
@@ -127,7 +127,7 @@ void fill_aliases(const Catalogue& catalogue, const EffectRow& row, EffectFindin
       if (std::abs(z.value) > std::max(least_aliased, equivalent_z * z.deviation))
         effect.classmates.emplace_back(other.name);
     }
-    // what these logs cannot tell from it is not tried
+    // what these logs do not distinguish from it is not tried
     if (other.stand_in == row.name && catalogue.why_left_out(other)) effect.classmates.emplace_back(other.name);
   }
 }
@@ -194,20 +194,20 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
   }
 }
 
-// what these logs, or these flights, do not tell
+// what is not identifiable in these logs, or in these flights
 void list_not_identifiable(const Session& session, const Selection& selection, Diagnosis& out) {
   const Catalogue& catalogue = session.catalogue();
-  out.torque_told = catalogue.tells(Need::torque);
+  out.torque_told = catalogue.observes(Need::torque);
   for (const EffectRow& row : effect_registry())
-    if (const auto untold = catalogue.why_left_out(row); row.diagnosable && untold)
-      out.not_identifiable.push_back(*untold);
+    if (const auto lacking = catalogue.why_left_out(row); row.diagnosable && lacking)
+      out.not_identifiable.push_back(*lacking);
   std::string last;
   for (int g = 0; g < std::ssize(catalogue.groups()); ++g) {
     const Group& group = catalogue.groups()[static_cast<std::size_t>(g)];
     if (!group.candidate || group.row->name == last) continue;
     last = group.row->name;
     if (catalogue.why_left_out(*group.row)) continue;
-    if (const auto untold = why_not_told(session, selection, g)) out.not_identifiable.push_back(*untold);
+    if (const auto lacking = why_not_identifiable(session, selection, g)) out.not_identifiable.push_back(*lacking);
   }
 }
 

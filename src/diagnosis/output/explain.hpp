@@ -1,4 +1,4 @@
-// From a selection to sentences: names, classes, confidence, what was rejected and what cannot be told.
+// From a selection to sentences: names, classes, confidence, what was rejected and what is not identifiable.
 #pragma once
 
 #include "diagnosis/evidence/challenge.hpp"

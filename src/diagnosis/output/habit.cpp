@@ -75,7 +75,8 @@ Eigen::Matrix<double, 3 * checks, 1> missed(const Window& window, const Habit& h
       if (at == checks) break;
     }
     const double dt = window.flight->samples[k + 1].time_s - window.flight->samples[k].time_s;
-    const Vector3 turning = habit.transpose() * terms_of(R, velocity, rate), middle = rate + 0.5 * dt * turning;
+    const Vector3 angular_acceleration = habit.transpose() * terms_of(R, velocity, rate),
+                  middle = rate + 0.5 * dt * angular_acceleration;
     const double angle = 0.5 * dt * middle.norm();
     const Matrix3 half =
         angle > 1e-12 ? Eigen::AngleAxisd(angle, middle.normalized()).toRotationMatrix() : Matrix3(Matrix3::Identity());
@@ -83,7 +84,7 @@ Eigen::Matrix<double, 3 * checks, 1> missed(const Window& window, const Habit& h
     R = R * half;
     velocity += dt * (R * force - weight);
     R = R * half;
-    rate += dt * turning;
+    rate += dt * angular_acceleration;
   }
   return result;
 }

@@ -1,4 +1,4 @@
-// Where the recorded actuators predict turning no better than holding the body rate does: a model of how the vehicle turned under
+// Where the recorded actuators predict angular acceleration no better than holding the body rate does: a model of how the vehicle turned under
 // the controller that flew it. It is a habit of that loop and no physics (DIAGNOSIS.md §4), and is offered as that.
 #pragma once
 

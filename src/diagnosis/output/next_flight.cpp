@@ -210,7 +210,7 @@ FlownLibrary fly_library(const Session& session, const Diagnosis& out, int jobs)
   return result;
 }
 
-// what a flight should tell, as groups of the library's catalogue: pairs of names, and effects that have not shown
+// what a flight should show, as groups of the library's catalogue: pairs of names, and effects that have not shown
 struct Questions {
   std::vector<int> chosen;  // what was found
   std::vector<Pair> pairs;
@@ -258,7 +258,7 @@ std::vector<int> columns_asked(const Questions& asked, const Session& next) {
   return wanted;
 }
 
-// what one flight would tell: more names told apart first, then told apart more clearly, then more that shows at all
+// what one flight would show: more names distinguished first, then distinguished more clearly, then more that shows at all
 struct Worth {
   double score = 0.0;
   std::vector<std::string> apart, seen;

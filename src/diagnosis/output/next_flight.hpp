@@ -1,4 +1,4 @@
-// What to fly next (DIAGNOSIS.md §3.10): the Gram matrices of simulated flights tell which of them would separate the
+// What to fly next (DIAGNOSIS.md §3.10): the Gram matrices of simulated flights show which of them would separate the
 // names that these flights cannot, or show what these do not excite.
 #pragma once
 

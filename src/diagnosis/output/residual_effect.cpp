@@ -24,7 +24,7 @@ using decisions::most_terms, decisions::least_closed, decisions::most_lost;
 constexpr std::array<std::string_view, 6> channel_name = {"force_x",  "force_y",  "force_z",
                                                           "torque_x", "torque_y", "torque_z"};
 
-// one column: a term that pushes along, or turns about, one axis
+// one column: a term that is a force along, or a moment about, one axis
 struct Column {
   FeatureTerm term;
   int channel;  // 0–2 force, 3–5 torque
@@ -115,13 +115,13 @@ void write(const Found& found, const VehicleModel& vehicle, std::string& toml, n
       names.push_back(column.term.name());
       for (auto& list : value) list.push_back(0.0);
     }
-    Eigen::Matrix<double, 6, 1> push = Eigen::Matrix<double, 6, 1>::Zero();
-    if (column.channel < 3) push[column.channel] = vehicle.mass_kg * found.fit.coefficient[i];
-    else push.tail<3>() = vehicle.inertia_B_kgm2.col(column.channel - 3) * found.fit.coefficient[i];
-    for (std::size_t c = 0; c < 6; ++c) value[c][at] += push[static_cast<Eigen::Index>(c)];
+    Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+    if (column.channel < 3) wrench[column.channel] = vehicle.mass_kg * found.fit.coefficient[i];
+    else wrench.tail<3>() = vehicle.inertia_B_kgm2.col(column.channel - 3) * found.fit.coefficient[i];
+    for (std::size_t c = 0; c < 6; ++c) value[c][at] += wrench[static_cast<Eigen::Index>(c)];
     json["terms"].push_back({{"channel", channel_name[static_cast<std::size_t>(column.channel)]},
                              {"term", column.term.name()},
-                             {"coefficient", push[column.channel]},
+                             {"coefficient", wrench[column.channel]},
                              {"unit", column.channel < 3 ? "N per unit of the term" : "N m per unit of the term"}});
   }
   const auto list = [](const std::vector<double>& numbers) {

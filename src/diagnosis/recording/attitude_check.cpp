@@ -56,8 +56,8 @@ ActuatorKind inputs_of(const FlightLog& log, const VehicleModel& vehicle,
 }
 
 // Thrust per mass that a row's inputs ask for; NaN where it has none, gravity where no input says.
-double push_mps2(const VehicleModel& vehicle, const std::vector<const std::vector<double>*>& inputs, ActuatorKind kind,
-                 std::size_t row) {
+double thrust_mps2(const VehicleModel& vehicle, const std::vector<const std::vector<double>*>& inputs,
+                   ActuatorKind kind, std::size_t row) {
   if (inputs.empty()) return usual_gravity_mps2;
   double thrust = 0.0;
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
@@ -79,12 +79,12 @@ Vector2 lean(const double (&c)[4], const Reading& reading) {
 std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel& vehicle) {
   const auto q = columns_of(log, {"qw", "qx", "qy", "qz"}), v = columns_of(log, {"vx", "vy"});
   if (q.empty() || v.empty()) return {};
-  // per window: mean acceleration, and the mean push of each reading
+  // per window: mean acceleration, and the mean thrust of each reading
   std::vector<Vector2> acceleration;
   std::vector<Vector2> leaning[std::size(readings)];
   std::vector<const std::vector<double>*> inputs;
   const ActuatorKind kind = inputs_of(log, vehicle, inputs);
-  double push = usual_gravity_mps2;
+  double thrust = usual_gravity_mps2;
   for (std::size_t first = 0, last = 0; first < log.rows(); first = last) {
     Vector2 sum[std::size(readings)] = {Vector2::Zero(), Vector2::Zero(), Vector2::Zero(), Vector2::Zero()};
     std::size_t from = log.rows(), to = log.rows();
@@ -92,10 +92,10 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
     for (last = first; last < log.rows() && log.time_s[last] - log.time_s[first] < window_s; ++last) {
       if (std::isfinite((*v[0])[last]) && std::isfinite((*v[1])[last]))
         from = from == log.rows() ? last : from, to = last;
-      if (const double now = push_mps2(vehicle, inputs, kind, last); std::isfinite(now)) push = now;
+      if (const double now = thrust_mps2(vehicle, inputs, kind, last); std::isfinite(now)) thrust = now;
       const double c[4] = {(*q[0])[last], (*q[1])[last], (*q[2])[last], (*q[3])[last]};
       if (!std::isfinite(c[0] + c[1] + c[2] + c[3])) continue;
-      for (std::size_t r = 0; r < std::size(readings); ++r) sum[r] += push * lean(c, readings[r]);
+      for (std::size_t r = 0; r < std::size(readings); ++r) sum[r] += thrust * lean(c, readings[r]);
       count += 1.0;
     }
     if (count == 0.0 || from == to || log.time_s[to] - log.time_s[from] < 0.5 * window_s) continue;

@@ -23,20 +23,20 @@ constexpr double memory_s = 0.1;         // over which the error of a rate from 
 constexpr double wander_sd_s = 0.01, cost_of_jump = 8.0;  // from stretch to stretch; of the log likelihood
 constexpr double cost_of_slope = 2.0;  // more than so many standard deviations apart is a jump, not a slope
 
-// what is compared: how well two streams agree, and how much turning there must be
+// what is compared: how well two streams agree, and how much angular motion there must be
 struct Demand {
   double agreement, variance;
 };
-constexpr Demand of_gyro = {0.8, 0.05};     // (rad/s)², roll and pitch together: less turning has no time
+constexpr Demand of_gyro = {0.8, 0.05};     // (rad/s)², roll and pitch together: less has no time
 constexpr Demand of_commands = {0.5, 1.0};  // (rad/s²)²
 
-// Log likelihood of every lag of `late` behind `early`, per stretch of the flight that tells; lags are in samples, −most to most.
+// Log likelihood of every lag of `late` behind `early`, per stretch of the flight that shows one; lags are in samples, −most to most.
 struct Likelihood {
   std::int64_t most = 0;
   double sample_s = 0.0;
   std::vector<double> middle_s;
   std::vector<std::vector<double>> over_lags;
-  std::vector<bool> told;
+  std::vector<bool> observable;
 };
 
 Likelihood likelihood_of(const FlightData& flight, const std::vector<Pair>& early, const std::vector<Pair>& late,
@@ -66,7 +66,7 @@ Likelihood likelihood_of(const FlightData& flight, const std::vector<Pair>& earl
     }
     result.middle_s.push_back(0.5 * (from_s + flight.samples[last - 1].time_s));
     result.over_lags.push_back(std::move(over_lags));
-    result.told.push_back(best >= demand.agreement && energy >= demand.variance);
+    result.observable.push_back(best >= demand.agreement && energy >= demand.variance);
   }
   return result;
 }
@@ -77,7 +77,7 @@ bool changes(const Likelihood& of) {
   std::vector<double> sum(of.over_lags.empty() ? 0 : of.over_lags.front().size(), 0.0);
   double each = 0.0;
   for (std::size_t s = 0; s < of.over_lags.size(); ++s) {
-    if (!of.told[s]) continue;
+    if (!of.observable[s]) continue;
     const auto& lags = of.over_lags[s];
     const auto best = std::max_element(lags.begin(), lags.end());
     lags_s.push_back(static_cast<double>(best - lags.begin()) * of.sample_s);
@@ -89,12 +89,12 @@ bool changes(const Likelihood& of) {
   // of many the outermost two may be errors
   if (lags_s.size() >= 6) lags_s = {lags_s.begin() + 1, lags_s.end() - 1};
   if (lags_s.size() < 2 || lags_s.back() - lags_s.front() <= std::max(least_jump_s, 3.1 * of.sample_s)) return false;
-  // slow turning has a flat top: what one delay for the whole flight explains as well is no jump
+  // slow angular motion has a flat top: what one delay for the whole flight explains as well is no jump
   return 2.0 * (each - *std::max_element(sum.begin(), sum.end())) >= least_jump_gain * count;
 }
 
 // The likeliest course of a lag that wanders a little from stretch to stretch and jumps now and then (Viterbi, IEEE Trans. Inf.
-// Theory 13, 1967). A stretch that does not tell follows its neighbours.
+// Theory 13, 1967). A stretch that shows none follows its neighbours.
 ClockTrack likeliest_track(const Likelihood& of) {
   const std::size_t lags = of.over_lags.front().size(), count = of.over_lags.size();
   const auto reach = static_cast<std::ptrdiff_t>(std::ceil(4.0 * wander_sd_s / of.sample_s));
@@ -113,7 +113,7 @@ ClockTrack likeliest_track(const Likelihood& of) {
                            0.5 * std::pow(static_cast<double>(d) * of.sample_s / wander_sd_s, 2);
         if (way > best) best = way, came[s][l] = static_cast<std::size_t>(from);
       }
-      value[l] = best + (of.told[s] ? of.over_lags[s][l] : 0.0);
+      value[l] = best + (of.observable[s] ? of.over_lags[s][l] : 0.0);
     }
   }
   ClockTrack track{of.middle_s, std::vector<double>(count)};
@@ -121,7 +121,7 @@ ClockTrack likeliest_track(const Likelihood& of) {
   for (std::size_t s = count; s-- > 0; at = came[s][at]) {
     double lag = static_cast<double>(static_cast<std::int64_t>(at) - of.most);
     // the top of a parabola through three points
-    if (of.told[s] && at > 0 && at + 1 < lags) {
+    if (of.observable[s] && at > 0 && at + 1 < lags) {
       const auto& l = of.over_lags[s];
       const double bend = l[at - 1] - 2.0 * l[at] + l[at + 1];
       if (bend < 0.0) lag += std::clamp(0.5 * (l[at - 1] - l[at + 1]) / bend, -0.5, 0.5);

@@ -440,7 +440,7 @@ void find_segments(FlightData& flight) {
   flight.start_s = flight.samples.empty() ? 0.0 : flight.samples.front().time_s;
 }
 
-// commands at a limit tell nothing of the small signal
+// commands at a limit say nothing of the small signal
 void find_saturation(FlightData& flight) {
   const CommandRecord& inputs = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
   for (std::size_t k = 1; k < flight.samples.size(); ++k) {
@@ -557,9 +557,14 @@ void see_attitude(double t, const Streams& seen, const HalfWindows& half, Motion
 }
 
 GyroFit gyro_at(double t, const Streams& seen, const HalfWindows& half) {
-  if (!seen.rate.can_fit(5)) return {};
+  GyroFit gyro;
+  gyro.attitude_known = seen.attitude.can_fit(5);
+  gyro.known = seen.rate.can_fit(5);
+  if (!gyro.known) return gyro;
   const auto c = seen.rate.fit<2>(t, half.rate_s);
-  return {c[0].head<3>(), c[1].head<3>(), true};
+  gyro.rate_B_radps = c[0].head<3>();
+  gyro.acceleration_B_radps2 = c[1].head<3>();
+  return gyro;
 }
 
 // the first sample of the next segment
@@ -605,20 +610,16 @@ void smooth_motion(FlightData& flight, const SensorCorrection& correction) {
         (gyro.rate_B_radps - correction.rate_bias_B_radps) / (1.0 + correction.rate_scale);
     flight.motion[k].angular_acceleration_B_radps2 = gyro.acceleration_B_radps2 / (1.0 + correction.rate_scale);
   }
-  for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
-    end = end_of_segment(samples, begin);
-    const auto attitudes = std::count_if(samples.begin() + static_cast<std::ptrdiff_t>(begin),
-                                         samples.begin() + static_cast<std::ptrdiff_t>(end),
-                                         [](const Sample& s) { return (s.channels & has_attitude) != 0; });
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    if (samples[k].starts_segment) continue;
+    const Motion& before = flight.motion[k - 1];
     // without attitude the rate is integrated; torques and body forces do not depend on it
-    for (std::size_t k = begin + 1; k < end && attitudes < 5; ++k) {
-      const Motion& before = flight.motion[k - 1];
+    if (!flight.gyro[k].attitude_known)
       flight.motion[k].attitude_WB =
           turned(before.attitude_WB, before.body_rate_B_radps * (samples[k].time_s - samples[k - 1].time_s));
-    }
-    for (std::size_t k = begin + 1; k + 1 < end && attitudes >= 5 && !flight.gyro[begin].known; ++k)
+    else if (!flight.gyro[k].known && k + 1 < samples.size() && !samples[k + 1].starts_segment)
       flight.motion[k].angular_acceleration_B_radps2 =
-          (flight.motion[k + 1].body_rate_B_radps - flight.motion[k - 1].body_rate_B_radps) /
+          (flight.motion[k + 1].body_rate_B_radps - before.body_rate_B_radps) /
           (samples[k + 1].time_s - samples[k - 1].time_s);
   }
 }

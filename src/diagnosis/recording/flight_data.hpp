@@ -94,10 +94,10 @@ struct SensorCorrection {
   bool operator==(const SensorCorrection&) const = default;
 };
 
-// Smoothed readings of a gyroscope, nothing taken out.
+// Smoothed readings of a gyroscope, nothing taken out, and what the segment of a sample has enough of to be smoothed.
 struct GyroFit {
-  Vector3 rate_B_radps, acceleration_B_radps2;
-  bool known = false;
+  Vector3 rate_B_radps = Vector3::Zero(), acceleration_B_radps2 = Vector3::Zero();
+  bool known = false, attitude_known = false;
 };
 
 struct FlightData {
@@ -110,9 +110,9 @@ struct FlightData {
   SensorCorrection corrected;
   CommandRecord commands;                      // mapped to rotor speed
   CommandRecord measured_speed;                // rotor* columns, when there
-  std::vector<RotorArray> measured_at_sample;  // the same at the samples, once it was asked for
+  std::vector<RotorArray> measured_at_sample;  // the same at the samples; empty: not compared with commands
   RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
-  bool collective_only = false;  // torques unknown, or not to be told
+  bool collective_only = false;  // torques unknown, or not to be judged
   bool has_voltage = false;
   bool inertial_unused = false;  // an accelerometer was recorded, and left out for `forces_only`
   SensorLatency late;
@@ -143,7 +143,7 @@ struct ReadingOptions {
   double common_filter_s = 0.0;
   // The recorded states are the motion: nothing is smoothed over more than a few samples, a recorded velocity counts.
   bool as_recorded = false;
-  bool forces_only = false;  // torques are not told, and with a pose inertial data are not used
+  bool forces_only = false;  // torques are not judged, and with a pose inertial data are not used
   // Of the commands of several rotors their total alone is taken, and `each_rotor` beside it.
   bool total_thrust = false;
   SensorLatency late = {};

@@ -388,7 +388,7 @@ class Checker {
     std::erase_if(log_.columns, [](const LogColumn& column) { return column.name == "vbat"; });
   }
 
-  // gyro against attitude, velocity against position, accelerometer and inputs against the motion that these tell
+  // gyro against attitude, velocity against position, accelerometer and inputs against the motion that these measure
   void sensors() {
     if (column("wx") && column("wy") && column("wz") && column("qw") && column("qx") && column("qy") && column("qz"))
       gyro();
@@ -445,12 +445,12 @@ class Checker {
   void gyro() {
     const FlightData data = without({"wx", "wy", "wz"});
     const std::vector<Vector3> rates = gyro_of(log_, data);
-    const std::vector<bool> told = near(data, has_attitude);
+    const std::vector<bool> measured = near(data, has_attitude);
     Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
     Vector3 rate_energy = Vector3::Zero(), gyro_energy = Vector3::Zero();
     double count = 0.0;
     for (std::size_t k = 0; k < rates.size(); ++k) {
-      if (!rates[k].allFinite() || !told[k]) continue;
+      if (!rates[k].allFinite() || !measured[k]) continue;
       const Vector3& rate = data.motion[k].body_rate_B_radps;
       cross += rates[k] * rate.transpose();
       rate_energy += rate.cwiseAbs2();
@@ -476,7 +476,7 @@ class Checker {
     else clocks(data, rates);
   }
 
-  // a board whose clock wanders against the pose's is laid on it where turning tells the time between them
+  // a board whose clock wanders against the pose's is laid on it where angular motion shows the time between them
   void clocks(const FlightData& data, const std::vector<Vector3>& rates) {
     const std::optional<ClockTrack> track = gyro_track(data, rates);
     if (!track) return;
@@ -501,11 +501,11 @@ class Checker {
       if (!column(name)) return;
     const FlightData data = without({"vx", "vy", "vz"});
     const std::vector<Vector3> velocity = at_samples(log_, data, "vx", "vy", "vz");
-    const std::vector<bool> told = near(data, has_position);
+    const std::vector<bool> measured = near(data, has_position);
     double world = 0.0, body = 0.0, energy = 0.0, count = 0.0;
     for (std::size_t k = 0; k < velocity.size(); ++k) {
       const Vector3& v = velocity[k];
-      if (!v.allFinite() || !told[k]) continue;
+      if (!v.allFinite() || !measured[k]) continue;
       const Motion& m = data.motion[k];
       world += (v - m.velocity_W_mps).squaredNorm();
       body += (v - m.attitude_WB.conjugate() * m.velocity_W_mps).squaredNorm();

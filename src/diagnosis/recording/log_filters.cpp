@@ -34,13 +34,13 @@ double roughness(const std::vector<double>& y, std::size_t stride = 1) {
 // every column that is wanted, and there is one
 template <class Wanted>
 bool all_below(const FlightLog& log, double most, std::size_t stride, Wanted wanted) {
-  std::size_t seen = 0, told = 0;
+  std::size_t seen = 0, below = 0;
   for (const LogColumn& column : log.columns)
     if (wanted(column.name)) {
       ++seen;
-      told += roughness(column.values, stride) < most ? 1 : 0;
+      below += roughness(column.values, stride) < most ? 1 : 0;
     }
-  return seen > 0 && told == seen;
+  return seen > 0 && below == seen;
 }
 
 template <std::size_t count>

@@ -1,4 +1,4 @@
-// The states of a recording as they were written, and what can be told of a missing one from the samples before it.
+// The states of a recording as they were written, and a missing one as it is estimated from the samples before it.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class RecordedMotion {
     return time_s_[row + 1] - time_s_[row] <= std::max(shortest_gap_s, 1.6 * sample_s_);
   }
   bool complete(std::size_t row) const { return complete_[row]; }
-  // Whether the state at a row is recorded, or can be told from the samples before it about as well as at other rows.
+  // Whether the state at a row is recorded, or can be estimated from the samples before it about as well as at other rows.
   bool can_start(std::size_t row) const;
   // first row of the unbroken stretch that a row belongs to
   std::size_t stretch(std::size_t row) const { return stretch_[row]; }

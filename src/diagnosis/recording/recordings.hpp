@@ -1,4 +1,4 @@
-// The logs of one diagnosis: read, checked, and told apart by what they are for.
+// The logs of one diagnosis: read, checked, and sorted by what they are for.
 #pragma once
 
 #include <initializer_list>

@@ -8,6 +8,7 @@
 
 namespace gustlab::diagnosis {
 
+// The value below which about this share (0 to 1) of the values lies, one of them; 0 of none.
 inline double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
@@ -30,6 +31,7 @@ inline double interval_s(const std::vector<double>& steps_s) {
   return count == 0.0 || std::abs(sum_s / count - even_s) < 0.1 * even_s ? even_s : sum_s / count;
 }
 
+// Rows that hold a number.
 inline std::vector<std::size_t> sampled_rows(const std::vector<double>& values) {
   std::vector<std::size_t> rows;
   for (std::size_t k = 0; k < values.size(); ++k)

@@ -8,8 +8,8 @@
 
 namespace gustlab::diagnosis {
 
-// Of all flights alike. 0 when it is not told, and when the pose is the later one: no sensor is early, so that is a late pose,
-// which the dynamics must tell.
+// Of all flights alike. 0 when it is not observable, and when the pose is the later one: no sensor is early, so that is a late pose,
+// which the dynamics must show.
 SensorLatency sensor_latency(const std::vector<FlightData>& flights);
 
 // Turns between attitudes a tenth of a second apart are compared with the integral of the gyro, which a delay d makes shorter by d
@@ -19,7 +19,7 @@ double rate_latency_s(const std::vector<FlightData>& flights);
 // gyro or attitude.
 std::optional<double> most_pose_latency_s(const std::vector<FlightData>& flights);
 // Second differences of positions are compared with the double integral of the accelerometer, turned into W by the attitude.
-// `rate_s`: of the gyro; the accelerometer is as late unless the positions surely tell otherwise (one chip, filtered alike).
+// `rate_s`: of the gyro; the accelerometer is as late unless the positions surely say otherwise (one chip, filtered alike).
 double force_latency_s(const std::vector<FlightData>& flights, double rate_s);
 
 }  // namespace gustlab::diagnosis

@@ -33,7 +33,7 @@ struct Block {
   std::vector<Sums> signals;
 };
 
-// time, a column that tells of an attitude, and signals: what the vehicle did and was asked for, rotors last
+// time, a column that shows an attitude, and signals: what the vehicle did and was asked for, rotors last
 std::vector<std::string> columns_read() {
   std::vector<std::string> names{"time_s", "qw", "px", "py", "pz", "vx", "vy",
                                  "vz",     "wx", "wy", "wz", "ax", "ay", "az"};

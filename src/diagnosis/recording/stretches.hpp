@@ -1,4 +1,4 @@
-// A log that is too long to be diagnosed whole: which stretches of it tell most, and each of them as a flight of its own.
+// A log that is too long to be diagnosed whole: which stretches of it say most, and each of them as a flight of its own.
 #pragma once
 
 #include <string>

@@ -12,7 +12,7 @@ namespace gustlab::diagnosis {
 // Corrects the vehicle's rotors where the flights say clearly that order or directions are others, and says so.
 std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, VehicleModel& vehicle);
 
-// Seconds by which the turning of the vehicle follows its (nominal) rotors' torques: cross-correlation of roll and pitch.
+// Seconds by which the angular motion of the vehicle follows its (nominal) rotors' torques: cross-correlation of roll and pitch.
 // std::nullopt when the flight does not say it clearly.
 std::optional<double> torque_delay_s(const FlightData& flight, const VehicleModel& vehicle);
 

@@ -36,7 +36,7 @@ inline constexpr double lasting_correlation = 0.1, lasting_gain = 0.03;
 // Statistic: its standard deviation. From: below it the difference of two right integrators was named. Costs: effects that only a calmer
 // room would show.
 inline constexpr double least_share_of_floor = 0.35;
-// The recorded loop answers what disturbs a smoothed flight: what only the torque per command shows is not told then.
+// The recorded loop answers what disturbs a smoothed flight: what only the torque per command shows is not identifiable then.
 // Statistic: share of the slow commanded torque of an axis in what the nominal vehicle leaves half a second ahead; -1: all of it is
 // cancelled. From: -0.65 to -0.74 (a racer, NeuroBEM), -0.55 to -0.62 (nanodrone, roll and pitch); trials of a foreign generator that were
 // filtered at 14 to 22 Hz have -0.26 to 0.05. Costs: inertia and torque ratios of such logs; one that is 0.6 of the file's looks so as well.
@@ -51,8 +51,8 @@ inline constexpr double reference_prior = 1.0;
 // ---- selection
 
 // What a further effect must gain, as a share of the degrees of freedom, as a share of the whole gain, and at most.
-// Statistic: Δχ². From: no derivation for the first; the second keeps the second-order error of a giant effect out, and is bounded where the model
-// was linearised about that effect. Costs: smaller effects are not looked at; the judge withdraws what is let in too much.
+// Statistic: Δχ². From: no derivation of the values; the second keeps the second-order error of a giant effect out, and is bounded where the
+// model was linearised about that effect. Costs: smaller effects are not looked at; the judge withdraws what is let in too much.
 inline constexpr double materiality = 0.0006, relative_materiality = 1e-4, most_materiality = 0.003;
 // A chosen effect is not zero.
 // Statistic: Wald test with clustered errors, over the number of groups. From: one false effect in a thousand searches (Bonferroni). Costs:
@@ -67,8 +67,8 @@ inline constexpr double least_load_share = 0.01, least_limit_gain = 30.0, least_
 // Statistic: parameters. From: length, damping and the swing of some flights; a limit out of twenty. Costs: histories that gain less.
 inline constexpr double swing_costs = 30.0, limit_costs = 5.0;
 // A value is a trim, no missing physics: up to so many tolerances.
-// Statistic: the larger of its sizes in reporting tolerances. From: an estimate holds a share of what alike parts scatter. Costs: effects between one
-// tolerance and this.
+// Statistic: the larger of its sizes in reporting tolerances. From: an estimate holds a share of what alike parts scatter; no
+// derivation of the value. Costs: effects between one tolerance and this.
 inline constexpr double scatter_margin = 1.2;
 // Against reference flights a smaller change is none.
 // Statistic: change over what the reference flights have. From: rotor drag of one Crazyflie between its flights, 9 to 13 % (imrc, bare). Costs: smaller
@@ -96,7 +96,7 @@ inline constexpr double trim_share = 0.25, trim_cost = 9.0, scatter_share = 0.5;
 inline constexpr double least_said_less = 0.1;
 // A candidate is equal to a rival.
 // Statistic: paired differences of blocks, in standard errors; share of the effect's own gain that the rival loses. From: p = 0.01 for the first, no
-// derivation for the second. Costs: names that are told more weakly are given as a class.
+// derivation for the second. Costs: names that are known more weakly are given as a class.
 inline constexpr double equivalent_z = 2.6, most_lost_to_rival = 0.5;
 // Of a moment of inertia that a torque ratio may be as well.
 // Statistic: its relative change, at least so much. From: the reporting tolerance of inertia. Costs: none known.
@@ -135,8 +135,8 @@ inline constexpr double level_share = 0.01;
 // as it stood when it was defined (NanoBench, indoors: 1.0 and 3.1 degrees); no derivation for four degrees. Costs: where the heading stays, winds below some
 // five hundredths of the weight are only suspected.
 inline constexpr double kept_heading = 0.97, tilt_share = 0.07;
-// Force against moment: a push that would be seen.
-// Statistic: χ² of the push, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), whose moment
+// Force against moment: a force that would be seen.
+// Statistic: χ² of the force, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), whose moment
 // has between a fiftieth and a twentieth of its Δχ². Costs: what is not compared is not doubted.
 inline constexpr double least_push_seen = 25.0, least_push_share = 0.05;
 
@@ -144,7 +144,7 @@ inline constexpr double least_push_seen = 25.0, least_push_share = 0.05;
 
 // More than chance in a family of generic functions.
 // Statistic: Δχ² beyond its degrees of freedom, in their standard deviations, and as a share of all information. From: clean flights gave 70 to 105 on 51
-// and 21 to 44 on 24 degrees of freedom. Costs: DIAGNOSIS.md §3.5.
+// and 21 to 44 on 24 degrees of freedom (limits 112 and 66); no derivation for the share. Costs: not measured by itself.
 inline constexpr double beyond_chance_sd = 6.0, beyond_chance_share = 0.001;
 // A channel belongs to an alarm of several; a channel, or how late rotors and pose are, to what is located.
 // Statistic: its gain as a share of the largest. From: no derivation. Costs: channels that are disturbed little are not said.
@@ -157,7 +157,7 @@ inline constexpr double least_where = 0.1;
 // clean flights up to 0.09, unknown physics 0.2 to 0.5; no derivation for the second. Costs: unknown physics between.
 inline constexpr double most_correlation = 0.15, most_correlation_of_lasting = 0.3;
 // Disturbed more than a calm room.
-// Statistic: disturbance, or what of it lasts, over the reference floor. From: DIAGNOSIS.md §3.5. Costs: it is an alarm, and withdraws no name.
+// Statistic: disturbance, or what of it lasts, over the reference floor. From: no derivation (see decision 22). Costs: it is an alarm, and withdraws no name.
 inline constexpr double most_of_floor = 2.5;
 // The disturbance grows with activity, speed or nearness to the ground.
 // Statistic: rank correlation of energy; energy of the highest quarter over that of the lowest. From: no derivation. Costs: not measured.
@@ -216,7 +216,7 @@ inline constexpr double checked_confidence = 0.95, unchecked_confidence = 0.85;
 
 // ---- what is offered beside the names
 
-// A flight tells two names apart, or shows an effect of natural size.
+// A flight distinguishes two names, or shows an effect of natural size.
 // Statistic: expected Δχ². From: three and five standard deviations. Costs: advice, no name.
 inline constexpr double told_apart = 10.0, shows = 25.0;
 // A term of the unnamed model must gain so much; the model is offered when it closes and loses so much.

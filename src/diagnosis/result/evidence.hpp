@@ -43,7 +43,7 @@ struct Evidence {
   double size_in_tolerances = 0.0;  // largest parameter over its reporting tolerance; infinite where none is declared
   double inclusion = 0.0;           // share of half samples that select it
   double rival_gain = 0.0,
-         rival_z = 0.0;  // of the nearest rival that is told from it: how much worse (Δχ²), in standard errors
+         rival_z = 0.0;  // of the nearest rival that is distinguished from it: how much worse (Δχ²), in standard errors
   double unpredicted_commands =
       0.0;  // Δχ² of what the log does not hold of the commands, where only they can show the effect
   double force_excess = 0.0, force_excess_sd = 0.0;  // its force over what its moment predicts, less one

@@ -50,7 +50,7 @@ struct EffectFinding {
   std::vector<std::pair<std::string, std::vector<NamedValue>>> per_flight;  // file → values
   std::vector<std::string> classmates;                                      // itself included
   std::vector<ConfusableEffect> confusable;
-  double gain = 0.0;   // rise of the score when it is removed
+  double gain = 0.0;   // Δχ²: rise of the score when it is removed
   Regimes least_even;  // where its size varies most
 };
 
@@ -60,7 +60,7 @@ struct Rejected {
   std::string why;
 };
 
-// What would tell an effect that was not told: a kind for programs and for the page, beside the reason in words.
+// What would make an effect identifiable that is not: a kind for programs and for the page, beside the reason in words.
 enum class Lack {
   other,
   vehicle_file,
@@ -104,7 +104,7 @@ struct Mismatch {
 struct Alarm {
   std::string kind;  // omnibus | whiteness | floor | heteroscedastic
   std::string says;
-  double size = 0.0;                  // gain per degree of freedom, or ratio
+  double size = 0.0;                  // Δχ² per degree of freedom, or ratio
   std::vector<std::string> channels;  // where
   std::string sensor = {};            // whiteness: whose innovations
 };

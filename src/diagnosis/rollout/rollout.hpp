@@ -27,7 +27,7 @@ struct ReplayOptions {
 
 // What every rollout on one recording shares.
 struct Recording {
-  FlightLog log;  // whose rows tell the whole motion
+  FlightLog log;  // whose rows hold the whole motion
   RecordedMotion motion;
   VehicleModel vehicle;  // with the flight's surroundings, and nothing that touches the ground
   CommandRecord inputs;

@@ -15,7 +15,7 @@ using decisions::block_s;
 constexpr Eigen::Index fewest_blocks = 30, first_shift = 4;
 constexpr double ridge = 30.0;  // of columns with unit deviation, in blocks
 
-// how well a basis tells y (two axes): −log of the share of its squares that is left
+// how well a basis predicts y (two axes): −log of the share of its squares that is left
 struct Projection {
   Eigen::MatrixXd basis;
   Eigen::LDLT<Eigen::MatrixXd> normal;
@@ -32,7 +32,7 @@ struct Projection {
     gram.diagonal().array() += ridge;
     normal.compute(gram);
   }
-  double told(const Eigen::MatrixXd& y) const {
+  double predicted(const Eigen::MatrixXd& y) const {
     const Eigen::MatrixXd left = y - basis * normal.solve(basis.transpose() * y);
     return -std::log((left.squaredNorm() + 1e-300) / (y.squaredNorm() + 1e-300));
   }
@@ -80,16 +80,16 @@ bool depends_on_state(const Session& session, const std::vector<Smoothed>& smoot
   const Eigen::Index shortest = rows / static_cast<Eigen::Index>(session.flights().size());
   for (const auto* of : {&place, &velocity}) {
     const Projection projection(*of);
-    const auto told = [&](Eigen::Index shift) {
+    const auto predicted = [&](Eigen::Index shift) {
       Eigen::MatrixXd moved(rows, 2);
       for (int axis = 0; axis < 2; ++axis) moved.col(axis) = moved_along(y.col(axis), flight, shift);
-      return projection.told(moved);
+      return projection.predicted(moved);
     };
     std::vector<double> chance;
-    for (Eigen::Index shift = first_shift; shift + first_shift <= shortest; ++shift) chance.push_back(told(shift));
+    for (Eigen::Index shift = first_shift; shift + first_shift <= shortest; ++shift) chance.push_back(predicted(shift));
     const Eigen::Map<const Eigen::VectorXd> moved(chance.data(), static_cast<Eigen::Index>(chance.size()));
     const double sd = std::sqrt((moved.array() - moved.mean()).square().mean());
-    if (told(0) > moved.mean() + decisions::surely_dependent * sd) return true;
+    if (predicted(0) > moved.mean() + decisions::surely_dependent * sd) return true;
   }
   return false;
 }

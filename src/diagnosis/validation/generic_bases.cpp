@@ -46,7 +46,7 @@ std::vector<std::vector<Look>> looks(const Session& session) {
   return result;
 }
 
-// one generic column: a function of the look that pushes along one axis of the world or the body, or turns about one
+// one generic column: a function of the look that is a force along one axis of the world or the body, or a moment about one
 struct Term {
   enum Kind { force_W, force_B, torque_B } kind;
   int axis;
@@ -64,13 +64,13 @@ BasisFamily family(const std::string& name, const Session& session, const std::v
     const FlightData& flight = session.flights()[f];
     std::vector<SpatialAccelerations> columns(flight.samples.size());
     for (std::size_t k = 0; k < columns.size(); ++k) {
-      SpatialAccelerations& push = columns[k];
-      push.setZero(6, result.size);
+      SpatialAccelerations& acceleration = columns[k];
+      acceleration.setZero(6, result.size);
       const Matrix3 R = flight.motion[k].attitude_WB.toRotationMatrix();
       for (int j = 0; j < result.size; ++j) {
         const Term& term = terms[static_cast<std::size_t>(j)];
         const double value = term.size * term.function(look[f][k]);
-        push.block<3, 1>(term.kind == Term::torque_B ? 3 : 0, j) =
+        acceleration.block<3, 1>(term.kind == Term::torque_B ? 3 : 0, j) =
             value * (term.kind == Term::force_B ? Vector3(R.col(term.axis)) : Vector3(Vector3::Unit(term.axis)));
       }
     }
@@ -198,13 +198,13 @@ std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily
   for (const BasisFamily& family : families) together.size += family.size;
   for (std::size_t f = 0; f < together.columns.size(); ++f)
     for (std::size_t k = 0; k < session.flights()[f].samples.size(); ++k) {
-      SpatialAccelerations pushes(6, together.size);
+      SpatialAccelerations accelerations(6, together.size);
       Eigen::Index at = 0;
       for (const BasisFamily& family : families) {
-        pushes.middleCols(at, family.size) = family.columns[f][k];
+        accelerations.middleCols(at, family.size) = family.columns[f][k];
         at += family.size;
       }
-      together.columns[f].push_back(std::move(pushes));
+      together.columns[f].push_back(std::move(accelerations));
     }
   std::vector<int> beside = columns;
   for (const Trim& trim : trims) beside.push_back(trim.column);

@@ -22,7 +22,7 @@ class FlownVolume {
   double lowest_m_;
 };
 
-// A family of columns per flight: m pushes per sample, to be appended to the filter's own.
+// A family of columns per flight: 6 × m accelerations per sample, to be appended to the filter's own.
 struct BasisFamily {
   std::string name;
   std::vector<std::vector<SpatialAccelerations>> columns;  // [flight][sample]

@@ -15,27 +15,27 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// A flight with further columns, named −1, −2, …: what each finding pushes, as it was found; then, where pushes to the side are
+// A flight with further columns, named −1, −2, …: the force of each finding, as it was found; then, where forces to the side are
 // free, those to the side.
-LinearFlight with_pushes(const LinearFlight& flight, const Session& session, const Selection& selection,
+LinearFlight with_forces(const LinearFlight& flight, const Session& session, const Selection& selection,
                          const std::vector<int>& beside, bool sideways_free) {
   const Catalogue& catalogue = session.catalogue();
   const auto tested = static_cast<Eigen::Index>(selection.findings.size()),
-             pushes = sideways_free ? 2 * tested : tested;
+             forces = sideways_free ? 2 * tested : tested;
   LinearFlight out = only(flight, beside);
   const auto own = static_cast<Eigen::Index>(out.columns.size());
-  for (Eigen::Index i = 0; i < pushes; ++i) out.columns.push_back(static_cast<int>(-1 - i));
+  for (Eigen::Index i = 0; i < forces; ++i) out.columns.push_back(static_cast<int>(-1 - i));
   for (std::size_t k = 0; k < flight.size(); ++k) {
     auto &B = out.B[k], &D = out.D[k];
-    B.conservativeResize(Eigen::NoChange, own + pushes), D.conservativeResize(Eigen::NoChange, own + pushes);
-    B.rightCols(pushes).setZero(), D.rightCols(pushes).setZero();
+    B.conservativeResize(Eigen::NoChange, own + forces), D.conservativeResize(Eigen::NoChange, own + forces);
+    B.rightCols(forces).setZero(), D.rightCols(forces).setZero();
     for (std::size_t j = 0; j < flight.columns.size(); ++j) {
       const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
       const auto at = static_cast<Eigen::Index>(j);
       for (Eigen::Index i = 0; i < tested; ++i) {
         if (column.group != selection.findings[static_cast<std::size_t>(i)].group) continue;
         const double size = (selection.value[flight.columns[j]] - column.nominal) / column.natural;
-        // what moves nothing is a sensor's error and no push
+        // what moves nothing is a sensor's error and no force
         if (flight.B[k].col(at).head<6>().isZero(0.0)) continue;
         B.col(own + i).head<6>() += size * flight.B[k].col(at).head<6>();
         D.col(own + i).tail<3>() += size * flight.D[k].col(at).tail<3>();
@@ -59,18 +59,18 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   if (session.shoots() || selection.findings.empty() ||
       !std::all_of(session.linear().begin(), session.linear().end(), turns))
     return result;
-  // a gust moves the vehicle along its own push, and lasts longer than what the filter allows for: then pushes to the side are free
+  // a gust moves the vehicle along its own force, and lasts longer than what the filter allows for: then forces to the side are free
   const bool gusty = session.noise.rms(0) > decisions::most_of_floor * reference_floor(session.vehicle())[0];
-  const auto tested = static_cast<Eigen::Index>(result.size()), pushes = gusty ? 2 * tested : tested;
+  const auto tested = static_cast<Eigen::Index>(result.size()), forces = gusty ? 2 * tested : tested;
   std::vector<int> beside = session.with_biases(selection.groups());
   const std::vector<Trim> trims = trims_beside(session, beside, decisions::scatter_share);
   const std::size_t own = beside.size();
   for (const Trim& trim : trims) beside.push_back(trim.column);
   std::vector<int> all = beside;
-  for (int i = 0; i < pushes; ++i) all.push_back(-1 - i);
+  for (int i = 0; i < forces; ++i) all.push_back(-1 - i);
   std::vector<Grams> of_flight(session.flights().size());
   session.for_each_flight([&](std::size_t f) {
-    const LinearFlight linear = with_pushes(session.linear()[f], session, selection, beside, gusty);
+    const LinearFlight linear = with_forces(session.linear()[f], session, selection, beside, gusty);
     std::vector<int> to = indices_of(linear.columns, all);
     accumulate(whiten(session.flights()[f], linear, session.noise), to, static_cast<int>(f),
                static_cast<int>(all.size()), of_flight[f]);
@@ -81,7 +81,7 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   keep_small(trims, own, gram);
   std::vector<int> known(beside.size());
   std::iota(known.begin(), known.end(), 0);
-  for (Eigen::Index i = tested; i < pushes; ++i)
+  for (Eigen::Index i = tested; i < forces; ++i)
     known.push_back(static_cast<int>(static_cast<Eigen::Index>(beside.size()) + i));
   const Eigen::MatrixXd projected = project_out(gram, known);
   // what is left of a column, the known ones fitted to it

@@ -1,4 +1,4 @@
-// An effect that both pushes and turns the vehicle does so in one proportion. What fits turning alone, where its push would be seen,
+// An effect with both a force and a moment has them in one proportion. What fits the moment alone, where its force would be seen,
 // is something else: rotors' damping between the samples of a slow log, not their inflow.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace gustlab::diagnosis {
 
-// How a finding's push compares with what its turning predicts: 1 + excess of it, and the standard error; 0 where one of the two is
+// How a finding's force compares with what its moment predicts: 1 + excess of it, and the standard error; 0 where one of the two is
 // not seen.
 struct Parts {
   double excess = 0.0, deviation = 0.0;

@@ -13,7 +13,7 @@ namespace {
 
 using decisions::block_s;
 constexpr int thirds = 3;
-constexpr double few = 4.0, untold = 1.0;  // clusters; a deviation
+constexpr double few = 4.0, not_known = 1.0;  // clusters; a deviation
 
 struct Variables {
   std::vector<std::string> name = {"speed", "vertical speed", "height",           "x",   "y",
@@ -56,13 +56,13 @@ Variables variables_of(const Session& session, const Grams& grams) {
   return result;
 }
 
-// of a finding, per block: what its pattern tells, and how much of that the whole fit leaves
-struct Told {
+// of a finding, per block: information that its pattern gives, and how much of that the whole fit leaves
+struct Information {
   std::vector<double> information, remaining;
   double all = 0.0;
 };
 
-Told told_of(const Session& session, const Selection& selection, const Finding& finding) {
+Information information_of(const Session& session, const Selection& selection, const Finding& finding) {
   const Catalogue& catalogue = session.catalogue();
   const Grams& grams = selection.grams;
   Eigen::VectorXd own = Eigen::VectorXd::Zero(grams.columns + 1), left = own;
@@ -73,35 +73,35 @@ Told told_of(const Session& session, const Selection& selection, const Finding& 
     left[c] = -coefficient;
     if (column.group == finding.group) own[c] = coefficient;
   }
-  Told told;
+  Information known;
   for (const Eigen::MatrixXd& block : grams.block) {
     const Eigen::VectorXd pattern = block * own;
-    told.information.push_back(pattern.dot(own));
-    told.remaining.push_back(pattern.dot(left));
+    known.information.push_back(pattern.dot(own));
+    known.remaining.push_back(pattern.dot(left));
   }
-  told.all = std::accumulate(told.information.begin(), told.information.end(), 0.0);
-  return told;
+  known.all = std::accumulate(known.information.begin(), known.information.end(), 0.0);
+  return known;
 }
 
 // standard error of a finding's size in one part of the blocks, clustered
-double deviation_in(const Grams& grams, const Told& told, const std::vector<int>& part, int p, double share,
+double deviation_in(const Grams& grams, const Information& known, const std::vector<int>& part, int p, double share,
                     double information) {
   std::vector<double> cluster(static_cast<std::size_t>(grams.clusters), 0.0), clustered = cluster;
   for (std::size_t b = 0; b < part.size(); ++b)
     if (part[b] == p) {
-      cluster[static_cast<std::size_t>(grams.cluster[b])] += told.remaining[b] - (share - 1.0) * told.information[b];
-      clustered[static_cast<std::size_t>(grams.cluster[b])] += told.information[b];
+      cluster[static_cast<std::size_t>(grams.cluster[b])] += known.remaining[b] - (share - 1.0) * known.information[b];
+      clustered[static_cast<std::size_t>(grams.cluster[b])] += known.information[b];
     }
   double variance = 0.0, squares = 0.0;
   for (const double c : cluster) variance += c * c;
   for (const double i : clustered) squares += i * i;
-  // what few clusters say has no error that they could tell
-  return information * information > few * squares ? std::sqrt(variance) / information : untold;
+  // what few clusters say has no error that they could show
+  return information * information > few * squares ? std::sqrt(variance) / information : not_known;
 }
 
-// the finding's size where one variable is low, middling and high, each part telling as much
+// the finding's size where one variable is low, middling and high, each part with as much information
 Regimes regimes_along(const std::string& variable, const std::vector<double>& value, const Grams& grams,
-                      const Told& told) {
+                      const Information& known) {
   std::vector<std::size_t> order(grams.block.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return value[a] < value[b]; });
@@ -111,14 +111,14 @@ Regimes regimes_along(const std::string& variable, const std::vector<double>& va
   std::vector<int> part(order.size());
   double before = 0.0;
   for (const std::size_t b : order) {
-    part[b] = std::min(thirds - 1, static_cast<int>(before / told.all * thirds));
-    before += told.information[b];
-    info[static_cast<std::size_t>(part[b])] += told.information[b];
-    score[static_cast<std::size_t>(part[b])] += told.remaining[b];
+    part[b] = std::min(thirds - 1, static_cast<int>(before / known.all * thirds));
+    before += known.information[b];
+    info[static_cast<std::size_t>(part[b])] += known.information[b];
+    score[static_cast<std::size_t>(part[b])] += known.remaining[b];
   }
   for (std::size_t p = 0; p < thirds; ++p) {
     regimes.share.push_back(info[p] > 0.0 ? 1.0 + score[p] / info[p] : 1.0);
-    regimes.deviation.push_back(deviation_in(grams, told, part, static_cast<int>(p), regimes.share[p], info[p]));
+    regimes.deviation.push_back(deviation_in(grams, known, part, static_cast<int>(p), regimes.share[p], info[p]));
   }
   const double mean = std::accumulate(regimes.share.begin(), regimes.share.end(), 0.0) / thirds;
   double between = 0.0, expected = 0.0;
@@ -134,10 +134,10 @@ Regimes regimes_along(const std::string& variable, const std::vector<double>& va
 std::vector<Regimes> regimes_of(const Session& session, const Selection& selection, const Finding& finding,
                                 const Variables& variables) {
   std::vector<Regimes> result;
-  const Told told = told_of(session, selection, finding);
-  if (!(told.all > 0.0)) return result;
+  const Information known = information_of(session, selection, finding);
+  if (!(known.all > 0.0)) return result;
   for (std::size_t v = 0; v < variables.name.size(); ++v)
-    result.push_back(regimes_along(variables.name[v], variables.value[v], selection.grams, told));
+    result.push_back(regimes_along(variables.name[v], variables.value[v], selection.grams, known));
   std::stable_sort(result.begin(), result.end(),
                    [](const Regimes& a, const Regimes& b) { return a.spread > b.spread; });
   return result;
@@ -156,15 +156,15 @@ std::vector<std::vector<Regimes>> regimes(const Session& session, const Selectio
 
 double most_astray(const std::vector<Regimes>& regimes) {
   double most = 0.0;
-  std::size_t told = 0;
+  std::size_t known = 0;
   for (const Regimes& r : regimes) {
-    if (std::find(r.deviation.begin(), r.deviation.end(), untold) != r.deviation.end()) continue;
-    ++told;
+    if (std::find(r.deviation.begin(), r.deviation.end(), not_known) != r.deviation.end()) continue;
+    ++known;
     double expected = 0.0;
     for (const double d : r.deviation) expected += d * d / thirds;
     most = std::max(most, std::sqrt(r.spread * r.spread + 2.0 * expected * std::sqrt(2.0 / (thirds - 1))));
   }
-  return 2 * told > regimes.size() ? most : untold;
+  return 2 * known > regimes.size() ? most : not_known;
 }
 
 }  // namespace gustlab::diagnosis

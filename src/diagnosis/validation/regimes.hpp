@@ -13,7 +13,7 @@ namespace gustlab::diagnosis {
 std::vector<std::vector<Regimes>> regimes(const Session& session, const Selection& selection);
 
 // How much a finding's size may vary between regimes: the largest standard deviation, with two of its errors, of the variables whose
-// regimes are told by more than a few clusters; 1 when those are not most.
+// regimes are known by more than a few clusters; 1 when those are not most.
 double most_astray(const std::vector<Regimes>& regimes);
 
 }  // namespace gustlab::diagnosis

@@ -142,7 +142,7 @@ void ask_whiteness(const Session& session, const NoiseModel& noise, const std::v
 void ask_floor(const Session& session, const NoiseModel& noise, Remainder& result) {
   const auto floor = reference_floor(session.vehicle());
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
-    // half a second ahead tells what lasts: its spectral density against that of a calm room's air
+    // half a second ahead shows what lasts: its spectral density against that of a calm room's air
     const double lasting = std::sqrt(noise.variance[g] * noise.time_s[g] / calm_memory_s) / floor[g],
                  ratio = std::max(noise.rms(g) / floor[g], lasting);
     if (ratio > most_of_floor && !(g < 2 && result.gust_like))

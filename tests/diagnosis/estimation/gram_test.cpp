@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include "gustlab/random.hpp"
@@ -47,6 +48,27 @@ TEST(Gram, SolveIsLeastSquaresOnTheRows) {
   EXPECT_NEAR(fit.loss, (rows.z() - rows.chosen(of) * dense).squaredNorm(), 1e-7);
 }
 
+// against the dense inverse; a ridge is relative to what a column says, so that it costs a weak column no more than a strong one
+TEST(Gram, RidgedSolutionIsThatOfTheDenseMatrix) {
+  const Rows rows;
+  Eigen::MatrixXd A = rows.grams.total().topLeftCorner(columns, columns);
+  A.row(1) *= 1e4;
+  A.col(1) *= 1e4;
+  const Eigen::MatrixXd right = rows.grams.total().rightCols(2).topRows(columns);
+  for (const double ridge : {1e-12, 0.5}) {
+    Eigen::MatrixXd ridged = A;
+    ridged.diagonal() *= 1.0 + ridge;
+    EXPECT_LT((solve_ridged(A, right, ridge) - ridged.inverse() * right).norm(), 1e-9) << ridge;
+  }
+}
+
+// a column that says nothing has no coefficient
+TEST(Gram, RidgedSolutionOfAnEmptyColumnIsZero) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2, 2);
+  A(0, 0) = 4.0;
+  EXPECT_TRUE(solve_ridged(A, Eigen::Vector2d(2.0, 0.0), 1e-10).isApprox(Eigen::Vector2d(0.5, 0.0), 1e-9));
+}
+
 TEST(Gram, ProjectedColumnsAreWhatTheOthersCannotSay) {
   const Rows rows;
   const std::vector<int> out = {0, 2};
@@ -62,6 +84,9 @@ TEST(Gram, ShiftedRowsCountCoefficientsFromElsewhere) {
   const Eigen::VectorXd before = solve(rows.grams.total(), of).coefficient;
   rows.grams.shift(from);
   EXPECT_LT((solve(rows.grams.total(), of).coefficient - before - from).norm(), 1e-6);
+  Eigen::MatrixXd moved = rows.all;
+  moved.col(columns) += rows.all.leftCols(columns) * from;
+  EXPECT_LT((rows.grams.total() - moved.transpose() * moved).norm(), 1e-9);
 }
 
 // (XᵀX)⁻¹ Σ_clusters (Xᵀe)(Xᵀe)ᵀ (XᵀX)⁻¹, up to the correction for few clusters
@@ -83,6 +108,34 @@ TEST(Gram, ClusteredCovarianceIsTheSandwichOfTheRows) {
   EXPECT_LT((found - correction * dense).norm(), 1e-6 * found.norm());
   EXPECT_GE(correction, 1.0 - 1e-6);
   EXPECT_LE(correction, 2.0);
+}
+
+// three seconds of rows, one every tenth of a second, the first still cold; two flights one after the other
+TEST(Gram, BlocksAreHalfSecondsAndTwoOfThemAreACluster) {
+  const Rows rows;
+  const std::vector<int> of = {1, 3};
+  const std::vector<int> with_z = {1, 3, columns};
+  Whitened whitened;
+  whitened.rows = rows.all(Eigen::seqN(0, 30), with_z);
+  for (int k = 0; k < 30; ++k) {
+    whitened.time_s.push_back(7.0 + 0.1 * k + (k > 0 ? 0.02 : 0.0));
+    whitened.channel.push_back(k % 3);
+    whitened.warm.push_back(k > 0);
+  }
+  Grams grams;
+  accumulate(whitened, of, 0, columns, grams);
+  accumulate(whitened, of, 1, columns, grams);
+  EXPECT_EQ(grams.rows, 58.0);
+  EXPECT_EQ(grams.flight, (std::vector<int>{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(grams.cluster, (std::vector<int>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5}));
+  EXPECT_EQ(grams.clusters, 6);
+  for (int b = 0; b < 6; ++b) {
+    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(5, columns + 1);
+    block(Eigen::all, with_z) = rows.all(Eigen::seqN(5 * b, 5), with_z);
+    if (b == 0) block.row(0).setZero();
+    EXPECT_LT((grams.block[static_cast<std::size_t>(b)] - block.transpose() * block).norm(), 1e-9) << b;
+    EXPECT_NEAR(grams.time_s[static_cast<std::size_t>(b)], 7.0 + 0.5 * b, 0.03) << b;
+  }
 }
 
 TEST(Gram, LossesOfBlocksAreThoseOfTheirRows) {

@@ -21,7 +21,9 @@ VehicleModel vehicle() {
   return model;
 }
 
-Catalogue catalogue() { return {vehicle(), 1, {.told = Need::attitude | Need::motion | Need::torque, .trims = true}}; }
+Catalogue catalogue() {
+  return {vehicle(), 1, {.observable = Need::attitude | Need::motion | Need::torque, .trims = true}};
+}
 
 // hover commands, and a climb ever faster
 FlightData climb() {

@@ -31,7 +31,7 @@ TEST(Judge, NamesWhatEverythingSpeaksFor) { EXPECT_GT(probability(strong()), nam
 
 TEST(Judge, RejectsAnEmptyRecord) { EXPECT_LT(probability(Evidence{}), suspected_from); }
 
-TEST(Judge, NothingThatSpeaksAgainstRaisesTheProbability) {
+TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
   const std::vector<std::function<void(Evidence&)>> worse = {
       [](Evidence& e) { e.gain = 30.0; },
       [](Evidence& e) { e.gain_with_partner = 30.0; },
@@ -61,8 +61,19 @@ TEST(Judge, NothingThatSpeaksAgainstRaisesTheProbability) {
   for (std::size_t i = 0; i < worse.size(); ++i) {
     Evidence e = strong();
     worse[i](e);
-    EXPECT_LE(probability(e), probability(strong())) << "change " << i;
+    EXPECT_LT(probability(e), probability(strong())) << "change " << i;
   }
+}
+
+// held-out flights that hardly excite an effect do not refute it
+TEST(Judge, HeldOutFlightsSpeakOnlyOfWhatTheyExcite) {
+  const auto with = [](double expected, double gain) {
+    Evidence e = strong();
+    e.held_out_expected = expected, e.held_out_gain = gain;
+    return probability(e);
+  };
+  EXPECT_EQ(with(9.0, -9.0), with(9.0, 9.0));
+  EXPECT_LT(with(11.0, -11.0), with(11.0, 11.0));
 }
 
 TEST(Judge, NumbersThatCannotBeSaidDoNotDecide) {

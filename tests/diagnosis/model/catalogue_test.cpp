@@ -26,7 +26,7 @@ std::vector<std::string> columns(const Catalogue& of, std::string_view label) {
 }
 
 TEST(Catalogue, AnAccelerometerThatIsNotUsedIsNotCalledMissing) {
-  Catalogue::Seen seen{.told = Need::attitude | Need::motion};
+  Catalogue::Seen seen{.observable = Need::attitude | Need::motion};
   const EffectRow& lever =
       first_effect([](const EffectRow& row) { return row.diagnosable && row.asks(Need::accelerometer); });
   EXPECT_EQ(catalogue(seen).why_left_out(lever)->lack, Lack::accelerometer);
@@ -35,20 +35,21 @@ TEST(Catalogue, AnAccelerometerThatIsNotUsedIsNotCalledMissing) {
 }
 
 TEST(Catalogue, BatteryIsDescribedByItsVoltageWhereThatIsSeen) {
-  EXPECT_THAT(columns(catalogue({.told = pose, .voltage = true}), "battery_sag"), ElementsAre("exponent"));
-  EXPECT_THAT(columns(catalogue({.told = pose}), "battery_sag"), ElementsAre("rate"));
+  EXPECT_THAT(columns(catalogue({.observable = pose, .voltage = true}), "battery_sag"), ElementsAre("exponent"));
+  EXPECT_THAT(columns(catalogue({.observable = pose}), "battery_sag"), ElementsAre("rate"));
 }
 
 TEST(Catalogue, LagHasTwoTimeConstantsWhereTheMotionTellsThemApart) {
-  EXPECT_THAT(columns(catalogue({.told = pose}), "motor_lag"), ElementsAre("time_constant", "time_constant_down"));
+  EXPECT_THAT(columns(catalogue({.observable = pose}), "motor_lag"),
+              ElementsAre("time_constant", "time_constant_down"));
   VehicleModel vehicle = read_vehicle("crazyflie");
   vehicle.effects.clear();
-  const Catalogue slow(vehicle, 1, {.told = Need::attitude | Need::torque});
+  const Catalogue slow(vehicle, 1, {.observable = Need::attitude | Need::torque});
   EXPECT_THAT(columns(slow, "motor_lag"), ElementsAre("time_constant"));
 }
 
 TEST(Catalogue, HistoriesHaveOneColumnAndTheirScanTheRest) {
-  const Catalogue all = catalogue({.told = pose});
+  const Catalogue all = catalogue({.observable = pose});
   EXPECT_THAT(columns(all, "slung_load"), ElementsAre("mass"));
   EXPECT_THAT(columns(all, "saturation"), ElementsAre("max_speed"));
   EXPECT_EQ(all.find(ColumnFrom::swing), all.find("slung_load"));
@@ -61,7 +62,7 @@ TEST(Catalogue, HistoriesHaveOneColumnAndTheirScanTheRest) {
 }
 
 TEST(Catalogue, EveryRotorAndEveryFlightHasItsOwn) {
-  const Catalogue all = catalogue({.told = pose}, 3);
+  const Catalogue all = catalogue({.observable = pose}, 3);
   EXPECT_GE(all.find("rotor_loss#4"), 0);
   EXPECT_EQ(all.find("rotor_loss"), -1);
   EXPECT_EQ(columns(all, "steady_wind").size(), 9u);
@@ -72,8 +73,8 @@ TEST(Catalogue, SaysWhyAnEffectIsLeftOut) {
   const auto why = [](const Catalogue& of, std::string_view name) {
     return of.why_left_out(*find_effect(name)).value_or(NotIdentifiable{}).why;
   };
-  const Catalogue all = catalogue({.told = pose}), filtered = catalogue({.told = pose, .trims = true}),
-                  forces = catalogue({.told = Need::attitude | Need::accelerometer});
+  const Catalogue all = catalogue({.observable = pose}), filtered = catalogue({.observable = pose, .trims = true}),
+                  forces = catalogue({.observable = Need::attitude | Need::accelerometer});
   EXPECT_THAT(why(all, "mass"), IsEmpty());
   EXPECT_THAT(why(all, "steady_wind"), IsEmpty());
   EXPECT_THAT(why(all, "imu_lever"), HasSubstr("no accelerometer"));
@@ -89,7 +90,7 @@ TEST(Catalogue, SaysWhyAnEffectIsLeftOut) {
 }
 
 TEST(Catalogue, FindsLatencyAndAirByWhatTheyDo) {
-  const Catalogue all = catalogue({.told = pose});
+  const Catalogue all = catalogue({.observable = pose});
   EXPECT_EQ(all.find(Place::actuation, Latency::lag), all.find("motor_lag"));
   EXPECT_EQ(all.find(Place::actuation, Latency::delay), all.find("actuation_delay"));
   EXPECT_EQ(all.find(Place::measurement, Latency::delay), all.find("pose_delay"));
@@ -98,7 +99,7 @@ TEST(Catalogue, FindsLatencyAndAirByWhatTheyDo) {
 }
 
 TEST(Catalogue, OfAnExactAliasOneIsFree) {
-  const Catalogue all = catalogue({.told = pose});
+  const Catalogue all = catalogue({.observable = pose});
   const int inertia = all.find("inertia"), ratio = all.find("yaw_torque_ratio"), drag = all.find("rotor_drag");
   EXPECT_EQ(own_columns(all, {inertia}, inertia).size(), 3u);
   EXPECT_EQ(own_columns(all, {inertia, ratio}, inertia).size(), 2u);
@@ -106,7 +107,7 @@ TEST(Catalogue, OfAnExactAliasOneIsFree) {
 }
 
 TEST(Catalogue, CorrectsTheSensorsOfAFlight) {
-  const Catalogue all = catalogue({.told = pose});
+  const Catalogue all = catalogue({.observable = pose});
   Eigen::VectorXd value = all.nominal();
   const auto set = [&](std::string_view label, std::size_t i, double to) {
     value[all.groups()[static_cast<std::size_t>(all.find(label))].columns[i]] = to;

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <random>
 
@@ -64,6 +65,17 @@ TEST(CommandInnovationOf, RemembersWhatItWas) {
   for (std::size_t k = 1; k < innovation.size(); ++k) together += innovation[k][4] * innovation[k - 1][0];
   EXPECT_GT(together, 0.0);
   EXPECT_LT(rms(innovation, 4), rms(innovation, 0));
+  // m⁺ = a m + b i, with a + b = 1: a mean is remembered as it is
+  Eigen::Matrix2d A;
+  Eigen::Vector2d next;
+  for (int i = 0; i < 2; ++i) {
+    const std::size_t k = 500 + static_cast<std::size_t>(i);
+    A.row(i) << innovation[k][4], innovation[k][0];
+    next[i] = innovation[k + 1][4];
+  }
+  const Eigen::Vector2d weight = A.inverse() * next;
+  EXPECT_NEAR(weight.sum(), 1.0, 1e-6);
+  EXPECT_GT(weight[0], 0.5);
   // roll alone was not predicted
   EXPECT_LT(rms(innovation, 1), 0.01 * rms(innovation, 0));
 }
@@ -128,6 +140,19 @@ TEST(CommandInnovationOf, IsNotMadeByColumnsThatAreSlower) {
     }
   const std::vector<CommandInnovation> a = command_innovation(whole), b = command_innovation(slow);
   for (std::size_t k = 0; k < a.size(); ++k) ASSERT_NEAR(a[k][0], b[k][0], 1e-9) << k;
+}
+
+// what was logged before a gap predicts nothing behind it
+TEST(CommandInnovationOf, BeginsAnewAfterAGap) {
+  FlightData flight = flown(false);
+  const std::vector<CommandInnovation> whole = command_innovation(flight);
+  flight.samples[1500].starts_segment = true;
+  const std::vector<CommandInnovation> parted = command_innovation(flight);
+  EXPECT_NE(whole[1500][0], 0.0);
+  EXPECT_NE(whole[1500][4], 0.0);
+  EXPECT_EQ(parted[1500], CommandInnovation::Zero());
+  EXPECT_NE(parted[1499][0], 0.0);
+  EXPECT_NE(parted[1600][0], 0.0);
 }
 
 TEST(CommandInnovationOf, IsNotKnownWithoutTorques) {

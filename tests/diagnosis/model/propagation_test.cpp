@@ -112,7 +112,7 @@ FlightData stepped(double from_radps, double to_radps) {
 }
 
 ForceModel forces_of(const FlightData& flight) {
-  const Catalogue catalogue(flight.vehicle, 1, {.told = Need::attitude | Need::motion | Need::torque});
+  const Catalogue catalogue(flight.vehicle, 1, {.observable = Need::attitude | Need::motion | Need::torque});
   return force_model(flight, catalogue, catalogue.nominal(), 0, -1);
 }
 

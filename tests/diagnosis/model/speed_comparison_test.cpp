@@ -23,14 +23,17 @@ class SpeedComparison : public ::testing::Test {
     for (int c = 0; c < catalogue.size(); ++c) linear.columns.push_back(c);
   }
   RotorArray speeds(double t) const { return test::all_at((t < step_at_s - 1e-9 ? 1.0 : 1.1) * hover); }
-  void compare() { compare_speeds(flight, 0, catalogue, catalogue.nominal(), linear); }
+  void compare() {
+    flight.measured_at_sample = measured_beside_commands(flight);
+    compare_speeds(flight, 0, catalogue, catalogue.nominal(), linear);
+  }
   int lag_column() const {
     return catalogue.groups()[static_cast<std::size_t>(catalogue.find("motor_lag"))].columns[0];
   }
 
   const VehicleModel vehicle = test::crazyflie();
   const double hover = vehicle.hover_speed_radps();
-  const Catalogue catalogue{vehicle, 1, {.told = Need::attitude | Need::motion | Need::torque}};
+  const Catalogue catalogue{vehicle, 1, {.observable = Need::attitude | Need::motion | Need::torque}};
   FlightData flight;
   LinearFlight linear;
 };

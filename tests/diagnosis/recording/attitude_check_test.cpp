@@ -66,9 +66,19 @@ TEST(AttitudeCheck, AnotherOrderOfTheQuaternionIsNamed) {
   EXPECT_THAT(found[0].says, HasSubstr("were world-to-body: set aside"));
 }
 
+// heading the other way, the inverse of an attitude leans nearly as the attitude does: what is left over tells them apart
+TEST(AttitudeCheck, AReadingThatIsNearlyRightIsLeft) {
+  const auto turned_by = [](double yaw_rad) {
+    return check_attitude(hover(0.02, 0.0, yaw_rad, Written::world_to_body), test::crazyflie());
+  };
+  EXPECT_TRUE(turned_by(pi - 0.5).empty());
+  EXPECT_FALSE(turned_by(pi - 0.9).empty());
+}
+
 TEST(AttitudeCheck, WhereNothingMovesNothingIsSaid) {
   for (const Written written : {Written::right, Written::scalar_last, Written::world_to_body})
-    EXPECT_TRUE(check_attitude(hover(0.001, 0.0, 0.0, written), test::crazyflie()).empty());
+    for (const double lean_rad : {0.001, 0.003})
+      EXPECT_TRUE(check_attitude(hover(lean_rad, 0.0, 0.0, written), test::crazyflie()).empty());
   FlightLog blind = hover(0.02, 0.05, 0.0, Written::scalar_last);
   blind.columns.erase(blind.columns.begin());
   EXPECT_TRUE(check_attitude(blind, test::crazyflie()).empty());

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -57,6 +58,37 @@ TEST(CommandJitter, IsThatOfTheCommandsWhateverElseIsLoggedFaster) {
       for (int k = 0; k < 5; ++k) flight.samples.push_back({.time_s = sample.time_s + 0.002 * k});
     EXPECT_NEAR(command_jitter_share(flight), slow, 0.02);
   }
+}
+
+// one axis that jitters is enough, whichever it is
+TEST(CommandJitter, IsThatOfTheAxisThatJittersMore) {
+  for (const int axis : {0, 1}) {
+    FlightData flight = commanded(50.0, 0.0);
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    std::vector<RotorArray> speed = flight.commands.speed_radps();
+    for (RotorArray& row : speed) {
+      const double jitter_radps = 200.0 * normal(random);
+      // a moment about x comes from levers along y
+      for (std::size_t i = 0; i < 4; ++i)
+        row[i] += std::copysign(jitter_radps, flight.vehicle.rotors[i].position_B_m[1 - axis]);
+    }
+    flight.commands = CommandRecord(flight.commands.time_s(), speed, false);
+    EXPECT_GT(command_jitter_share(flight), 0.7) << axis;
+  }
+}
+
+// before take-off and after landing commands may jitter
+TEST(CommandJitter, OutsideOfTheFlightDoesNotCount) {
+  FlightData flight = commanded(50.0, 0.0);
+  std::vector<RotorArray> speed = flight.commands.speed_radps();
+  const std::vector<RotorArray> jittering = commanded(50.0, 200.0).commands.speed_radps();
+  std::copy(jittering.begin(), jittering.begin() + 800, speed.begin());
+  std::copy(jittering.begin() + 1200, jittering.end(), speed.begin() + 1200);
+  flight.commands = CommandRecord(flight.commands.time_s(), speed, false);
+  flight.samples = {flight.samples.begin() + 800, flight.samples.begin() + 1200};
+  flight.start_s = flight.samples.front().time_s;
+  EXPECT_LT(command_jitter_share(flight), 0.01);
 }
 
 TEST(CommandJitter, OfTheTorquesLeavesTheThrust) {

@@ -34,6 +34,12 @@ TEST(FindingLines, CountFlightsAndRangeNumbers) {
                           "delay: 2 of 8 flights: wx…az the gyro is -20…5 to 60…150 ms later"));
 }
 
+// flights that were set aside are not counted by the caller
+TEST(FindingLines, NeverSayMoreFlightsThanThereAre) {
+  EXPECT_THAT(lines({finding("a.csv", "*", "unit", "in g"), finding("b.csv", "*", "unit", "in g")}, 1),
+              ElementsAre("unit: 2 of 2 flights: in g"));
+}
+
 TEST(FindingLines, OfNothingAreNone) { EXPECT_THAT(lines({}, 3), IsEmpty()); }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "diagnosis/recording/recorded_motion.hpp"
 #include "gustlab/random.hpp"
+#include "util/rotations.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
@@ -105,6 +106,32 @@ TEST(FlightData, AGyroscopesFaultsAreTakenOutAsOfTheSamples) {
     EXPECT_EQ(a.attitude_WB.coeffs(), b.attitude_WB.coeffs());
   }
   EXPECT_GT((recorded.motion[100].body_rate_B_radps - of_smoothed.motion[100].body_rate_B_radps).norm(), 0.1);
+}
+
+// GIVEN a wobbling spin without its gyroscope, or without its attitude WHEN smoothed THEN the missing one follows from the other
+TEST(FlightData, RateAndAttitudeStandInForEachOther) {
+  FlightLog log = spin();
+  for (std::size_t k = 0; k < log.time_s.size(); ++k) log.columns[4].values[k] += 0.1 * std::sin(7.0 * log.time_s[k]);
+  const auto without = [&](std::size_t from, std::size_t to) {
+    FlightLog rest = log;
+    rest.columns.erase(rest.columns.begin() + static_cast<std::ptrdiff_t>(from),
+                       rest.columns.begin() + static_cast<std::ptrdiff_t>(to));
+    return prepare_flight(rest, read_vehicle("crazyflie", ""), {});
+  };
+  const FlightData whole = without(0, 0), no_gyro = without(4, 7), no_attitude = without(0, 4);
+  for (std::size_t k = 1; k + 1 < whole.samples.size(); ++k)
+    EXPECT_EQ(whole.motion[k].angular_acceleration_B_radps2, whole.gyro[k].acceleration_B_radps2) << k;
+  for (std::size_t k = 1; k + 1 < no_gyro.samples.size(); ++k) {
+    const Vector3 change = no_gyro.motion[k + 1].body_rate_B_radps - no_gyro.motion[k - 1].body_rate_B_radps;
+    const double while_s = no_gyro.samples[k + 1].time_s - no_gyro.samples[k - 1].time_s;
+    EXPECT_EQ(no_gyro.motion[k].angular_acceleration_B_radps2, change / while_s) << k;
+  }
+  for (std::size_t k = 1; k < no_attitude.samples.size(); ++k) {
+    const Motion &before = no_attitude.motion[k - 1], &now = no_attitude.motion[k];
+    const double step = no_attitude.samples[k].time_s - no_attitude.samples[k - 1].time_s;
+    EXPECT_LT((turn_between(before.attitude_WB, now.attitude_WB) - step * before.body_rate_B_radps).norm(), 1e-9) << k;
+    EXPECT_NE(now.angular_acceleration_B_radps2, Vector3::Zero()) << k;
+  }
 }
 
 // An attitude that is turned alone is smoothed alone: with what was smoothed before it is the motion that all together give.

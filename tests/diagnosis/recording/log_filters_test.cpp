@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
 namespace gustlab::diagnosis {
@@ -49,6 +50,27 @@ TEST(LogFilters, AFilteredLogIsTold) {
 TEST(LogFilters, RoundingAfterTheFilterDoesNotHideIt) {
   EXPECT_TRUE(motion_filtered(recorded(400.0, 0.02, 1e-5)));
   EXPECT_FALSE(motion_filtered(recorded(400.0, 0.0, 1e-5)));
+}
+
+// every column counts: one sensor whose noise was left is no filtered log
+TEST(LogFilters, OneRoughColumnIsEnough) {
+  FlightLog log = recorded(100.0, 0.02);
+  log.columns.front() = recorded(100.0, 0.0).columns.front();
+  EXPECT_FALSE(motion_filtered(log));
+}
+
+TEST(LogFilters, CommandsAreJudgedByThemselves) {
+  const auto with_commands = [](double motion_s, double commands_s) {
+    FlightLog log = recorded(100.0, motion_s);
+    const FlightLog other = recorded(100.0, commands_s);
+    for (std::size_t i = 0; i < 4; ++i) log.columns.push_back({"u" + std::to_string(i + 1), other.columns[i].values});
+    return log;
+  };
+  for (const double motion_s : {0.0, 0.02}) {
+    EXPECT_TRUE(commands_filtered(with_commands(motion_s, 0.02))) << motion_s;
+    EXPECT_FALSE(commands_filtered(with_commands(motion_s, 0.0))) << motion_s;
+  }
+  EXPECT_FALSE(commands_filtered(recorded(100.0, 0.02)));
 }
 
 }  // namespace

@@ -80,6 +80,17 @@ TEST_F(Sensors, LateAccelerometerIsMeasured) {
   EXPECT_NEAR(force_latency_s(flights_of(trial), 0.0), latency_s, 0.0006);
 }
 
+// a scale of the accelerometer is another effect
+TEST_F(Sensors, ScaledAccelerometerIsNoLateOne) {
+  const DiagnoseOptions trial = fly({"pose", "gyroscope", "accelerometer"}, 0.05);
+  test::change(trial, test::begins('a'), [](const FlightLog&, std::vector<double>& values) {
+    for (double& value : values) value *= 1.1;
+  });
+  EXPECT_NEAR(force_latency_s(flights_of(trial), 0.0), 0.0, 0.0003);
+  test::delay(trial, 'a', latency_s);
+  EXPECT_NEAR(force_latency_s(flights_of(trial), 0.0), latency_s, 0.0006);
+}
+
 // where nothing moves, nothing tells
 TEST_F(Sensors, LateAccelerometerIsGuessedFromTheGyro) {
   const DiagnoseOptions trial = test::fly_trial(

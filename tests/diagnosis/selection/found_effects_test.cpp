@@ -22,7 +22,7 @@ class FoundEffects : public ::testing::Test {
   }
   void found(const std::string& label) { selection.findings.emplace_back().group = catalogue.find(label); }
 
-  Catalogue catalogue{test::crazyflie(), 2, {.told = Need::attitude | Need::motion | Need::torque}};
+  Catalogue catalogue{test::crazyflie(), 2, {.observable = Need::attitude | Need::motion | Need::torque}};
   Selection selection;
 };
 

@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 class WindStart : public ::testing::Test {
  protected:
   const Catalogue catalogue{
-      test::crazyflie(), 2, {.told = Need::attitude | Need::motion | Need::torque | Need::accelerometer}};
+      test::crazyflie(), 2, {.observable = Need::attitude | Need::motion | Need::torque | Need::accelerometer}};
   const int force = catalogue.find("constant_force"), wind = catalogue.find("steady_wind"),
             linear = catalogue.find("rotor_drag"), quadratic = catalogue.find("quadratic_drag");
   const std::vector<int>& columns(int group) const {

@@ -75,6 +75,17 @@ TEST(GustParts, ALineOfTheFlownFigureIsTold) {
   EXPECT_TRUE(gust_parts(swaying, disturbed(swaying, 0.5, 0.2, 0.8, 0.3)).line_of_motion);
 }
 
+// A figure that both flights repeat: its third harmonic is its own, its seventh, or a line between two, is not.
+TEST(GustParts, ALineAtALowHarmonicOfTheFlownFigureIsTheFigures) {
+  const auto of_motion = [](double figure_radps) {
+    const Session flying = hover(figure_radps);
+    return gust_parts(flying, disturbed(flying, 0.5, 0.2, 0.8, 0.3)).line_of_motion;
+  };
+  EXPECT_TRUE(of_motion(6.3 / 3.0));
+  EXPECT_FALSE(of_motion(6.3 / 7.0));
+  EXPECT_FALSE(of_motion(6.3 / 4.5));
+}
+
 // Variance of the mean of such a process over a flight: 2 σ² τ/T for τ much shorter than T. Four standard deviations are no such mean.
 TEST(MeansOfGust, AreForcesThatAGustLeavesAndNotLargerOnes) {
   const Session session = hover();
@@ -92,6 +103,14 @@ TEST(MeansOfGust, AreForcesThatAGustLeavesAndNotLargerOnes) {
       selection.value[c] = times * sd_N;
     EXPECT_EQ(means_of_gust(session, selection, gust), times < 2.0 ? std::vector<int>{force} : std::vector<int>{});
   }
+  // a gust that hardly blows up and down leaves no such force along z
+  gust.vertical_mps2 = 0.05;
+  selection.value = session.catalogue().nominal();
+  for (const int c : session.catalogue().groups()[static_cast<std::size_t>(force)].columns)
+    selection.value[c] = session.catalogue().columns()[static_cast<std::size_t>(c)].parameter < 2 ? sd_N : 0.1 * sd_N;
+  EXPECT_EQ(means_of_gust(session, selection, gust), std::vector<int>{force});
+  for (const int c : session.catalogue().groups()[static_cast<std::size_t>(force)].columns) selection.value[c] = sd_N;
+  EXPECT_EQ(means_of_gust(session, selection, gust), std::vector<int>{});
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace gustlab::diagnosis {
 namespace {
 
 Catalogue catalogue(int flights) {
-  return {test::crazyflie(), flights, {.told = Need::attitude | Need::motion | Need::torque}};
+  return {test::crazyflie(), flights, {.observable = Need::attitude | Need::motion | Need::torque}};
 }
 
 const Column& column(const Catalogue& of, int c) { return of.columns()[static_cast<std::size_t>(c)]; }

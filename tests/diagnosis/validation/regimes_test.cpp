@@ -78,6 +78,15 @@ TEST_F(RegimesOf, OfAnEvenEffectSpreadNowhere) {
   EXPECT_LT(most_astray(all), 0.05);
 }
 
+// variables of which few clusters say anything do not count, and where most are such nothing is known
+TEST(MostAstray, IsUnknownWhereMostRegimesAre) {
+  const Regimes even{"height", {1.0, 1.0, 1.0}, {0.05, 0.05, 0.05}, 0.0, 0.0},
+      unknown{"speed", {1.0, 1.0, 1.0}, {0.05, 1.0, 0.05}, 0.8, 0.0};
+  EXPECT_LT(most_astray({even, even, unknown}), 0.1);
+  EXPECT_EQ(most_astray({even, unknown}), 1.0);
+  EXPECT_EQ(most_astray({even, unknown, unknown}), 1.0);
+}
+
 // χ² of `size` unknowns has that mean and twice that variance; a thousandth of the rows is nothing to speak of
 TEST(BeyondChance, IsFarMoreThanTheMeanOfChiSquared) {
   EXPECT_FALSE(beyond_chance(12.0, 12, 0.0));

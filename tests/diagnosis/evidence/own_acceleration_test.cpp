@@ -1,4 +1,4 @@
-// What a force of every flight's own pushes, against the force over the mass.
+// The acceleration by a force of every flight's own, against the force over the mass.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace gustlab::diagnosis {
 namespace {
 
-TEST(Push, OfAForcePerFlightIsItsRootMeanSquareOverBothFlights) {
+TEST(OwnAcceleration, OfAForcePerFlightIsItsRootMeanSquareOverBothFlights) {
   const VehicleModel vehicle = test::crazyflie();
   const auto hover = [&](double) {
     RotorArray speeds{};
@@ -32,7 +32,7 @@ TEST(Push, OfAForcePerFlightIsItsRootMeanSquareOverBothFlights) {
     if (column.name == "z") selection.value[c] = column.flight == 0 ? 0.0 : -0.02;
   }
   const double expected_mps2 = std::hypot(0.01, 0.02) / std::sqrt(2.0) / vehicle.mass_kg;
-  EXPECT_NEAR(push_mps2(session, selection, finding), expected_mps2, 1e-6 * expected_mps2);
+  EXPECT_NEAR(own_acceleration_mps2(session, selection, finding), expected_mps2, 1e-6 * expected_mps2);
 }
 
 }  // namespace
