@@ -11,9 +11,6 @@ namespace {
 constexpr double averaged_s = 2.0;
 constexpr double least_sd_radps2 = 0.05;
 
-// of the axes that are alike
-std::size_t group_of(int axis) { return axis < 2 ? 0 : 1; }
-
 using Pushed = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 // What scales all rotors scales their means as well, and a mean that answers a shifted centre of mass would be taken for a wrong scale:
@@ -21,15 +18,14 @@ using Pushed = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 void keep_what_shifts(const std::vector<int>& columns, const Catalogue& catalogue, std::vector<Pushed>& by) {
   for (std::size_t j = 0; j < columns.size(); ++j) {
     const int g = catalogue.columns()[static_cast<std::size_t>(columns[j])].group;
-    const InHover shown = g < 0 ? InHover::nothing : catalogue.groups()[static_cast<std::size_t>(g)].row->in_hover;
-    if (shown == InHover::center || shown == InHover::rotor) continue;
+    if (g >= 0 && shifts_torques(*catalogue.groups()[static_cast<std::size_t>(g)].row)) continue;
     for (Pushed& of_window : by) of_window.col(static_cast<Eigen::Index>(j)).setZero();
   }
 }
 
 // Between samples the loop answers how the body turns: what goes with its rate is projected out, axis by axis.
 void take_damping_out(const std::vector<Vector3>& rates, LinearFlight& flight) {
-  for (int axis = 0; axis < 3; ++axis) {
+  for (int axis = 0; axis < 2; ++axis) {
     double squares = 1e-12;
     for (const Vector3& rate : rates) squares += rate[axis] * rate[axis];
     double along = 0.0;
@@ -75,15 +71,16 @@ void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, c
   take_damping_out(rates, flight);
 }
 
-Whitened whiten_mean_torques(const LinearFlight& flight, const MeanTorqueNoise& noise) {
+Whitened whiten_mean_torques(const LinearFlight& flight, double variance) {
   Whitened out;
-  if (flight.turning.empty() || noise.front() <= 0.0) return out;
+  if (flight.turning.empty() || variance <= 0.0) return out;
   const auto own = static_cast<Eigen::Index>(flight.columns.size());
-  out.rows.resize(3 * std::ssize(flight.turning), own + 1);
+  const double sd = std::sqrt(variance);
+  out.rows.resize(2 * std::ssize(flight.turning), own + 1);
   Eigen::Index row = 0;
   for (std::size_t w = 0; w < flight.turning.size(); ++w)
-    for (int axis = 0; axis < 3; ++axis, ++row) {
-      const double variance = noise[group_of(axis)], sd = std::sqrt(variance), z = flight.turning[w][axis] / sd;
+    for (int axis = 0; axis < 2; ++axis, ++row) {
+      const double z = flight.turning[w][axis] / sd;
       if (own > 0) out.rows.row(row).head(own) = flight.turning_by[w].row(axis) / sd;
       out.rows(row, own) = z;
       out.minus_two_log_likelihood += std::log(variance) + z * z;
@@ -94,22 +91,16 @@ Whitened whiten_mean_torques(const LinearFlight& flight, const MeanTorqueNoise& 
   return out;
 }
 
-MeanTorqueNoise mean_torque_noise(const std::vector<LinearFlight>& rest) {
-  MeanTorqueNoise squares{}, differences{}, count{}, pairs{};
+double mean_torque_variance(const std::vector<LinearFlight>& rest) {
+  double squares = 0.0, differences = 0.0, count = 0.0, pairs = 0.0;
   for (const LinearFlight& flight : rest)
-    for (std::size_t w = 0; w < flight.turning.size(); ++w)
-      for (int axis = 0; axis < 3; ++axis) {
-        const std::size_t g = group_of(axis);
-        const double now = flight.turning[w][axis];
-        squares[g] += now * now, count[g] += 1.0;
-        if (w > 0) differences[g] += 0.5 * std::pow(now - flight.turning[w - 1][axis], 2), pairs[g] += 1.0;
-      }
-  MeanTorqueNoise noise{};
-  for (std::size_t g = 0; g < noise.size(); ++g)
-    if (count[g] > 0.0)
-      noise[g] = std::max(
-          {squares[g] / count[g], differences[g] / std::max(1.0, pairs[g]), least_sd_radps2 * least_sd_radps2});
-  return noise;
+    for (std::size_t w = 0; w < flight.turning.size(); ++w) {
+      squares += flight.turning[w].head<2>().squaredNorm(), count += 2.0;
+      if (w == 0) continue;
+      differences += 0.5 * (flight.turning[w] - flight.turning[w - 1]).head<2>().squaredNorm(), pairs += 2.0;
+    }
+  if (count == 0.0) return 0.0;
+  return std::max({squares / count, differences / std::max(1.0, pairs), least_sd_radps2 * least_sd_radps2});
 }
 
 }  // namespace gustlab::diagnosis

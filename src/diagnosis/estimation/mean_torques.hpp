@@ -15,10 +15,11 @@ namespace gustlab::diagnosis {
 // `turning_by` of the flight whose total thrust alone is known.
 void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, const Catalogue& catalogue,
                      LinearFlight& flight);
-// Whitened rows, roll, pitch and yaw of every window, y last. None where nothing is observed or the noise is not known.
-Whitened whiten_mean_torques(const LinearFlight& flight, const MeanTorqueNoise& noise);
-// The noise of such means in flights without columns: by their mean square, or by how much neighbours differ, whatever is more. What no
-// effect explains is noise, and a fit of few windows makes it no less.
-MeanTorqueNoise mean_torque_noise(const std::vector<LinearFlight>& rest);
+// Whitened rows, roll and pitch of every window, y last. None where nothing is observed or the variance [(rad/s²)²] is not known (0). In yaw
+// a rotor that is not quite upright turns the vehicle as much as a fault does.
+Whitened whiten_mean_torques(const LinearFlight& flight, double variance);
+// The variance of such means in flights without columns, (rad/s²)²: their mean square, or by how much neighbours differ, whatever is more.
+// What no effect explains is noise, and a fit of few windows makes it no less. 0 where there are none.
+double mean_torque_variance(const std::vector<LinearFlight>& rest);
 
 }  // namespace gustlab::diagnosis

@@ -23,9 +23,6 @@ struct SpeedNoise {
   double white = 0.0;                   // variance, (rad/s)²; 0: nothing is known yet
 };
 
-// Of mean angular accelerations over a window (mean_torques.hpp): variance of roll and pitch, and of yaw, (rad/s²)²; 0: not known yet.
-using MeanTorqueNoise = std::array<double, 2>;
-
 // What nothing explains, in each group a slow Ornstein–Uhlenbeck process (air) beside white acceleration (rotors, commands between
 // samples), and the noise of the sensors; itself a result ("unexplained disturbance 0.06 m/s², 0.15 s").
 struct NoiseModel {
@@ -37,7 +34,7 @@ struct NoiseModel {
   std::array<double, noise_groups> lasting_variance{}, lasting_time_s{};
   bool errors_last() const { return lasting_time_s[0] > 0.0; }
   SpeedNoise speeds;
-  MeanTorqueNoise mean_torque{};
+  double mean_torque = 0.0;  // variance of mean angular accelerations (mean_torques.hpp), (rad/s²)²; 0: not known yet
   // A simulator is not believed more than this: integrators and build differ, even where the air is still.
   std::array<double, disturbance_groups> least_white{};
   bool possible() const;  // no slower than the slowest disturbance, no less white than the least

@@ -322,7 +322,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
       smoothed[f] = smooth(rest[f], noise);
     });
     if (anew) noise.speeds = likeliest(flights_, rest, noise.speeds);
-    if (anew) noise.mean_torque = mean_torque_noise(rest);
+    if (anew) noise.mean_torque = mean_torque_variance(rest);
     before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
     if (largest_change(before.back(), noise) < least_change) return;
@@ -491,7 +491,7 @@ RowSeries Session::row_series(const std::vector<int>& columns) const {
       const std::vector<int> to = indices_of(part.columns, columns);
       append_channels(whiten(flights_[f], part, noise), row_count, to, width, series[f]);
       append_channels(whiten_speeds(flights_[f], part, noise.speeds), vehicle_.rotor_count, to, width, series[f]);
-      append_channels(whiten_mean_torques(part, noise.mean_torque), 3, to, width, series[f]);
+      append_channels(whiten_mean_torques(part, noise.mean_torque), 2, to, width, series[f]);
       return;
     }
     // every row of a window is a channel, which has one sample a window

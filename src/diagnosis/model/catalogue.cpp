@@ -80,7 +80,7 @@ std::optional<NotIdentifiable> why_not_observable(const EffectRow& row, const Ca
   for (const auto& [need, why, lack] : missing) {
     if (!row.asks(need) || seen.observes(need)) continue;
     if (need != Need::torque || !seen.mean_torques) return because(why, lack);
-    if (row.in_hover == InHover::nothing) return because("these logs tell torques over two seconds alone", lack);
+    if (!shifts_torques(row)) return because("these logs tell torques over two seconds alone", lack);
   }
   if (row.needs_any != Need::nothing && !seen.observes(row.needs_any)) return because(row.lacking, Lack::other);
   if (seen.trims && !row.hidden_by_filter.empty()) return because(row.hidden_by_filter, Lack::raw_sensors);
@@ -116,6 +116,8 @@ bool needs_torque_gain(const EffectRow& row) {
 }
 
 }  // namespace
+
+bool shifts_torques(const EffectRow& row) { return row.in_hover == InHover::center || row.in_hover == InHover::rotor; }
 
 std::vector<Number> numbers_of(Parameterized& effect) {
   NumberCollector collector;

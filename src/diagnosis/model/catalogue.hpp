@@ -106,6 +106,8 @@ class Catalogue {
   bool observes(Need need) const { return seen_.observes(need); }
   // what the loop did between two of them is a nuisance (command_innovation.hpp)
   bool commands_are_slow() const { return seen_.slow_commands && !seen_.trims && seen_.observes(Need::torque); }
+  // torques over a while, and none from sample to sample (mean_torques.hpp)
+  bool mean_torques_alone() const { return seen_.mean_torques; }
   // why an effect of the registry is not among the candidates; no value when it is
   std::optional<NotIdentifiable> why_left_out(const EffectRow& row) const;
   int size() const { return static_cast<int>(columns_.size()); }
@@ -143,6 +145,9 @@ class Catalogue {
   std::vector<Group> groups_;
   std::vector<Column> columns_;
 };
+
+// An effect that shifts the mean torques of a flight that hovers.
+bool shifts_torques(const EffectRow& row);
 
 // Columns of one group beside others: of exact aliases only one is free.
 std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group);

@@ -18,6 +18,8 @@ SubsetSearch::SubsetSearch(const Catalogue& known, const VehicleModel&, double p
 bool SubsetSearch::allowed(const std::vector<int>& groups) const {
   // without an effect that feels the air a wind is not felt
   bool wind = false, felt = false;
+  // two means, of roll and pitch, show one thing that shifts them
+  int shifts = 0;
   std::vector<std::string_view> names, apart;
   for (std::size_t g = 0; g < catalogue.groups().size(); ++g) {
     const Group& group = catalogue.groups()[g];
@@ -25,9 +27,11 @@ bool SubsetSearch::allowed(const std::vector<int>& groups) const {
     const bool in = std::find(groups.begin(), groups.end(), static_cast<int>(g)) != groups.end();
     if (in) names.push_back(row.name), apart.push_back(row.never_beside);
     if (in && row.air == Airflow::wind) wind = true;
+    if (in && shifts_torques(row)) ++shifts;
     if ((in || group.nominal) && (row.air == Airflow::felt || row.air == Airflow::drag)) felt = true;
   }
-  return (!wind || felt) && std::find_first_of(names.begin(), names.end(), apart.begin(), apart.end()) == names.end();
+  return (!wind || felt) && (shifts <= 1 || !catalogue.mean_torques_alone()) &&
+         std::find_first_of(names.begin(), names.end(), apart.begin(), apart.end()) == names.end();
 }
 
 std::vector<int> SubsetSearch::without(std::vector<int> groups, int group) const {

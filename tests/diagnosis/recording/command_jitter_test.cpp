@@ -162,6 +162,20 @@ TEST(CommandJitterTrials, LeavesWhatTheForcesTell) {
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.03, 0.009);
 }
 
+// torques over two seconds are known where those from sample to sample are not
+TEST(CommandJitterTrials, LeavesWhatShiftsTheTorques) {
+  const TemporaryFolder folder;
+  test::TrialSettings settings = sampled_loop("geometric", 1.0);
+  settings.duration_s = 20.0;
+  settings.concealed = R"({type = "center_of_mass", x = 0.002, y = -0.001})";
+  const Diagnosis d = diagnose_saying(test::fly_trial(folder, settings), Hold::unknown);
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_EQ(d.effects[0].effect, "center_of_mass") << to_json(d).dump(1);
+  EXPECT_NEAR(d.effects[0].parameters[0].value, 0.002, 2e-4);
+  EXPECT_NEAR(d.effects[0].parameters[1].value, -0.001, 2e-4);
+  EXPECT_FALSE(d.torque_told);
+}
+
 TEST(CommandJitterTrials, DoesNotConcernSmoothCommandsWhoseHoldIsUnknown) {
   const TemporaryFolder folder;
   const DiagnoseOptions trial = test::fly_trial(folder, sampled_loop("pid", 0.1));
