@@ -517,8 +517,8 @@ def totals(diagnosis, effect, rotor, file):
     return {name: value for name, value in own.items() if isinstance(value, float)}
 
 
-def judge(case, found, base=None, before=None):
-    """One row. Against the file: what is named beyond `base` and beyond what the flights have by their authors; against reference flights: all that is named but values of every flight's
+def judge(case, found, base=None, before=None, reported=()):
+    """One row. Against the file: what is named beyond `base` and beyond what the flights have by their authors (`reported`); against reference flights: all that is named but values of every flight's
     own (a wind) that `base` names too, which are no change of the vehicle.
     outcome: exact | size (right name, wrong size) | wrong (a name that is not true) | withheld (right, suspected) | nothing | not_told (nothing,
     and the diagnosis says that these logs do not tell it)."""
@@ -534,7 +534,7 @@ def judge(case, found, base=None, before=None):
         # suspected on the untouched flights, named on these: the same finding on the other side of the threshold
         sure = beyond(new, base.get("suspected", []))
         row["crossed"] = [label(effect) for effect in beyond(new, sure)]
-        new = [effect for effect in sure if effect["effect"] not in SETS[case.set].reported]
+        new = [effect for effect in sure if effect["effect"] not in reported]
         row["reported"] = [label(effect) for effect in sure if effect not in new]
     row["wrong"] = [label(effect) for effect in new]
     if base and case.asked == "file":
@@ -628,7 +628,7 @@ class Bench:
             return {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times, "outcome": "failed"}
         from_file = base and case.effect and shown is None and case.asked == "file"
         before = totals(base, case.effect, case.rotor, VehicleFolder(self.of(case.set).vehicle_file)) if from_file else {}
-        return judge(case, found, base, before)
+        return judge(case, found, base, before, SETS[case.set].reported)
 
 
 def run(flights, out, gustlab, jobs, chosen, seconds=600, removals=True):

@@ -197,6 +197,14 @@ def test_what_the_untouched_flights_suspect_is_no_new_name():
     assert row["outcome"] == "wrong" and row["crossed"] == []
 
 
+def test_what_the_authors_of_flights_report_is_no_wrong_name():
+    case = Case("c", "s", "input", "file", "thrust_scale", {"delta": 0.04}, None, 2.0)
+    row = judge(case, diagnosis(DRAG, finding("thrust_scale", delta=0.041)), diagnosis(), reported=("rotor_drag",))
+    assert row["outcome"] == "exact" and row["reported"] == ["rotor_drag"] and row["wrong"] == []
+    assert judge(case, diagnosis(DRAG), diagnosis(), reported=("rotor_drag",))["outcome"] == "nothing"
+    assert judge(case, diagnosis(DRAG), diagnosis(), reported=("mass",))["outcome"] == "wrong"
+
+
 def test_what_logs_do_not_tell_is_counted_apart():
     says_so = {**diagnosis(), "not_identifiable": [{"effect": "thrust_scale", "why": "no torque"}]}
     assert outcome(says_so) == "not_told" and outcome({**says_so, "not_identifiable": [{"effect": "mass", "why": ""}]}) == "nothing"
