@@ -147,7 +147,7 @@ std::string plain_name(const Json& effect) {
 }
 
 std::string plain_channel(const std::string& channel) {
-  static const std::array<std::pair<const char*, const char*>, 12> words{{{"force_x", "push forward or back"},
+  static const std::array<std::pair<const char*, const char*>, 13> words{{{"force_x", "push forward or back"},
                                                                           {"force_y", "push to the side"},
                                                                           {"force_z", "lift"},
                                                                           {"force_xy", "horizontal push"},
@@ -157,6 +157,7 @@ std::string plain_channel(const std::string& channel) {
                                                                           {"torque_xy", "roll and pitch torque"},
                                                                           {"actuation", "rotors' answer to commands"},
                                                                           {"timing", "timing of the log"},
+                                                                          {"time_s", "time"},
                                                                           {"force", "push"},
                                                                           {"torque", "torque"}}};
   for (const auto& [name, said] : words)
