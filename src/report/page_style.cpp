@@ -84,7 +84,7 @@ svg.bar .back { fill: var(--faint); opacity: .5; } svg.bar .value { fill: var(--
 @media (prefers-color-scheme: dark) { svg .m1 { stroke: #58a9e0; } svg circle.m1 { fill: #58a9e0; } svg .m2 { stroke: #f08a4b; }
   svg circle.m2 { fill: #f08a4b; } svg .m3 { stroke: #3fc79a; } svg circle.m3 { fill: #3fc79a; } }
 @media (max-width: 40rem) { svg.bar { width: 64px; } table { font-size: .86rem; } th, td { padding-right: .7rem; }
-  td:not(.n) { min-width: 4.5rem; } td.unit { min-width: 5rem; }
+  td:not(.n) { min-width: 4.5rem; } td.unit { min-width: 5rem; } td.where { min-width: 12rem; }
   /* columns of words, one below the other */
   table.wrap tr:first-child { display: none; } table.wrap tr, table.wrap td { display: block; }
   table.wrap tr { padding: .5rem 0; border-bottom: 1px solid var(--faint); } table.wrap td { border: 0; padding: 0; }
