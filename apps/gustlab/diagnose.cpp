@@ -196,6 +196,12 @@ std::string diagnosed_key(const std::string& out) {
   return read_into((std::filesystem::path(out) / key_file).string(), key).empty() ? key : "";
 }
 
+// augmented.toml; without effects it says so, and is no file that somebody forgot to fill
+std::string model_file(const diagnosis::Diagnosis& result) {
+  const bool empty = result.augmented_toml.find("[[effect]]") == std::string::npos;
+  return result.augmented_toml + (empty ? "\neffect = []  # nothing was found\n" : "");
+}
+
 diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted,
                                    const std::string& key) {
   check_out(out);
@@ -208,7 +214,7 @@ diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::Diag
 
   replace_folder(out, [&](const std::filesystem::path& fresh) {
     write_file((fresh / "diagnosis.json").string(), document.dump(1) + "\n");
-    write_file((fresh / "augmented.toml").string(), result.augmented_toml);
+    write_file((fresh / "augmented.toml").string(), model_file(result));
     write_file((fresh / "report.html").string(), diagnosis_page(document, figures_of(result, wanted)));
     if (!key.empty()) write_file((fresh / key_file).string(), key);
   });

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <span>
 
 #include "commands.hpp"
 #include "config/text.hpp"
@@ -88,15 +89,21 @@ void check_words(int argc, char** argv) {
                       i > 1 ? argv[i - 1] : "gustlab"));
 }
 
-// CLI11 only says that a command is missing
-void check_command(const CLI::App& app, int argc, char** argv) {
-  const char* const* word = std::find_if(argv + 1, argv + argc, [](const char* argument) { return *argument != '-'; });
+// CLI11 only says that a command is missing; one of commands below another, too
+void check_command(const CLI::App& app, std::span<char*> words, const std::string& before = "gustlab ") {
+  const auto word = std::find_if(words.begin(), words.end(), [](const char* argument) { return *argument != '-'; });
+  std::vector<const CLI::App*> commands = app.get_subcommands(nullptr);
+  if (word == words.end() || commands.empty()) return;
   std::vector<std::string> known;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) known.push_back(command->get_name());
-  if (word == argv + argc || std::find(known.begin(), known.end(), *word) != known.end()) return;
+  for (const CLI::App* command : commands) {
+    if (command->get_name() == *word)
+      return check_command(*command, words.subspan(static_cast<std::size_t>(word - words.begin()) + 1),
+                           before + *word + " ");
+    known.push_back(command->get_name());
+  }
   const std::string near = config::suggest(*word, known);
-  throw ConfigError(
-      fmt::format("gustlab: unknown command \"{}\" {}", *word, near.empty() ? "(see gustlab --help)" : near));
+  throw ConfigError(fmt::format("gustlab: unknown command \"{}\" {}", *word,
+                                near.empty() ? fmt::format("(see {}--help)", before) : near));
 }
 
 int run(int argc, char** argv) {
@@ -119,7 +126,7 @@ int run(int argc, char** argv) {
     protect_inputs();
     add_commands(app);
     check_words(argc, argv);
-    check_command(app, argc, argv);
+    check_command(app, {argv + 1, argv + argc});
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

@@ -66,6 +66,10 @@ void run(const ReplayArguments& options) {
     config::Table document = config::Table::read_file(options.with);
     with = config::read_effects(document);
     document.finish();
+    // `effect = []` says that there is none, as a diagnosis that found nothing does
+    if (!document.has("effect"))
+      document.fail("", "there is no [[effect]]", "nothing to compare",
+                    "name the augmented.toml of a diagnosis, or leave --with out");
   }
   std::optional<VehicleModel> named;
   if (!options.vehicle.empty()) named = read_vehicle(options.vehicle);

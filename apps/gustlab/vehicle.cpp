@@ -90,7 +90,9 @@ void take_hubs(const nlohmann::json& said, const NewArguments& options, NewVehic
 
 // what the log says, where the user does not say otherwise
 void take_log(const NewArguments& options, NewVehicle& wanted) {
-  const nlohmann::json said = nlohmann::json::parse(output_of_script("log_vehicle.py", {options.log}));
+  // a file may be called --help
+  const std::string file = options.log.starts_with('-') ? "./" + options.log : options.log;
+  const nlohmann::json said = nlohmann::json::parse(output_of_script("log_vehicle.py", {file}));
   if (!said["hubs"].is_null() && options.layout.empty()) take_hubs(said, options, wanted);
   if (!wanted.thrust_to_weight && !wanted.hover) wanted.hover = sourced(said, "hover");
   if (!wanted.throttle_curve) wanted.throttle_curve = sourced(said, "throttle_curve");

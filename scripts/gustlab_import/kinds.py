@@ -22,6 +22,8 @@ def kind_of(path: Path) -> str:
             return kind
     if not head:
         raise ImportFailure(f"{path.name}: byte 0: the file is empty; fetch it again")
+    if head.startswith(b"\x1f\x8b") and not path.name.lower().endswith(".csv.gz"):
+        raise ImportFailure(f"{path.name}: is compressed with gzip; unpack it first (gunzip), and give the log", USAGE)
     kind = ENDINGS.get(path.suffix.lower())
     if kind:
         return kind

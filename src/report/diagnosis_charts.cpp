@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "report/diagnosis_words.hpp"
 #include "report/page_parts.hpp"
@@ -237,11 +238,23 @@ std::vector<double> distance(const std::vector<const DiagnosisFigures::Trace*>& 
   std::vector<double> sum(parts.front()->time_s.size(), 0.0);
   for (const DiagnosisFigures::Trace* trace : parts)
     for (std::size_t k = 0; k < std::min(sum.size(), (trace->*predicted).size()); ++k) {
-      const double error = (trace->*predicted)[k] - trace->measured[k];
+      double error = (trace->*predicted)[k] - trace->measured[k];
+      if (trace->unit == "rad") error = std::remainder(error, 2.0 * std::numbers::pi);
       sum[k] += error * error;
     }
   for (double& value : sum) value = std::sqrt(value);
   return sum;
+}
+
+// a vehicle that turns over goes from half a turn to minus half a turn: no line is drawn between the two
+std::vector<double> broken_at_half_turns(std::vector<double> angles_rad) {
+  double last = std::numeric_limits<double>::quiet_NaN();
+  for (double& angle : angles_rad) {
+    const double here = angle;
+    if (std::abs(here - last) > std::numbers::pi) angle = std::numeric_limits<double>::quiet_NaN();
+    last = here;
+  }
+  return angles_rad;
 }
 
 std::string error_chart(const DiagnosisFigures& figures, const char* title, const std::vector<std::string_view>& names,
@@ -302,9 +315,16 @@ std::string window_section(const nlohmann::ordered_json& diagnosis, const Diagno
     chart.title = capital(trace.name);
     chart.y_label = display.unit;
     chart.x_label = "time [s]";
-    chart.series.push_back({"measured", svg::Mark::line, trace.time_s, scaled(trace.measured, display.factor), {}, {}});
-    chart.series.push_back({"before", svg::Mark::line, trace.time_s, scaled(trace.before, display.factor), {}, {}});
-    chart.series.push_back({"after", svg::Mark::line, trace.time_s, scaled(trace.after, display.factor), {}, {}});
+    chart.series.push_back({"measured",
+                            svg::Mark::line,
+                            trace.time_s,
+                            scaled(broken_at_half_turns(trace.measured), display.factor),
+                            {},
+                            {}});
+    chart.series.push_back(
+        {"before", svg::Mark::line, trace.time_s, scaled(broken_at_half_turns(trace.before), display.factor), {}, {}});
+    chart.series.push_back(
+        {"after", svg::Mark::line, trace.time_s, scaled(broken_at_half_turns(trace.after), display.factor), {}, {}});
     charts += svg::draw(chart);
   }
   if (torque_is_told(diagnosis))

@@ -105,7 +105,8 @@ std::string shows(const Json& entry) {
   const bool pattern = number(entry, "p_value") < 1e-3;
   const char* words = !pattern        ? "no more than noise"
                       : above < 0.005 ? "a pattern far below the noise; too small to matter"
-                                      : "a pattern, too small to matter";
+                      : above < 0.5   ? "a pattern, too small to matter"
+                                      : "more than noise, and still too small to matter";
   return fmt::format("<span class=\"soft\">{}</span>", words);
 }
 
@@ -135,7 +136,7 @@ std::string where(const Json& diagnosis) {
         escape(display.unit), figure(display.factor * noise), escape(display.unit), judged ? times_noise(above) : "–",
         judged ? shows(entry) : "<span class=\"soft\">not judged: these logs tell no torque</span>");
   }
-  return "<p>The difference between simulation and recording, channel by channel, before anything was added. The dark "
+  return "<p>The difference between simulation and recording, channel by channel, before anything was added. The "
          "tick is what noise and calm air alone would leave.</p><div "
          "class=\"scroll\"><table><tr><th>channel</th><th>against "
          "noise</th><th class=\"n\">rms</th><th class=\"n\">noise</th><th class=\"n\">above "
@@ -280,7 +281,8 @@ std::string what(const Json& diagnosis, double weight_N) {
       std::string unit = text(term, "unit");
       if (text(term, "term") == "1") unit = unit.substr(0, unit.find(" per unit"));
       rows += fmt::format(
-          "<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td>{}</td><td class=\"where\">{}</td></tr>",
+          "<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td class=\"unit\">{}</td><td "
+          "class=\"where\">{}</td></tr>",
           escape(plain_channel(text(term, "channel"))), escape(text(term, "term")), figure(number(term, "coefficient")),
           escape(unit), escape(likeness(term, weight_N)));
     }

@@ -147,7 +147,7 @@ std::string plain_name(const Json& effect) {
 }
 
 std::string plain_channel(const std::string& channel) {
-  static const std::array<std::pair<const char*, const char*>, 12> words{{{"force_x", "push forward or back"},
+  static const std::array<std::pair<const char*, const char*>, 13> words{{{"force_x", "push forward or back"},
                                                                           {"force_y", "push to the side"},
                                                                           {"force_z", "lift"},
                                                                           {"force_xy", "horizontal push"},
@@ -157,6 +157,7 @@ std::string plain_channel(const std::string& channel) {
                                                                           {"torque_xy", "roll and pitch torque"},
                                                                           {"actuation", "rotors' answer to commands"},
                                                                           {"timing", "timing of the log"},
+                                                                          {"time_s", "time"},
                                                                           {"force", "push"},
                                                                           {"torque", "torque"}}};
   for (const auto& [name, said] : words)
@@ -278,12 +279,23 @@ std::string sure(double confidence) {
   return confidence > 0.995 ? "more than 99 %" : fmt::format("{:.0f} %", 100.0 * confidence);
 }
 
+std::optional<diagnosis::Verdict> verdict_of(const Json& diagnosis) {
+  using enum diagnosis::Verdict;
+  const std::string said = text(diagnosis, "verdict");
+  for (const diagnosis::Verdict verdict : {consistent, explained, partly_explained, unexplained, insufficient_data})
+    if (said == to_string(verdict)) return verdict;
+  return std::nullopt;
+}
+
 std::string one_sentence(const Json& diagnosis) {
-  const std::string verdict = text(diagnosis, "verdict"), vehicle = text(diagnosis, "vehicle");
+  using diagnosis::Verdict;
+  const std::optional<Verdict> verdict = verdict_of(diagnosis);
+  const std::string vehicle = text(diagnosis, "vehicle");
   const std::string model = vehicle.empty() ? "The simulation" : "The simulation of " + vehicle;
   const std::string where = where_in_words(diagnosis);
-  if (verdict == "consistent") return model + " agrees with these flights: nothing is left beyond noise and calm air.";
-  if (verdict == "insufficient_data") {
+  if (verdict == Verdict::consistent)
+    return model + " agrees with these flights: nothing is left beyond noise and calm air.";
+  if (verdict == Verdict::insufficient_data) {
     // the reason, when there is one for all
     const Json& blind = part(diagnosis, "not_identifiable");
     const bool one_reason = !blind.empty() && std::all_of(blind.begin(), blind.end(), [&](const Json& entry) {
@@ -292,14 +304,14 @@ std::string one_sentence(const Json& diagnosis) {
     return "These flights cannot tell whether the simulation" + (vehicle.empty() ? "" : " of " + vehicle) +
            " is right or wrong" + (one_reason ? ": " + text(blind[0], "why") : "") + ".";
   }
-  if (verdict == "unexplained") {
+  if (verdict == Verdict::unexplained) {
     return fmt::format(
         "Something acts on {} that the simulation leaves out{}, and no effect known here explains enough of it to be "
         "named.",
         vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")");
   }
 
-  return findings_in_words(diagnosis) + (verdict == "partly_explained" ? ". Something else remains." : ".");
+  return findings_in_words(diagnosis) + (verdict == Verdict::partly_explained ? ". Something else remains." : ".");
 }
 
 bool torque_is_told(const Json& diagnosis) {

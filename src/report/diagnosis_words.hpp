@@ -2,8 +2,11 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "diagnosis/result/findings.hpp"
 
 namespace gustlab::report {
 
@@ -51,6 +54,8 @@ std::string with_half_width(double value, double half_width);
 std::string probability(double p);
 std::string sure(double confidence);
 
+// nothing where the document has no verdict that is known
+std::optional<diagnosis::Verdict> verdict_of(const Json& diagnosis);
 // The sentence at the top of the page: what was found, in the words of the trade.
 std::string one_sentence(const Json& diagnosis);
 // How much nearer held-out predictions come with it, empty when they do not.

@@ -12,7 +12,7 @@ std::string_view page_style() {
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink); font: 16px/1.55 system-ui, "Segoe UI", "Noto Sans",
   "DejaVu Sans", sans-serif; overflow-wrap: anywhere; }
-main { max-width: 62rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
+main { max-width: 66rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
 header p.kind { margin: 0; color: var(--soft); font-size: .9rem; }
 h1 { font-size: clamp(1.2rem, 1.05rem + .9vw, 1.6rem); line-height: 1.38; font-weight: 500; margin: .6rem 0 1rem;
   max-width: 48rem; text-wrap: pretty; }
@@ -36,7 +36,13 @@ ol.headlines strong { font-weight: 600; } .sure { color: var(--good); white-spac
 .effect { background: var(--card); border: 1px solid var(--faint); border-radius: 8px; padding: 1rem 1.2rem; margin: .9rem 0; }
 .effect > p { margin: .2rem 0 .6rem; }
 .effect .head { display: flex; flex-wrap: wrap; gap: .3rem 1rem; align-items: baseline; justify-content: space-between; }
-.scroll { overflow-x: auto; }
+/* a shadow at the edge behind which more can be scrolled to */
+.scroll { overflow-x: auto; --back: var(--paper); --shade: color-mix(in srgb, var(--ink) 28%, transparent);
+  background: linear-gradient(to right, var(--back) 40%, transparent) 0 0 / 2.5rem 100% no-repeat local,
+  linear-gradient(to left, var(--back) 40%, transparent) 100% 0 / 2.5rem 100% no-repeat local,
+  linear-gradient(to right, var(--shade), transparent) 0 0 / .9rem 100% no-repeat scroll,
+  linear-gradient(to left, var(--shade), transparent) 100% 0 / .9rem 100% no-repeat scroll; }
+.effect .scroll { --back: var(--card); }
 table { border-collapse: collapse; font-size: .92rem; margin: .5rem 0; font-variant-numeric: tabular-nums; }
 th { text-align: left; font-weight: 500; color: var(--soft); }
 th, td { padding: .28rem 1.1rem .28rem 0; vertical-align: top; border-bottom: 1px solid var(--faint);
@@ -73,11 +79,17 @@ table.heat th { padding: .3rem .5rem; } table.heat th.n { text-align: center; }
 svg circle.before { fill: var(--before); } svg circle.after { fill: var(--after); } svg circle.cloud { fill: var(--before); opacity: .28; }
 svg .whisker { stroke-width: 1.3; opacity: .7; }
 svg.bar { width: 124px; max-width: 124px; } svg.bar { margin-top: .4rem; }
-table.errors th, table.errors td { padding-right: .8rem; } table.errors svg.bar { width: 64px; }
+table.errors { font-size: .88rem; } table.errors th, table.errors td { padding-right: .7rem; } table.errors svg.bar { width: 64px; }
 svg.bar .back { fill: var(--faint); opacity: .5; } svg.bar .value { fill: var(--before); } svg.bar .reference { stroke: var(--ink); stroke-width: 1.5; }
 @media (prefers-color-scheme: dark) { svg .m1 { stroke: #58a9e0; } svg circle.m1 { fill: #58a9e0; } svg .m2 { stroke: #f08a4b; }
   svg circle.m2 { fill: #f08a4b; } svg .m3 { stroke: #3fc79a; } svg circle.m3 { fill: #3fc79a; } }
-@media (max-width: 40rem) { svg.bar { width: 64px; } main { padding: 1.5rem 1rem 3rem; } }
+@media (max-width: 40rem) { svg.bar { width: 64px; } table { font-size: .86rem; } th, td { padding-right: .7rem; }
+  td:not(.n) { min-width: 4.5rem; } td.unit { min-width: 5rem; } td.where { min-width: 12rem; }
+  /* columns of words, one below the other */
+  table.wrap tr:first-child { display: none; } table.wrap tr, table.wrap td { display: block; }
+  table.wrap tr { padding: .5rem 0; border-bottom: 1px solid var(--faint); } table.wrap td { border: 0; padding: 0; }
+  table.wrap td:first-child { font-weight: 600; } table.wrap td:last-child { color: var(--soft); }
+   main { padding: 1.5rem 1rem 3rem; } }
 @media print { :root { --ink: #000; --soft: #444; --faint: #ccc; --paper: #fff; --card: #fff; --before: #b5610c; --after: #1a5f9a;
   --measured: #000; --warn: #803300; --warn-back: #fff; --good: #205a37; }
   body { font-size: 11pt; } main { padding: 0; max-width: none; } .effect, figure, tr, .findings { break-inside: avoid; }

@@ -139,11 +139,10 @@ std::string Sweep::table() const {
   std::string head, rows;
   for (std::size_t a = 0; a < axes_.size(); ++a)
     if (is_axis(a)) head += fmt::format("<th>{}</th>", escape(axes_[a].name));
-  head += "<th>trajectory</th><th>controller</th>";
+  head += "<th>trajectory</th><th>controller</th><th class=\"n\">completed</th>";
   for (const Metric& metric : tracking_metrics)
     head +=
         fmt::format("<th class=\"n\">{}</th>{}", metric.title, &metric == &tracking_metrics[rmse] ? "<th></th>" : "");
-  head += "<th class=\"n\">completed</th>";
   double full = 0.0;
   for (const TableCell& cell : cells_)
     if (std::isfinite(cell.errors[rmse].mean)) full = std::max(full, cell.errors[rmse].mean);
@@ -151,14 +150,15 @@ std::string Sweep::table() const {
     rows += "<tr>";
     for (std::size_t a = 0; a < axes_.size(); ++a)
       if (is_axis(a)) rows += fmt::format("<td>{}</td>", escape(cell.axes[a].value));
-    rows += fmt::format("<td>{}</td><td>{}</td>", escape(cell.trajectory), escape(cell.controller));
+    rows += fmt::format("<td>{}</td><td>{}</td><td class=\"n\">{}/{}</td>", escape(cell.trajectory),
+                        escape(cell.controller), cell.completed, cell.total);
     for (std::size_t m = 0; m < tracking_metrics.size(); ++m) {
       const Summary& error = cell.errors[m];
       rows += fmt::format("<td class=\"n\">{}{}</td>", metres(error.mean),
                           std::isnan(error.sd) ? "" : fmt::format(" ± {:.3f}", error.sd));
       if (m == rmse) rows += fmt::format("<td>{}</td>", svg::bar(error.mean, NAN, full));
     }
-    rows += fmt::format("<td class=\"n\">{}/{}</td></tr>", cell.completed, cell.total);
+    rows += "</tr>";
   }
   const std::string whole =
       "<div class=\"scroll\"><table class=\"errors\"><tr>" + head + "</tr>" + rows + "</table></div>";

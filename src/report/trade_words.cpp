@@ -77,6 +77,14 @@ std::string directions(const Json& effect, const std::array<std::array<const cha
   return list_in_words(parts);
 }
 
+// " (drag area 0.056 m² level and 0.12 m² in a climb)": what the table of the effect says
+std::string drag_areas(const Json& effect) {
+  std::vector<std::string> areas;
+  if (std::isfinite(value_of(effect, "area_xy"))) areas.push_back(size_of(effect, "area_xy") + " level");
+  if (surely(effect, "area_z")) areas.push_back(size_of(effect, "area_z") + " in a climb");
+  return areas.empty() ? "" : " (drag area " + list_in_words(areas) + ")";
+}
+
 bool down(const Json& effect, const char* name = "delta") { return value_of(effect, name) < 0.0; }
 std::string rotor(const Json& effect) { return fmt::format("{:.0f}", value_of(effect, "rotor")); }
 
@@ -221,10 +229,7 @@ const Words table[] = {
        return down(e, "at_hover") ? "It needs less lean to keep its speed, and glides on when level."
                                   : "It must lean more to keep its speed, and stops sooner when level.";
      }},
-    {"quadratic_drag",
-     [](E e) -> Headline {
-       return {"The body's drag holds it back at speed (drag area " + length_of(e, "m^2", {"area_xy", "area_z"}) + ")"};
-     },
+    {"quadratic_drag", [](E e) -> Headline { return {"The body's drag holds it back at speed" + drag_areas(e)}; },
      [](E) -> Text { return "Fast flight needs more lean and throttle; its top speed is lower."; }},
     {"axial_inflow", [](E) -> Headline { return {"Rotors lose thrust in a climb and gain it in a descent"}; },
      [](E) -> Text { return "Climbs and descents are slower; roll and pitch are damped."; }},
@@ -377,6 +382,7 @@ std::string remedy_for(diagnosis::Lack lack, const std::string& shows_in) {
 }
 
 std::string likeness(const Json& term, double weight_N) {
+  constexpr std::array<const char*, 3> places{"px", "py", "pz"};
   const std::string channel = text(term, "channel"), name = text(term, "term");
   const double c = number(term, "coefficient"), size = std::abs(c);
   if (!std::isfinite(c) || channel.size() < 2) return "";
@@ -401,8 +407,10 @@ std::string likeness(const Json& term, double weight_N) {
                    : fmt::format("like a drag area of {} m²", figure(2.0 * size / air_density_kgpm3));
   if (force && axis == 'z' && (name == "vx_B^2" || name == "vy_B^2" || name == "speed"))
     return c > 0.0 ? "like lift that grows with speed" : "like lift that is lost with speed";
-  if (force && name.find('p') != std::string::npos)
-    return "a push that depends on the place: a wall, a draught, or a position frame that is bent";
+  if (force && name == "speed") return "a push that grows with speed, whichever way it flies";
+  const bool of_place = std::any_of(places.begin(), places.end(),
+                                    [&](const char* place) { return name.find(place) != std::string::npos; });
+  if (force && of_place) return "a push that depends on the place: a wall, a draught, or a position frame that is bent";
   if (!force && name == "1" && axis != 'z' && weight_known)
     return fmt::format("like a centre of mass {} mm aside", figure(1e3 * size / weight_N));
   if (!force && name == "1" && axis == 'z') return "like a lasting trim in yaw";

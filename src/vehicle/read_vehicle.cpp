@@ -27,7 +27,10 @@ std::string vehicle_file(const std::string& name_or_path, const std::string& fro
     return (fs::path(from_file).parent_path() / name_or_path).lexically_normal().string();
   const std::vector<std::string> names = vehicle_names();
   if (std::find(names.begin(), names.end(), name_or_path) == names.end()) {
-    const std::string near = config::suggest(name_or_path, names);
+    // the folder that `gustlab vehicle new --out` made is easily taken for the vehicle
+    const std::string inside = name_or_path + "/vehicle.toml", near = fs::exists(inside)
+                                                                          ? fmt::format("did you mean \"{}\"?", inside)
+                                                                          : config::suggest(name_or_path, names);
     throw ConfigError(fmt::format("{}unknown vehicle \"{}\" (known: {}){}{}", from_file.empty() ? "" : from_file + ": ",
                                   name_or_path, fmt::join(names, ", "), near.empty() ? "" : " ", near));
   }

@@ -7,6 +7,7 @@ import stat
 import subprocess
 import tempfile
 import time
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -94,6 +95,14 @@ class Places(Commands):
         self.call("diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg")
         for name in ("out.md.part", "m.toml.part", "dg.new/mine"):
             self.assertEqual((self.folder / name).read_text(), "mine")
+
+
+class Models(Commands):
+    def test_a_diagnosis_without_names_writes_a_model_that_replay_takes(self):
+        self.call("diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg")
+        model = self.folder / "dg" / "augmented.toml"
+        self.assertEqual(tomllib.loads(model.read_text())["effect"], [])
+        self.assertIn("after", self.call("replay", "trials/nothing/fit_1.csv", "--with", str(model))[0])
 
 
 class Inputs(Commands):

@@ -2,18 +2,36 @@
 #include "contract/effects_flight.hpp"
 #include "support/allocations.hpp"
 
+// the template that scripts/new_plugin.py copies flies here as well
+#define make_my_effect make_template_effect
+#include "../../examples/plugins/effect.cpp"
+
 namespace gustlab::test {
 namespace {
 
+// as its author may leave it to the diagnosis
+constexpr EffectRow template_row{.name = "template",
+                                 .place = Place::wrench,
+                                 .order = 10,
+                                 .diagnosable = true,
+                                 .says = "a spring",
+                                 .shows_in = "motion",
+                                 .confused_with = "nothing",
+                                 .source = "the template",
+                                 .make = make_template_effect};
+
 class EffectContract : public ::testing::TestWithParam<std::string_view> {
  protected:
-  const EffectRow& row = *find_effect(GetParam());
+  const EffectRow* found = find_effect(GetParam());
+  const EffectRow& row = found ? *found : template_row;
   const VehicleModel vehicle = lively_vehicle();
   Values natural() const { return natural_values(row, vehicle); }
 };
 
 TEST_P(EffectContract, ZeroStrengthChangesNoBit) {
-  Flight without({}), with(make_effect_list({{row.name, {}}}));
+  std::vector<NamedEffect> effects;
+  effects.push_back(make_effect(row));
+  Flight without({}), with(std::move(effects));
   EXPECT_EQ(without.numbers(2.0), with.numbers(2.0));
 }
 
@@ -170,6 +188,27 @@ TEST_P(EffectContract, SaysWhatItIs) {
 
 INSTANTIATE_TEST_SUITE_P(Registry, EffectContract, ::testing::ValuesIn(effect_names()),
                          [](const auto& tested) { return std::string(tested.param); });
+
+INSTANTIATE_TEST_SUITE_P(Template, EffectContract, ::testing::Values("template"),
+                         [](const auto& tested) { return std::string(tested.param); });
+
+// F = k (p0 - p): what one step changes
+TEST(EffectTemplate, PullsToItsAnchorWithItsFormula) {
+  const VehicleModel vehicle = lively_vehicle();
+  const Vector3 anchor_W_m(2.0, -1.0, 0.5);
+  const double stiffness_Npm = 0.1 * vehicle.weight_N();
+  const Values values{{"stiffness", stiffness_Npm},
+                      {"anchor.x", anchor_W_m.x()},
+                      {"anchor.y", anchor_W_m.y()},
+                      {"anchor.z", anchor_W_m.z()}};
+  std::vector<Observation> seen;
+  std::vector<VehicleState> pulled, free;
+  Flight(planted(template_row, values)).fly(step_s, seen, pulled);
+  Flight({}).fly(step_s, seen, free);
+  const Vector3 force_W_N = vehicle.mass_kg * (pulled[0].velocity_W_mps - free[0].velocity_W_mps) / step_s;
+  const Vector3 wanted_W_N = stiffness_Npm * (anchor_W_m - lively_start(vehicle).position_W_m);
+  EXPECT_LT((force_W_N - wanted_W_N).norm(), 0.01 * wanted_W_N.norm());
+}
 
 TEST(EffectRegistry, NamesAreUniqueAndFound) {
   for (const EffectRow& row : effect_registry()) EXPECT_EQ(find_effect(row.name), &row);

@@ -127,7 +127,8 @@ inline Values natural_values(const EffectRow& row, const VehicleModel& vehicle) 
 
 // the effect alone, with what it needs to act: wind needs drag
 inline std::vector<NamedEffect> planted(const EffectRow& row, const Values& values) {
-  std::vector<NamedEffect> effects = make_effect_list({{row.name, values}});
+  std::vector<NamedEffect> effects;
+  effects.push_back(make_effect(row, values));
   if (row.name == "steady_wind" || row.name == "fans")
     for (NamedEffect& air :
          make_effect_list({{"rotor_drag", {{"at_hover", 0.01}}}, {"quadratic_drag", {{"area_xy", 0.01}}}}))

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "gustlab/effect.hpp"
 #include "report/diagnosis_example.hpp"
@@ -79,6 +81,19 @@ TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
   }
 }
 
+// a simulation that turns over three times: four pieces, and no line from half a turn to minus half a turn
+TEST(DiagnosisPage, BreaksTheLineOfAnAngleAtHalfATurn) {
+  DiagnosisFigures figures = example_figures();
+  std::vector<double>& roll_rad = figures.window.traces[3].before;
+  for (std::size_t i = 0; i < roll_rad.size(); ++i)
+    roll_rad[i] = std::remainder(0.05 * static_cast<double>(i), 2.0 * std::numbers::pi);
+  const std::string html = diagnosis_page(example_diagnosis(), figures);
+  const std::size_t chart = html.find(">Roll<"), path = html.find("<path class=\"before\"", chart);
+  ASSERT_NE(chart, std::string::npos);
+  const std::string drawn = html.substr(path, html.find("/>", path) - path);
+  EXPECT_EQ(std::count(drawn.begin(), drawn.end(), 'M'), 4) << drawn;
+}
+
 TEST(DiagnosisPage, FitsAPhoneAndADesk) { expect_fits(diagnosis_page(example_diagnosis(), example_figures())); }
 
 TEST(DiagnosisPage, EscapesEveryText) {
@@ -135,7 +150,7 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
   expect_sound(html);
   EXPECT_THAT(html, HasSubstr("An unnamed effect"));
   EXPECT_THAT(html, HasSubstr("<code>vx |v|</code></td><td class=\"n\">−0.0120</td>"));
-  EXPECT_THAT(html, AllOf(HasSubstr("<td>N</td>"), Not(HasSubstr("per unit of the term"))));
+  EXPECT_THAT(html, AllOf(HasSubstr("<td class=\"unit\">N</td>"), Not(HasSubstr("per unit of the term"))));
 }
 
 TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
@@ -236,6 +251,14 @@ TEST(OneSentence, FitsTheVerdict) {
             "The simulation of crazyflie agrees with these flights: nothing is left beyond noise and calm air.");
 }
 
+TEST(OneSentence, EveryVerdictIsReadAndNoOtherWord) {
+  using enum diagnosis::Verdict;
+  for (const diagnosis::Verdict verdict : {consistent, explained, partly_explained, unexplained, insufficient_data})
+    EXPECT_EQ(report::verdict_of({{"verdict", to_string(verdict)}}), verdict);
+  for (const Json& other : {Json{{"verdict", "Explained"}}, Json{{"verdict", 1}}, Json::object()})
+    EXPECT_EQ(report::verdict_of(other), std::nullopt);
+}
+
 // measured rotor speeds drive the body: a lag that they show changes none of its predictions
 TEST(GainSentence, ClaimsNoGainThatItsDigitsDoNotShow) {
   Json diagnosis = example_diagnosis();
@@ -281,6 +304,8 @@ TEST(DiagnosisPage, SaysNoPatternEverywhereWhereTheNoiseIsAsLarge) {
   EXPECT_THAT(row(0.401, 0.401, 1e-20, false), HasSubstr("a pattern far below the noise; too small to matter"));
   EXPECT_THAT(row(0.259, 0.479, 0.4, false),
               AllOf(HasSubstr("no more than noise"), HasSubstr("<td class=\"n\">–</td>")));
+  EXPECT_THAT(row(9.27, 3.0, 1e-20, false),
+              AllOf(HasSubstr("3.09 ×"), HasSubstr("more than noise, and still too small to matter")));
   EXPECT_THAT(row(4.0, 0.5, 1e-20, true), AllOf(HasSubstr("8.00 ×"), HasSubstr("everywhere")));
 }
 
@@ -320,6 +345,15 @@ TEST(TradeWords, SayASignADirectionAndAReference) {
   Json high = centre;
   high["parameters"].erase("x");
   EXPECT_THAT(report::notice_of(high), HasSubstr("a point above its middle"));
+  // the areas of its table, and no sum of theirs
+  Json drag = {{"effect", "quadratic_drag"},
+               {"parameters",
+                {{"area_xy", {{"value", 0.0558}, {"std", 0.0035}, {"unit", "m^2"}}},
+                 {"area_z", {{"value", 0.118}, {"std", 0.0066}, {"unit", "m^2"}}}}}};
+  EXPECT_EQ(report::headline_of(drag),
+            "The body's drag holds it back at speed (drag area 0.056 m² level and 0.12 m² in a climb)");
+  drag["parameters"]["area_z"]["std"] = 0.1;
+  EXPECT_THAT(report::headline_of(drag), HasSubstr("(drag area 0.056 m² level)"));
 }
 
 TEST(TradeWords, AnUnnamedTermIsLikeSomethingThatIsKnown) {
@@ -332,6 +366,10 @@ TEST(TradeWords, AnUnnamedTermIsLikeSomethingThatIsKnown) {
   EXPECT_EQ(like("torque_x", "1", 0.02), "like a centre of mass 2.00 mm aside");
   EXPECT_EQ(like("force_x", "vx_B", 0.3), "a push along its own motion, which no drag gives");
   EXPECT_EQ(like("torque_z", "vx_B vy_B", 0.3), "");
+  // a name that only begins or ends like a place
+  EXPECT_EQ(like("force_x", "speed", -0.0035), "a push that grows with speed, whichever way it flies");
+  EXPECT_THAT(like("force_y", "px", 0.1), HasSubstr("depends on the place"));
+  EXPECT_THAT(like("force_y", "vx_B pz", 0.1), HasSubstr("depends on the place"));
 }
 
 TEST(TradeWords, WhatWouldTellIsALoggerAFileOrAFlight) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "report/svg.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace gustlab {
@@ -65,33 +66,42 @@ inline constexpr const char* layout_probe = R"js(<script>window.onload = () => {
   const note = document.createElement('pre');
   note.id = 'probe';
   note.textContent = 'laid out at ' + width + '\n' + said.join('\n');
-  document.body.append(note);
+  window.parent.document.body.append(note);
 };</script>)js";
 
-// Lays the page out in headless Chromium at the width of a phone and of a desk; without Chromium it is skipped, and said.
-inline void expect_fits(const std::string& html) {
-  if (std::system("command -v chromium > /dev/null 2>&1") != 0)
-    GTEST_SKIP() << "chromium is not installed: layout not looked at";
+// A page that shows another at a width of its own: a window of Chromium is never narrower than 500 px.
+inline std::string framed(const std::string& html, int width_px) {
+  return "<!doctype html><body style=\"margin:0\"><iframe style=\"border:0;height:800px;width:" +
+         std::to_string(width_px) + "px\" srcdoc=\"" + svg::escape(html) + "\"></iframe></body>";
+}
+
+inline bool chromium_is_here() { return std::system("command -v chromium > /dev/null 2>&1") == 0; }
+
+// What headless Chromium finds wrong with a page that it lays out so wide: a line each, empty when all is well.
+inline std::string misfits(const std::string& html, int width_px) {
   const TemporaryFolder folder;
-  const std::string page = folder.file("page.html");
-  std::ofstream(page) << html.substr(0, html.find("</head>")) << layout_probe << html.substr(html.find("</head>"));
-  for (const char* size : {"375,800", "1200,900"}) {
-    const std::string command =
-        "chromium --headless=old --no-sandbox --disable-gpu --user-data-dir=" + folder.file("profile") +
-        " --window-size=" + size + " --dump-dom file://" + page + " 2> /dev/null";
-    std::string dom;
-    std::array<char, 4096> part{};
-    FILE* pipe = popen(command.c_str(), "r");
-    ASSERT_NE(pipe, nullptr);
-    for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) dom.append(part.data(), n);
-    pclose(pipe);
-    const std::string mark = "<pre id=\"probe\">laid out at ";
-    const std::size_t at = dom.find(mark);
-    ASSERT_NE(at, std::string::npos) << "chromium laid nothing out";
-    const std::string said = dom.substr(at + mark.size(), dom.find("</pre>", at) - at - mark.size());
-    EXPECT_EQ(said.substr(said.find('\n') + 1), "")
-        << "at " << size << ", laid out at " << said.substr(0, said.find('\n'));
-  }
+  const std::string page = folder.file("page.html"),
+                    probed = html.substr(0, html.find("</head>")) + layout_probe + html.substr(html.find("</head>"));
+  std::ofstream(page) << framed(probed, width_px) << std::flush;
+  const std::string command =
+      "chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir=" + folder.file("profile") +
+      " --window-size=1300,900 --dump-dom file://" + page + " 2> /dev/null";
+  std::string dom;
+  std::array<char, 4096> part{};
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return "chromium cannot be started";
+  for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) dom.append(part.data(), n);
+  pclose(pipe);
+  const std::string mark = "<pre id=\"probe\">laid out at " + std::to_string(width_px) + "\n";
+  const std::size_t at = dom.find(mark);
+  if (at == std::string::npos) return "chromium laid nothing out at this width";
+  return dom.substr(at + mark.size(), dom.find("</pre>", at) - at - mark.size());
+}
+
+// At the width of a phone and of a desk; without Chromium it is skipped, and said.
+inline void expect_fits(const std::string& html) {
+  if (!chromium_is_here()) GTEST_SKIP() << "chromium is not installed: layout not looked at";
+  for (const int width_px : {375, 1200}) EXPECT_EQ(misfits(html, width_px), "") << "at " << width_px << " px";
 }
 
 }  // namespace gustlab

@@ -97,6 +97,15 @@ TEST(SweepPage, EscapesNames) {
   EXPECT_THAT(html, AllOf(Not(HasSubstr("<b>")), Not(HasSubstr("<i>"))));
 }
 
+// what a phone's width alone makes too wide is seen there, and is none at a desk
+TEST(PageChecks, SeeWhatIsTooWideForAPhone) {
+  if (!chromium_is_here()) GTEST_SKIP() << "chromium is not installed: layout not looked at";
+  const std::string html =
+      "<!doctype html><html><head></head><body><main><p style=\"width:450px\">wide</p></main></body></html>";
+  EXPECT_THAT(misfits(html, 375), HasSubstr("wider than the page: &lt;p style"));
+  EXPECT_EQ(misfits(html, 1200), "");
+}
+
 TEST(SweepPage, FitsAPhoneAndADesk) { expect_fits(sweep_page(grid(), round_paths())); }
 
 }  // namespace

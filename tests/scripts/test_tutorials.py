@@ -121,6 +121,29 @@ class AddYourOwn(unittest.TestCase):
             self.assertEqual(self.add(empty, "controller", "mine").returncode, 2)
             self.assertEqual(os.listdir(empty), [])
 
+    @unittest.skipUnless(os.environ.get("GUSTLAB_ADD_YOUR_OWN"), "builds the whole program: the target `add_your_own` does it")
+    def test_the_page_builds_and_flies_a_controller_an_effect_and_a_trajectory(self):
+        folder = TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        tree = Path(folder.name) / "gustlab"
+        shutil.copytree(ROOT, tree, ignore=lambda place, names: {".git", ".venv", "build", "out"} & set(names) if place == str(ROOT) else set())
+        (tree / ".venv").symlink_to(ROOT / ".venv")
+        page = (tree / "docs" / "tutorials" / "add_your_own.md").read_text(encoding="utf-8")
+        blocks = re.findall(r"^```\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+        self.assertEqual(len(blocks), 3)
+        mine = re.search(r"cat > mine\.toml.*?^END$", commands("compare_controllers.md")[0], re.MULTILINE | re.DOTALL)[0]
+        environment = os.environ | {"PATH": f"{tree}/build/release:{os.environ['PATH']}"}
+        for block in (mine, *blocks):
+            done = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=tree, env=environment, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, block + done.stdout[-3000:] + done.stderr)
+        # each has flown, and the spring pulls
+        self.assertEqual(json.loads((tree / "flight" / "outcome.json").read_text(encoding="utf-8"))["outcome"], "completed")
+        self.assertEqual(json.loads((tree / "flight_of_both" / "outcome.json").read_text(encoding="utf-8"))["outcome"], "completed")
+        weak = ["gustlab", "run", "mine.toml", "--set", 'trajectories=["to_and_fro"]', "--trajectory", "to_and_fro", "--controller", "pid",
+                "--set", "effect.spring.stiffness=0", "--out", "without"]
+        subprocess.run(weak, cwd=tree, env=environment, check=True)
+        self.assertNotEqual((tree / "without" / "flight.csv").read_bytes(), (tree / "flight_of_both" / "flight.csv").read_bytes())
+
 
 if __name__ == "__main__":
     unittest.main()

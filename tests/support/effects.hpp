@@ -79,12 +79,16 @@ inline std::vector<Declared> parameters_of(Effect& effect) {
   return result;
 }
 
-inline NamedEffect make_effect(std::string_view name, const Values& values = {}) {
-  NamedEffect named{find_effect(name), nullptr};
-  if (named.row == nullptr) throw std::invalid_argument(std::string(name));
-  named.effect = named.row->make();
+inline NamedEffect make_effect(const EffectRow& row, const Values& values = {}) {
+  NamedEffect named{&row, row.make()};
   set(*named.effect, values);
   return named;
+}
+
+inline NamedEffect make_effect(std::string_view name, const Values& values = {}) {
+  const EffectRow* row = find_effect(name);
+  if (row == nullptr) throw std::invalid_argument(std::string(name));
+  return make_effect(*row, values);
 }
 
 struct Wanted {

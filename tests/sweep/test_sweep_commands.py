@@ -270,7 +270,8 @@ class Gates(Commands):
         self.sweep("a")
         self.call("gate", "a", "--baseline", "base.csv", "--update")
         self.assertEqual((self.folder / "base.csv").read_bytes(), self.runs("a"))
-        self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv")[0])
+        for rule in ("margin", "test", "both", "margin,test"):
+            self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv", "--fails-by", rule)[0])
         self.sweep("worse", "--set", "controller.pid.position_gain=0.2")
         out, _ = self.call("gate", "worse", "--baseline", "base.csv", "--junit", "gate.xml", "--summary", "gate.md", code=1)
         self.assertIn("failed", out)

@@ -51,6 +51,12 @@ std::optional<NotIdentifiable> why_not_identifiable(const Session& session, cons
                          std::string(group.row->shows_in)};
 }
 
+// two significant digits and all before the point: 113, 27, 0.0014
+std::string in_digits(double value) {
+  const int before = value > 0.0 ? static_cast<int>(std::floor(std::log10(value))) : 1;
+  return fmt::format("{:.{}f}", value, std::max(0, 1 - before));
+}
+
 // late and lasting: what was taken into account
 void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis& out) {
   const FlightData& flight = session.flights().front();
@@ -66,9 +72,9 @@ void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis
   std::vector<std::string> sizes;
   for (std::size_t g = 0; g < noise_groups; ++g)
     if (noise.lasting_variance[g] > noise.measurement[g])
-      sizes.push_back(fmt::format("{} {:.2g} {} for {:.2g} s", sensor[g].first,
-                                  1e3 * std::sqrt(noise.lasting_variance[g]), sensor[g].second,
-                                  noise.lasting_time_s[g]));
+      sizes.push_back(fmt::format("{} {} {} for {} s", sensor[g].first,
+                                  in_digits(1e3 * std::sqrt(noise.lasting_variance[g])), sensor[g].second,
+                                  in_digits(noise.lasting_time_s[g])));
   out.notes.push_back(
       fmt::format("errors of the sensors last, as those of an estimator, of interpolated poses or behind a filter: {}; "
                   "taken into account",
