@@ -279,7 +279,7 @@ class WrongInput(InFolder):
         (self.folder / "file").touch()
         for arguments, words in (
             (["vehicle"], "A subcommand is required"),
-            (["vehicle", "nwe"], "gustlab vehicle"),
+            (["vehicle", "nwe"], 'unknown command "nwe" did you mean "new"?'),
             (changed(drop=["--mass"]), "--mass is required"),
             (changed(drop=["--arm"]), "--arm is missing"),
             (changed(("--mass", "1.2")), '--mass: "1.2" is not a number with a unit (units: kg, g, lb) write for example 1.2kg'),

@@ -203,6 +203,11 @@ def test_what_the_authors_of_flights_report_is_no_wrong_name():
     assert row["outcome"] == "exact" and row["reported"] == ["rotor_drag"] and row["wrong"] == []
     assert judge(case, diagnosis(DRAG), diagnosis(), reported=("rotor_drag",))["outcome"] == "nothing"
     assert judge(case, diagnosis(DRAG), diagnosis(), reported=("mass",))["outcome"] == "wrong"
+    # beside reference flights only what each flight has for itself
+    case = Case("c", "s", "nothing", "reference")
+    wind = {**finding("steady_wind", x=3.0), "per_flight": {"a": {}}}
+    assert judge(case, diagnosis(wind), diagnosis(), reported=("steady_wind",))["outcome"] == "exact"
+    assert judge(case, diagnosis(DRAG), diagnosis(), reported=("rotor_drag",))["outcome"] == "wrong"
 
 
 def test_what_logs_do_not_tell_is_counted_apart():

@@ -277,6 +277,9 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
           return other.group != finding.group && !other.calibration &&
                  catalogue.groups()[static_cast<std::size_t>(other.group)].row == group.row;
         }));
+    // by means of torques a rotor is told from the one across, and from a centre of mass, by the total thrust alone, which
+    // reference flights know and no file
+    if (catalogue.mean_torques_alone() && !session.reference() && group.rotor > 0) ++record.alike;
   });
   return records;
 }

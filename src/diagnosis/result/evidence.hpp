@@ -55,7 +55,7 @@ struct Evidence {
   double undone = 0.0;
   // a push of a flight's own over what an attitude a little off leaves of gravity; infinite where that would show as well
   double push_over_tilt = std::numeric_limits<double>::infinity();
-  int alike = 0;  // other findings of the same effect, of another rotor
+  int alike = 0;  // other findings of the same effect, of another rotor, or what these logs hardly tell from it
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
   // over its standard error; per horizon, the better of (position, velocity) and (attitude, body rate)
   std::vector<double> horizon_s, recovered, recovered_z;
