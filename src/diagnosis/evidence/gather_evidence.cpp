@@ -187,6 +187,18 @@ bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int gr
   });
 }
 
+// Other findings of the same effect, of another rotor. By means of torques alone a rotor is told from the one across, and from a centre
+// of mass, by the total thrust, which reference flights know and no file.
+int alike(const Session& session, const Selection& selection, const Finding& finding) {
+  const Group& group = session.catalogue().groups()[static_cast<std::size_t>(finding.group)];
+  const auto others = std::ranges::count_if(selection.findings, [&](const Finding& other) {
+    return other.group != finding.group && !other.calibration &&
+           session.catalogue().groups()[static_cast<std::size_t>(other.group)].row == group.row;
+  });
+  const bool by_means = session.catalogue().mean_torques_alone() && !session.reference() && group.rotor > 0;
+  return static_cast<int>(others) + (by_means ? 1 : 0);
+}
+
 }  // namespace
 
 double own_acceleration_mps2(const Session& session, const Selection& selection, const Finding& finding) {
@@ -272,14 +284,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.unexplained_gain = rest.omnibus_gain;
     record.at_bound = at_its_bound(catalogue, selection, finding.group);
     record.undone = taken_back[i];
-    record.alike =
-        static_cast<int>(std::count_if(selection.findings.begin(), selection.findings.end(), [&](const Finding& other) {
-          return other.group != finding.group && !other.calibration &&
-                 catalogue.groups()[static_cast<std::size_t>(other.group)].row == group.row;
-        }));
-    // by means of torques a rotor is told from the one across, and from a centre of mass, by the total thrust alone, which
-    // reference flights know and no file
-    if (catalogue.mean_torques_alone() && !session.reference() && group.rotor > 0) ++record.alike;
+    record.alike = alike(session, selection, finding);
   });
   return records;
 }
