@@ -518,8 +518,8 @@ def totals(diagnosis, effect, rotor, file):
 
 
 def judge(case, found, base=None, before=None, reported=()):
-    """One row. Against the file: what is named beyond `base` and beyond what the flights have by their authors (`reported`); against reference flights: all that is named but values of every flight's
-    own (a wind) that `base` names too, which are no change of the vehicle.
+    """One row. Against the file: what is named beyond `base`; against reference flights: all that is named but values of every flight's
+    own (a wind) that `base` names too, which are no change of the vehicle. What the flights have by their authors (`reported`) is not wrong.
     outcome: exact | size (right name, wrong size) | wrong (a name that is not true) | withheld (right, suspected) | nothing | not_told (nothing,
     and the diagnosis says that these logs do not tell it)."""
     row = {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times,
@@ -534,10 +534,11 @@ def judge(case, found, base=None, before=None, reported=()):
         # suspected on the untouched flights, named on these: the same finding on the other side of the threshold
         sure = beyond(new, base.get("suspected", []))
         row["crossed"] = [label(effect) for effect in beyond(new, sure)]
-        new = [effect for effect in sure if effect["effect"] not in reported]
-        row["reported"] = [label(effect) for effect in sure if effect not in new]
-    if case.asked == "reference":
-        new = [effect for effect in new if not (effect.get("per_flight") and effect["effect"] in reported)]  # another wind in every flight
+        new = sure
+    # beside reference flights only what every flight has for itself, such as its wind
+    true_anyway = [effect for effect in new if effect["effect"] in reported and (case.asked == "file" or effect.get("per_flight"))]
+    row["reported"] = [label(effect) for effect in true_anyway]
+    new = [effect for effect in new if effect not in true_anyway]
     row["wrong"] = [label(effect) for effect in new]
     if base and case.asked == "file":
         row["lost"] = [label(old) for old in beyond([e for e in known if not right(e)], found["effects"])]

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+
+#include "diagnosis/estimation/indices.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -12,16 +15,6 @@ constexpr double averaged_s = 2.0;
 constexpr double least_sd_radps2 = 0.05;
 
 using Pushed = Eigen::Matrix<double, 3, Eigen::Dynamic>;
-
-// What scales all rotors scales their means as well, and a mean that answers a shifted centre of mass would be taken for a wrong scale:
-// of torques as slow as this only what shifts them is asked.
-void keep_what_shifts(const std::vector<int>& columns, const Catalogue& catalogue, std::vector<Pushed>& by) {
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    const int g = catalogue.columns()[static_cast<std::size_t>(columns[j])].group;
-    if (g >= 0 && shifts_torques(*catalogue.groups()[static_cast<std::size_t>(g)].row)) continue;
-    for (Pushed& of_window : by) of_window.col(static_cast<Eigen::Index>(j)).setZero();
-  }
-}
 
 // Between samples the loop answers how the body turns: what goes with its rate is projected out, axis by axis.
 void take_damping_out(const std::vector<Vector3>& rates, LinearFlight& flight) {
@@ -43,9 +36,18 @@ void take_damping_out(const std::vector<Vector3>& rates, LinearFlight& flight) {
 
 }  // namespace
 
-void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, const Catalogue& catalogue,
-                     LinearFlight& flight) {
+std::vector<int> that_shift_torques(const Catalogue& catalogue, const std::vector<int>& columns) {
+  std::vector<int> some;
+  std::ranges::copy_if(columns, std::back_inserter(some), [&](int c) {
+    const int g = catalogue.columns()[static_cast<std::size_t>(c)].group;
+    return g >= 0 && shifts_torques(*catalogue.groups()[static_cast<std::size_t>(g)].row);
+  });
+  return some;
+}
+
+void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, LinearFlight& flight) {
   flight.window_s.clear(), flight.turning.clear(), flight.turning_by.clear();
+  const std::vector<int> to = indices_of(linear.columns, flight.columns);
   std::vector<Vector3> rates;
   const std::size_t n = linear.size();
   for (std::size_t first = 0; first < n;) {
@@ -62,12 +64,11 @@ void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, c
     if (duration_s >= averaged_s) {
       flight.window_s.push_back(each_rotor.samples[first].time_s);
       flight.turning.emplace_back(missing / duration_s);
-      flight.turning_by.emplace_back(by / duration_s);
+      flight.turning_by.emplace_back(Pushed::Zero(3, std::ssize(flight.columns)))(Eigen::all, to) = by / duration_s;
       rates.emplace_back(turned / duration_s);
     }
     first = std::max(last, first + 1);
   }
-  keep_what_shifts(linear.columns, catalogue, flight.turning_by);
   take_damping_out(rates, flight);
 }
 

@@ -153,6 +153,17 @@ void Session::take_biases_out(std::size_t f) {
     }
 }
 
+void Session::balance_torques(std::size_t f, const std::vector<int>* wanted) {
+  const FlightData* each = flights_[f].each_rotor.get();
+  if (each == nullptr) return;
+  const int index = static_cast<int>(f);
+  if (wanted)
+    gustlab::diagnosis::linearise(*each, index, catalogue_, value_, that_shift_torques(catalogue_, *wanted),
+                                  each_rotor_[f]);
+  else predict_again(*each, index, catalogue_, value_, each_rotor_[f]);
+  gustlab::diagnosis::balance_torques(*each, each_rotor_[f], linear_[f]);
+}
+
 void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter) {
   value_ = value;
   const double spacing_s = window_spacing_s();
@@ -174,9 +185,7 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
     read_at(value, f);
     gustlab::diagnosis::linearise(flights_[f], index, catalogue_, value, wanted, linear_[f]);
     take_biases_out(f);
-    if (!flights_[f].each_rotor) return;
-    gustlab::diagnosis::linearise(*flights_[f].each_rotor, index, catalogue_, value, wanted, each_rotor_[f]);
-    balance_torques(*flights_[f].each_rotor, each_rotor_[f], catalogue_, linear_[f]);
+    balance_torques(f, &wanted);
   });
   if (shoots()) set_answers_aside();
 }
@@ -190,9 +199,7 @@ void Session::predict_at(const Eigen::VectorXd& value) {
     read_at(value, f);
     predict_again(flights_[f], index, catalogue_, value, linear_[f]);
     take_biases_out(f);
-    if (!flights_[f].each_rotor) return;
-    predict_again(*flights_[f].each_rotor, index, catalogue_, value, each_rotor_[f]);
-    balance_torques(*flights_[f].each_rotor, each_rotor_[f], catalogue_, linear_[f]);
+    balance_torques(f, nullptr);
   });
   if (shoots()) set_answers_aside();
 }

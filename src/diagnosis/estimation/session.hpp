@@ -96,6 +96,8 @@ class Session {
   double window_spacing_s() const;
   // the parts of a linearisation for one flight: its motion and speeds at a value, and y without the biases
   void read_at(const Eigen::VectorXd& value, std::size_t flight);
+  // mean torques of a flight where the total thrust alone is known from sample to sample; `wanted`: as in linearise, none: as they are
+  void balance_torques(std::size_t f, const std::vector<int>* wanted);
   void take_biases_out(std::size_t flight);
   Grams grams_of(const std::vector<LinearFlight>& flights) const;
   // Flights as they are shot, with the answers of the loop set aside.

@@ -173,7 +173,7 @@ SurrogateTest moved_signatures(const Session& session, const Selection& selectio
 bool headings_are_kept(const Session& session) {
   return std::ranges::all_of(session.linear(), [](const LinearFlight& flight) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const auto& R_WB : flight.R_WB) sum += R_WB.col(0).template head<2>().normalized();
+    for (const auto& R_WB : flight.R_WB) sum += R_WB.col(0).head<2>().normalized();
     return sum.norm() > decisions::kept_heading * static_cast<double>(flight.R_WB.size());
   });
 }

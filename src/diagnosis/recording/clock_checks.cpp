@@ -201,12 +201,13 @@ bool clocks_apart(const std::vector<FlightData>& flights, const VehicleModel& ve
     apart = apart || finding->sets_column_aside;
     if (!track) continue;
     apart = true;
-    findings.push_back({flight.label, "u1…uN", "delay", flight.start_s, flight.start_s + flight.duration_s(),
-                        fmt::format("the vehicle turns {:.0f} to {:.0f} ms after its rotors are told to, another time "
-                                    "in each stretch of the flight: "
-                                    "inputs and motion are on two clocks, and torques are not judged",
-                                    1e3 * track->least_s(), 1e3 * track->most_s()),
-                        false, false});
+    findings.push_back(
+        {flight.label, "u1…uN", "delay", flight.start_s, flight.start_s + flight.duration_s(),
+         fmt::format("the vehicle turns {:.0f} to {:.0f} ms after its rotors are told to, another time "
+                     "in each stretch of the flight: "
+                     "inputs and motion are on two clocks, and torques from sample to sample are not judged",
+                     1e3 * track->least_s(), 1e3 * track->most_s()),
+         false, false});
   }
   return apart;
 }
