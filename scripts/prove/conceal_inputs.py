@@ -241,15 +241,72 @@ def sizes_shown(vehicle, flights, effect, unit):
     return sizes
 
 
-def gyro_scale_shown(log, cut_Hz=5.0):
-    """What the gyroscope shows too much, as a share, against the derivative of the attitude, which has the noise; nan without one of them."""
+# ---- what sensors and clocks show by themselves ---------------------------------------------------------------------------
+
+def fitted(shape, rest):
+    """Size of a shape (n, k) in what is left (n, k)."""
+    return float(np.sum(shape * rest) / np.sum(shape**2))
+
+
+def turning(log, cut_Hz=5.0):
+    """(time_s (n,), rate by the attitude, rate by the gyroscope (n, 3)), rad/s, each less its mean; None without one of them."""
     attitude, gyro = stream(log, "qx", "qy", "qz", "qw"), stream(log, "wx", "wy", "wz")
     if attitude is None or gyro is None:
-        return np.nan
+        return None
     turn = Rotation.from_quat(attitude[1])
     rate = (turn[:-1].inv() * turn[1:]).as_rotvec() / np.diff(attitude[0])[:, None]
     middle = 0.5 * (attitude[0][1:] + attitude[0][:-1])
     times = np.arange(max(middle[0], gyro[0][0]), min(middle[-1], gyro[0][-1]), 0.01)
     seen = [low_pass(times, np.column_stack([np.interp(times, t, column) for column in values.T]), cut_Hz) for t, values in ((middle, rate), gyro)]
-    seen = [values - values.mean(axis=0) for values in seen]
-    return float(np.sum(seen[1] ** 2) / np.sum(seen[0] * seen[1]) - 1.0)
+    return (times, *(values - values.mean(axis=0) for values in seen))
+
+
+def of_gyro_scale(log, vehicle, axis):
+    """The gyroscope against the attitude's rate, which has the noise."""
+    _, by_attitude, gyro = turning(log)
+    return float(np.sum(gyro**2) / np.sum(by_attitude * gyro) - 1.0)
+
+
+def of_pose_delay(log, vehicle, axis):
+    """The attitude's rate is that of the gyroscope, later."""
+    times, by_attitude, gyro = turning(log)
+    return fitted(-np.gradient(gyro, times, axis=0), by_attitude - gyro)
+
+
+def of_yaw_offset(log, vehicle, axis):
+    """The attitude's rate is that of the gyroscope, in axes that are turned about z."""
+    _, by_attitude, gyro = turning(log)
+    return fitted(np.column_stack([gyro[:, 1], -gyro[:, 0]]), (by_attitude - gyro)[:, :2])
+
+
+def sideways(log, vehicle):
+    """Specific force below 2 Hz, m/s²: (to the sides of the body (n, 2), less what goes with the velocity's changes; along z (n,))."""
+    time_s = log.column["time_s"]
+    motion = motion_at(log, vehicle, np.arange(time_s[0], time_s[-1], 0.02))
+    side, known = motion.specific_B[:, :2], motion.velocity_B[:, :2] - motion.velocity_B[:, :2].mean(axis=0)
+    side = side - known * (np.sum(known * side, axis=0) / np.sum(known**2, axis=0))
+    return low_pass(motion.time_s, side, 2), motion.specific_B[:, 2]
+
+
+def of_attitude_offset(log, vehicle, axis):
+    """Rotors push along the body's z: what pushes to the side is an attitude that is off (or a wind)."""
+    side, up = sideways(log, vehicle)
+    return fitted(up[:, None], -side[:, :1] if axis == "y" else side[:, 1:])
+
+
+def of_imu_lever(log, vehicle, axis):
+    """What an accelerometer at one side feels beside the origin's specific force, without its bias."""
+    a, w = stream(log, "ax", "ay", "az"), stream(log, "wx", "wy", "wz")
+    times = np.arange(a[0][0], a[0][-1], 0.01)
+    rates = even(w, 15)
+    rate, turn, arm = rates(times), rates.derivative()(times), np.eye(3)["xyz".index(axis)]
+    felt = np.cross(turn, arm) + np.cross(rate, np.cross(rate, arm))
+    motion = motion_at(log, vehicle, times)
+    rest = even(a, 15)(times) - motion.specific_B
+    shape, rest = (low_pass(times, values - values.mean(axis=0), 10) for values in (felt, rest))
+    return fitted(shape, rest)
+
+
+# (log, vehicle, axis) → size that a recording shows by itself
+SEEN_BY_SENSORS = {"gyro_scale": of_gyro_scale, "pose_delay": of_pose_delay, "yaw_offset": of_yaw_offset, "attitude_offset": of_attitude_offset,
+                   "imu_lever": of_imu_lever}

@@ -297,7 +297,8 @@ def units(effect, vehicle, rotor, sign, has_voltage):
 # sensors' faults without a reporting tolerance, and bounds beyond which a size is no longer this effect
 SENSOR_LIMIT = {"attitude_offset": 0.01, "yaw_offset": 0.02, "imu_lever": 0.005}
 MOST = {"mass": 0.25, "thrust_scale": 0.25, "rotor_loss": 0.35, "thrust_curve": 0.5, "inertia": 0.5, "yaw_torque_ratio": 0.6, "battery_sag": 4.0,
-        "motor_lag": 0.04, "actuation_delay": 0.04, "pose_delay": 0.04, "gyro_scale": 0.2, "ground_effect": 20.0}
+        "motor_lag": 0.04, "actuation_delay": 0.04, "pose_delay": 0.04, "gyro_scale": 0.2, "ground_effect": 20.0,
+        "attitude_offset": 0.2, "yaw_offset": 0.35, "imu_lever": 0.1}
 MOST_PER_KG = {"axial_inflow": 2.0, "translational_lift": 0.1}
 # what the untouched flights show of it already gets larger, never smaller: what is asked is the total
 SIGNED = ("thrust_scale", "mass", "center_of_mass", "gyro_scale")
@@ -335,29 +336,31 @@ def possible(recordings):
 def shown(recordings, effect, values):
     """Per-flight sizes of an effect that the untouched flights show by themselves, in units of `values`; empty where that is not asked."""
     entries = recordings.set.new + recordings.set.reference + recordings.set.holdout
-    if effect == "gyro_scale":
-        return [size for size in (physics.gyro_scale_shown(recordings.log(entry)) for entry in entries) if np.isfinite(size)]
+    if effect in physics.SEEN_BY_SENSORS:
+        axis, unit = next(iter(values.items()))
+        return [physics.SEEN_BY_SENSORS[effect](recordings.log(entry), recordings.vehicle, axis) / unit for entry in entries]
     return physics.sizes_shown(recordings.vehicle, [recordings.motion(recordings.log(entry)) for entry in entries], effect, values)
 
 
-def limit_of(recordings, effect, values):
-    """The larger of the tolerance and five standard errors on the new flights, in the leading parameter. Flights that differ among
-    themselves tell no more than their spread allows."""
-    vehicle, flights = recordings.vehicle, len(recordings.set.new)
+def limit_of(recordings, effect, values, asked):
+    """The larger of the tolerance and five standard errors on the new flights, in the leading parameter; beside reference flights, of the
+    difference to those. Flights that differ among themselves tell no more than their spread allows."""
+    vehicle = recordings.vehicle
     tolerance = physics.TOLERANCE.get(effect, SENSOR_LIMIT.get(effect, 0.0)) * (vehicle.arm if effect == "center_of_mass" else 1.0)
-    if effect in SENSOR_LIMIT or effect in ("pose_delay", "actuation_delay", "motor_lag"):
+    if effect in ("actuation_delay", "motor_lag"):
         return tolerance
     if not recordings.has_rates():
         return 0.05  # hovering flights without rates: what two normal flights of one vehicle differ by
-    if effect == "gyro_scale":
-        sizes, error = shown(recordings, effect, values), 0.0
-    else:
-        natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
-        small = {name: value if name == "rotor" else natural * value for name, value in values.items()}
-        error = natural * physics.standard_error(vehicle, [recordings.motion(recordings.log(entry)) for entry in recordings.set.new], effect, small)
-        sizes = [natural * size for size in shown(recordings, effect, small)]
-    spread = np.std(sizes, ddof=1) if len(sizes) > 1 else 0.0
-    return max(tolerance, 5 * float(np.sqrt(error**2 + spread**2 / flights)))
+    natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
+    small = {name: value if name == "rotor" else natural * value for name, value in values.items()}
+    sizes = [natural * size for size in shown(recordings, effect, small)]
+    spread, variance = np.std(sizes, ddof=1) if len(sizes) > 1 else 0.0, 0.0
+    for entries in (recordings.set.new, recordings.set.reference)[: 1 if asked == "file" else 2]:
+        variance += spread**2 / len(entries)
+        if effect not in physics.SEEN_BY_SENSORS:
+            flights = [recordings.motion(recordings.log(entry)) for entry in entries]
+            variance += (natural * physics.standard_error(vehicle, flights, effect, small)) ** 2
+    return max(tolerance, 5 * float(np.sqrt(variance)))
 
 
 def in_range(log, recordings, effect, values):
@@ -381,17 +384,16 @@ def cases_of(name, recordings):
                 unit = units(effect, recordings.vehicle, rotor, -sign, voltage)
             if way == "recording" and effect == "rotor_loss":
                 unit = {"loss": -1.0, "rotor": rotor}
-            limit = limit_of(recordings, effect, unit)
             most = MOST.get(effect, MOST_PER_KG.get(effect, np.inf) * recordings.vehicle.mass)
-            for times in (times for times in TIMES if times * limit <= most):
-                size = times * limit
-                parameters = {key: value if key == "rotor" else size * value for key, value in unit.items()}
-                logs = [recordings.log(entry) for entry in recordings.set.new + recordings.set.holdout] if way == "input" else []
-                if not all(in_range(log, recordings, effect, parameters) for log in logs):
-                    continue
-                for asked in ("file", "reference"):
-                    cases.append(Case(f"{way}_{effect}_x{times:g}_{asked}", name, way, asked, effect, parameters,
-                                      rotor if effect == "rotor_loss" else None, times, limit))
+            for asked in ("file", "reference"):
+                limit = limit_of(recordings, effect, unit, asked)
+                for times in (times for times in TIMES if times * limit <= most):
+                    size = times * limit
+                    parameters = {key: value if key == "rotor" else size * value for key, value in unit.items()}
+                    logs = [recordings.log(entry) for entry in recordings.set.new + recordings.set.holdout] if way == "input" else []
+                    if all(in_range(log, recordings, effect, parameters) for log in logs):
+                        cases.append(Case(f"{way}_{effect}_x{times:g}_{asked}", name, way, asked, effect, parameters,
+                                          rotor if effect == "rotor_loss" else None, times, limit))
     cases += [Case(f"noise_{seed}_file", name, "nothing", "file", seed=seed) for seed in (1, 2)]
     cases += [Case(f"{what}_reference", name, "nothing", "reference", seed=seed) for what, seed in (("untouched", 0), ("noise_1", 1), ("exchanged", 2))]
     return cases

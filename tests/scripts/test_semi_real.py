@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
 
 HOME = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(HOME / "scripts" / "prove"))
@@ -76,14 +78,21 @@ def test_flights_show_a_trim_by_themselves():
     assert physics.sizes_shown(VEHICLE, [(motion, thrust)], "thrust_curve", {"curvature": 0.01}) == []
 
 
-def test_the_scale_of_a_gyroscope_shows_against_the_attitude():
-    time_s = 0.01 * np.arange(2000)
-    angle = 0.5 * np.sin(2 * time_s)
-    column = {"time_s": time_s, **{q: 0 * time_s for q in ("qy", "qz", "wy", "wz")}, "qx": np.sin(angle / 2), "qw": np.cos(angle / 2),
-              "wx": 1.03 * np.cos(2 * time_s)}
-    assert physics.gyro_scale_shown(Log("a.csv", {}, column)) == pytest.approx(0.03, abs=1e-3)
-    del column["wx"]
-    assert np.isnan(physics.gyro_scale_shown(Log("a.csv", {}, column)))
+@pytest.mark.parametrize("effect, values", [("gyro_scale", {"delta": 0.03}), ("pose_delay", {"delay": 0.01}), ("yaw_offset", {"z": 0.05}),
+                                            ("attitude_offset", {"x": 0.03}), ("attitude_offset", {"y": -0.02}), ("imu_lever", {"y": 0.02})])
+def test_a_recording_shows_by_itself_what_is_concealed_in_a_sensor(effect, values):
+    # it swings about two axes, drifts to the sides as that pushes it, and feels its thrust
+    time_s = 0.01 * np.arange(4000)
+    turn = Rotation.from_rotvec(np.column_stack([0.2 * np.sin(2 * time_s), 0.3 * np.sin(1.3 * time_s), 0.4 * np.sin(0.7 * time_s)]))
+    rate = CubicSpline(time_s[:-1] + 0.005, (turn[:-1].inv() * turn[1:]).as_rotvec() / 0.01)(time_s)
+    felt = np.column_stack([0 * time_s, 0 * time_s, np.full(4000, 9.81)])
+    speed = CubicSpline(time_s, turn.apply(felt) - [0, 0, 9.81]).antiderivative()(time_s)
+    columns = {"q": ("xyzw", turn.as_quat()), "w": ("xyz", rate), "v": ("xyz", speed), "a": ("xyz", felt)}
+    column = {"time_s": time_s, **{name + axis: values[:, k] for name, (axes, values) in columns.items() for k, axis in enumerate(axes)}}
+    log = Log("a.csv", {}, column)
+    (axis, size), = values.items()
+    shown = [physics.SEEN_BY_SENSORS[effect](seen, VEHICLE, axis) for seen in (log, change_recording(log, effect, values, None))]
+    assert shown == pytest.approx([0.0, size], abs=0.05 * abs(size))
 
 
 def test_an_origin_beside_the_center_of_mass_is_seen_to_turn_about_it():
