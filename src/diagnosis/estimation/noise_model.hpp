@@ -34,6 +34,8 @@ struct NoiseModel {
   std::array<double, noise_groups> lasting_variance{}, lasting_time_s{};
   bool errors_last() const { return lasting_time_s[0] > 0.0; }
   SpeedNoise speeds;
+  // Of what every flight turns more by than the last, from its first sample to its last (a re-seated battery): variance of each axis, (rad/s²)²
+  std::array<double, 3> torque_trim{};
   double mean_torque = 0.0;  // variance of mean angular accelerations (mean_torques.hpp), (rad/s²)²; 0: not known yet
   // A simulator is not believed more than this: integrators and build differ, even where the air is still.
   std::array<double, disturbance_groups> least_white{};

@@ -8,6 +8,7 @@
 #include "diagnosis/estimation/indices.hpp"
 #include "diagnosis/estimation/mean_torques.hpp"
 #include "diagnosis/estimation/rotor_speeds.hpp"
+#include "diagnosis/estimation/torque_trims.hpp"
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/linear_model.hpp"
 #include "diagnosis/model/speed_comparison.hpp"
@@ -73,6 +74,7 @@ NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleMo
     noise.white[g] = (g < 2 ? 2.0 : 8.0) * noise.least_white[g];
   }
   noise.time_s = {0.2, 0.2, 0.1, 0.1};
+  if (flights.size() > 1) noise.torque_trim.fill(torque_trim_sd * torque_trim_sd);
   constexpr std::array<unsigned, 4> channel = {has_position, has_attitude, has_rate, has_force};
   constexpr std::array<double, 4> least = {1e-10, 1e-10, 1e-8, 1e-6};
   for (std::size_t g = 0; g < noise_groups; ++g) {
@@ -322,7 +324,12 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   std::vector<LinearFlight> rest(flights_.size());
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const bool anew = iteration % 2 == 0;
-    if (anew && !shoots()) coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
+    if (anew && !shoots()) {
+      Grams now = body_grams(fitted);
+      noise.torque_trim = likeliest_trims(catalogue_, fitted, value_, now, noise.torque_trim);
+      know_trims(catalogue_, noise.torque_trim, value_, now);
+      coefficient = solve(now.total(), fitted, 1e-4).coefficient;
+    }
     smoothed.assign(flights_.size(), Smoothed{});
     for_each_flight([&](std::size_t f) {
       if (anew) rest[f] = taken_out(linear_[f], fitted, coefficient);
@@ -422,16 +429,20 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
   return least;
 }
 
-Grams Session::grams() const {
-  return shoots() ? shooting_grams(shot_aside_, weights_, catalogue_, value_) : grams_of(linear_);
-}
+Grams Session::grams() const { return grams(all_); }
 
 Grams Session::grams(const std::vector<int>& columns) const {
+  if (shoots()) return shooting_grams(shot_aside_, weights_, catalogue_, value_);
+  Grams grams = body_grams(columns);
+  know_trims(catalogue_, noise.torque_trim, value_, grams);
+  return grams;
+}
+
+Grams Session::body_grams(const std::vector<int>& columns) const {
   const auto wanted = [&](int c) { return std::find(columns.begin(), columns.end(), c) != columns.end(); };
-  if (shoots() || std::all_of(linear_.begin(), linear_.end(), [&](const LinearFlight& l) {
-        return std::all_of(l.columns.begin(), l.columns.end(), wanted);
-      }))
-    return grams();
+  if (std::all_of(linear_.begin(), linear_.end(),
+                  [&](const LinearFlight& l) { return std::all_of(l.columns.begin(), l.columns.end(), wanted); }))
+    return grams_of(linear_);
   std::vector<LinearFlight> parts(flights_.size());
   for_each_flight([&](std::size_t f) { parts[f] = only(linear_[f], columns); });
   return grams_of(parts);

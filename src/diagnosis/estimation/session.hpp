@@ -100,6 +100,8 @@ class Session {
   void balance_torques(std::size_t f, const std::vector<int>* wanted);
   void take_biases_out(std::size_t flight);
   Grams grams_of(const std::vector<LinearFlight>& flights) const;
+  // as grams(columns) of a session that does not shoot, but that nothing is known of torque trims beforehand
+  Grams body_grams(const std::vector<int>& columns) const;
   // Flights as they are shot, with the answers of the loop set aside.
   void set_answers_aside();
   // New weights, and what the answers are under them.

@@ -148,8 +148,8 @@ Catalogue::Catalogue(const VehicleModel& vehicle, int flights, const Seen& seen)
     else add_effect(row, 0, flights);
   }
   add_biases(flights);
-  if (seen.trims) add_trims(flights);
-  else if (seen.observes(Need::torque)) add_command_innovation();
+  if (seen.trims || seen.observes(Need::torque)) add_trims(flights);
+  if (!seen.trims && seen.observes(Need::torque)) add_command_innovation();
 }
 
 void Catalogue::add_effect(const EffectRow& row, int rotor, int flights) {
@@ -240,7 +240,7 @@ void Catalogue::add_trims(int flights) {
                             {"command_clock", "s", command_clock_sd, 0.06},
                             {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
   for (int f = 0; f < flights; ++f)
-    for (int p = torque_trim; p <= (seen_.smoothing ? command_smoothing : command_clock); ++p) {
+    for (int p = torque_trim; p <= (!seen_.trims ? command_clock - 1 : seen_.smoothing ? command_smoothing : command_clock); ++p) {
       const Trim& known = trims[p - torque_trim];
       Column trim;
       trim.parameter = p;

@@ -37,6 +37,7 @@ struct Column {
   double tolerance = 0.0, estimate_tolerance = 0.0;  // the latter where errors of the sensors last
   double min = 0.0, max = 0.0;
   double nominal = 0.0;  // value in the vehicle file
+  bool of_torque_trim() const { return group < 0 && parameter >= torque_trim && parameter < command_clock; }
   // coefficient of the commands' innovation
   bool of_command_innovation() const {
     return group < 0 && parameter >= command_innovation_of && parameter < loop_between_of;

@@ -248,6 +248,13 @@ class Lineariser {
       return acceleration;
     });
     add(ColumnFrom::speed_limit, !flight_.limit_change.empty(), [&](std::size_t k) { return flight_.limit_change[k]; });
+    for (int c = 0; c < catalogue_.size() && out_.torque_known; ++c) {
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      if (column.flight != index_ || !column.of_torque_trim()) continue;
+      histories_.push_back({c, [axis = column.parameter - torque_trim](std::size_t) {
+                              return SpatialAcceleration(SpatialAcceleration::Unit(3 + axis));
+                            }});
+    }
     for (int c = 0; c < catalogue_.size() && !flight_.command_innovation.empty(); ++c) {
       const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
       if (!column.of_command_innovation() && !column.of_loop_between()) continue;

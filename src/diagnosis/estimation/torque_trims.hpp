@@ -1,0 +1,24 @@
+// Torque trims: a constant angular acceleration that every flight has for itself (a battery that was seated anew, warm rotors). They are
+// small beforehand, and how small the flights say together (random effects; Laird & Ware, Biometrics 38, 1982). Without them a slow
+// disturbance would have to be as large as they are, and would hide everything else that is slow.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "diagnosis/estimation/gram.hpp"
+#include "diagnosis/model/catalogue.hpp"
+
+namespace gustlab::diagnosis {
+
+using TrimVariance = std::array<double, 3>;  // of each axis, (rad/s²)²
+
+// Adds to Gram matrices that each trim of each flight is zero but for its variance; `value`: where they are linearised.
+void know_trims(const Catalogue& catalogue, const TrimVariance& variance, const Eigen::VectorXd& value, Grams& grams);
+
+// The likeliest variances beside the effects of some columns, from Gram matrices that know_trims has not been told of: EM, from
+// `variance`. One flight alone says nothing of them: zero.
+TrimVariance likeliest_trims(const Catalogue& catalogue, const std::vector<int>& columns, const Eigen::VectorXd& value,
+                             const Grams& grams, TrimVariance variance);
+
+}  // namespace gustlab::diagnosis
