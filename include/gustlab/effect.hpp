@@ -131,7 +131,8 @@ enum class Need : unsigned {
   wall = 64,
   rotor_radius = 128,
   rotor_speed = 256,
-  torque_ratio = 512
+  torque_ratio = 512,
+  gyro = 1024
 };
 constexpr Need operator|(Need a, Need b) {
   return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b));

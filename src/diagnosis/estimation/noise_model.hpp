@@ -37,6 +37,7 @@ struct NoiseModel {
   // Of what every flight turns more by than the last, from its first sample to its last (a re-seated battery): variance of each axis, (rad/s²)²
   std::array<double, 3> torque_trim{};
   double mean_torque = 0.0;  // variance of mean angular accelerations (mean_torques.hpp), (rad/s²)²; 0: not known yet
+  std::array<double, 2> sensor_windows{};  // variances (sensor_windows.hpp), rad² and (m/s)²; 0: not known yet
   // A simulator is not believed more than this: integrators and build differ, even where the air is still.
   std::array<double, disturbance_groups> least_white{};
   bool possible() const;  // no slower than the slowest disturbance, no less white than the least

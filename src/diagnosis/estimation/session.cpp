@@ -8,6 +8,7 @@
 #include "diagnosis/estimation/indices.hpp"
 #include "diagnosis/estimation/mean_torques.hpp"
 #include "diagnosis/estimation/rotor_speeds.hpp"
+#include "diagnosis/estimation/sensor_windows.hpp"
 #include "diagnosis/estimation/torque_trims.hpp"
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/linear_model.hpp"
@@ -23,11 +24,12 @@ bool all_have_voltage(const std::vector<FlightData>& flights) {
   return std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.has_voltage; });
 }
 
+bool has_channel(const FlightData& flight, unsigned channel) {
+  return std::ranges::any_of(flight.samples, [channel](const Sample& s) { return (s.channels & channel) != 0; });
+}
+
 bool any_channel(const std::vector<FlightData>& flights, unsigned channel) {
-  for (const FlightData& flight : flights)
-    for (const Sample& sample : flight.samples)
-      if (sample.channels & channel) return true;
-  return false;
+  return std::ranges::any_of(flights, [channel](const FlightData& flight) { return has_channel(flight, channel); });
 }
 
 Need observable_in(const std::vector<FlightData>& flights) {
@@ -37,6 +39,9 @@ Need observable_in(const std::vector<FlightData>& flights) {
                                       {has_force, Need::accelerometer}})
     if (any_channel(flights, channel)) observable = observable | need;
   for (const FlightData& flight : flights) {
+    if (flight.sensors || has_channel(flight, has_rate)) observable = observable | Need::gyro;
+    if (flight.sensors && has_channel(*flight.sensors, has_force) && has_channel(*flight.sensors, has_position))
+      observable = observable | Need::accelerometer;
     const Environment& around = flight.vehicle.environment;
     if (!flight.collective_only) observable = observable | Need::torque;
     if (around.ground_z_m) observable = observable | Need::ground;
@@ -118,7 +123,9 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       value_(catalogue_.nominal()),
       shooting_flights_(std::move(shooting_flights)),
       shot_(shooting_flights_.size()) {
+  sensor_windows_.resize(flights_.size());
   for_each_flight([&](std::size_t f) {
+    sensor_windows_[f] = sensor_windows(flights_[f], static_cast<int>(f), catalogue_);
     flights_[f].measured_at_sample = measured_beside_commands(flights_[f]);
     if (!shoots()) flights_[f].command_innovation = command_innovation(flights_[f]);
   });
@@ -309,6 +316,14 @@ std::vector<int> Session::present(const std::vector<int>& columns) const {
   return result;
 }
 
+Eigen::VectorXd Session::value_with(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const {
+  Eigen::VectorXd value = value_;
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    value[columns[i]] +=
+        coefficient[static_cast<Eigen::Index>(i)] * catalogue_.columns()[static_cast<std::size_t>(columns[i])].natural;
+  return value;
+}
+
 void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   const std::vector<int> fitted = present(columns);
   Eigen::VectorXd coefficient;
@@ -319,6 +334,8 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
       weigh(shooting_weights(shot_aside_, fitted, coefficient));
     }
   }
+  if (shoots())
+    noise.sensor_windows = sensor_window_variance(sensor_windows_, catalogue_, value_with(fitted, coefficient));
   noise.speeds = white_speed_noise(flights_, linear_);
   std::vector<NoiseModel> before;
   std::vector<LinearFlight> rest(flights_.size());
@@ -337,6 +354,8 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
     });
     if (anew) noise.speeds = likeliest(flights_, rest, noise.speeds);
     if (anew) noise.mean_torque = mean_torque_variance(rest);
+    if (anew && !shoots())
+      noise.sensor_windows = sensor_window_variance(sensor_windows_, catalogue_, value_with(fitted, coefficient));
     before.push_back(noise);
     noise = update(noise, smoothed, sample_s());
     if (largest_change(before.back(), noise) < least_change) return;
@@ -432,20 +451,44 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
 Grams Session::grams() const { return grams(all_); }
 
 Grams Session::grams(const std::vector<int>& columns) const {
-  if (shoots()) return shooting_grams(shot_aside_, weights_, catalogue_, value_);
+  if (shoots()) {
+    Grams grams = shooting_grams(shot_aside_, weights_, catalogue_, value_);
+    add_sensor_windows(columns, grams);
+    return grams;
+  }
   Grams grams = body_grams(columns);
   know_trims(catalogue_, noise.torque_trim, value_, grams);
   return grams;
 }
 
+void Session::add_sensor_windows(const std::vector<int>& columns, Grams& grams) const {
+  const double rows = grams.rows;
+  for (std::size_t f = 0; f < flights_.size(); ++f) {
+    const std::vector<int>& own = sensor_windows_[f].columns;
+    std::vector<int> wanted;
+    std::ranges::copy_if(own, std::back_inserter(wanted),
+                         [&](int c) { return std::ranges::find(columns, c) != columns.end(); });
+    Grams of_flight;
+    accumulate(whiten_sensor_windows(sensor_windows_[f], wanted, catalogue_, value_, noise.sensor_windows), wanted,
+               static_cast<int>(f), catalogue_.size(), of_flight);
+    append(std::move(of_flight), grams);
+  }
+  grams.rows = rows;
+}
+
 Grams Session::body_grams(const std::vector<int>& columns) const {
   const auto wanted = [&](int c) { return std::find(columns.begin(), columns.end(), c) != columns.end(); };
   if (std::all_of(linear_.begin(), linear_.end(),
-                  [&](const LinearFlight& l) { return std::all_of(l.columns.begin(), l.columns.end(), wanted); }))
-    return grams_of(linear_);
+                  [&](const LinearFlight& l) { return std::all_of(l.columns.begin(), l.columns.end(), wanted); })) {
+    Grams grams = grams_of(linear_);
+    add_sensor_windows(columns, grams);
+    return grams;
+  }
   std::vector<LinearFlight> parts(flights_.size());
   for_each_flight([&](std::size_t f) { parts[f] = only(linear_[f], columns); });
-  return grams_of(parts);
+  Grams grams = grams_of(parts);
+  add_sensor_windows(columns, grams);
+  return grams;
 }
 
 Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
@@ -503,7 +546,11 @@ void append_channels(const Whitened& rows, int channels, const std::vector<int>&
 RowSeries Session::row_series(const std::vector<int>& columns) const {
   const auto width = static_cast<Eigen::Index>(columns.size()) + 1;
   RowSeries series(flights_.size());
+  std::vector<int> all_of_them(columns.size());
+  std::iota(all_of_them.begin(), all_of_them.end(), 0);
   for_each_flight([&](std::size_t f) {
+    append_channels(whiten_sensor_windows(sensor_windows_[f], columns, catalogue_, value_, noise.sensor_windows), 6,
+                    all_of_them, width, series[f]);
     if (!shoots()) {
       const LinearFlight part = only(linear_[f], columns);
       const std::vector<int> to = indices_of(part.columns, columns);

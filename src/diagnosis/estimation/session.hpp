@@ -8,6 +8,7 @@
 #include "diagnosis/estimation/gram.hpp"
 #include "diagnosis/estimation/innovation_filter.hpp"
 #include "diagnosis/estimation/reference.hpp"
+#include "diagnosis/estimation/sensor_windows.hpp"
 #include "diagnosis/estimation/shooting.hpp"
 #include "diagnosis/estimation/surrogates.hpp"
 
@@ -94,12 +95,16 @@ class Session {
 
  private:
   double window_spacing_s() const;
+  // the linearisation's value with some columns further by so much in their natural units
+  Eigen::VectorXd value_with(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
   // the parts of a linearisation for one flight: its motion and speeds at a value, and y without the biases
   void read_at(const Eigen::VectorXd& value, std::size_t flight);
   // mean torques of a flight where the total thrust alone is known from sample to sample; `wanted`: as in linearise, none: as they are
   void balance_torques(std::size_t f, const std::vector<int>* wanted);
   void take_biases_out(std::size_t flight);
   Grams grams_of(const std::vector<LinearFlight>& flights) const;
+  // adds what the sensors say of these columns by themselves
+  void add_sensor_windows(const std::vector<int>& columns, Grams& grams) const;
   // as grams(columns) of a session that does not shoot, but that nothing is known of torque trims beforehand
   Grams body_grams(const std::vector<int>& columns) const;
   // Flights as they are shot, with the answers of the loop set aside.
@@ -116,6 +121,7 @@ class Session {
   std::vector<LinearFlight> linear_, each_rotor_;  // of FlightData::each_rotor
   Eigen::VectorXd value_;
   std::vector<int> all_, biases_;
+  std::vector<SensorWindows> sensor_windows_;
   std::vector<FlightData> shooting_flights_;
   std::vector<ShotFlight> shot_;
   ShootingWeights weights_;

@@ -14,9 +14,8 @@ constexpr double least_share = 1e-6;  // of the variance that trims have beforeh
 
 std::vector<int> trims_among(const Catalogue& catalogue, const std::vector<int>& columns) {
   std::vector<int> trims;
-  std::ranges::copy_if(columns, std::back_inserter(trims), [&](int c) {
-    return catalogue.columns()[static_cast<std::size_t>(c)].of_torque_trim();
-  });
+  std::ranges::copy_if(columns, std::back_inserter(trims),
+                       [&](int c) { return catalogue.columns()[static_cast<std::size_t>(c)].of_torque_trim(); });
   return trims;
 }
 

@@ -65,6 +65,7 @@ constexpr Missing missing[] = {
     {Need::motion, "neither position nor velocity in the logs", Lack::motion},
     {Need::torque, "these logs tell no torque", Lack::torque},
     {Need::accelerometer, "no accelerometer in the logs", Lack::accelerometer},
+    {Need::gyro, "no gyroscope in the logs", Lack::attitude_and_rate},
     {Need::ground, "no ground height in the logs (environment.ground_z_m)", Lack::surroundings},
     {Need::ceiling, "no ceiling height in the logs (environment.ceiling_z_m)", Lack::surroundings},
     {Need::wall, "no walls in the logs (environment.walls)", Lack::surroundings}};
@@ -240,7 +241,10 @@ void Catalogue::add_trims(int flights) {
                             {"command_clock", "s", command_clock_sd, 0.06},
                             {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
   for (int f = 0; f < flights; ++f)
-    for (int p = torque_trim; p <= (!seen_.trims ? command_clock - 1 : seen_.smoothing ? command_smoothing : command_clock); ++p) {
+    for (int p = torque_trim; p <= (!seen_.trims      ? command_clock - 1
+                                    : seen_.smoothing ? command_smoothing
+                                                      : command_clock);
+         ++p) {
       const Trim& known = trims[p - torque_trim];
       Column trim;
       trim.parameter = p;

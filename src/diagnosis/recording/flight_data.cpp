@@ -450,6 +450,16 @@ void find_saturation(FlightData& flight) {
   }
 }
 
+FlightData sensors_alone(const FlightLog& log, const VehicleModel& vehicle, const SensorLatency& late) {
+  FlightData flight;
+  flight.vehicle = vehicle;
+  flight.late = late;
+  const ReadingOptions options;
+  flight.samples =
+      samples_of(log, groups_read(log, interval_s(fastest_steps(log)), options), vehicle.nominal_voltage_V, options);
+  return flight;
+}
+
 }  // namespace
 
 FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
@@ -484,7 +494,10 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
     throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
                                 vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));
   flight.has_voltage = log.find("vbat") != nullptr;
-  flight.inertial_unused = options.forces_only && log.find("px") != nullptr && log.find("ax") != nullptr;
+  if ((options.forces_only || filters) && original.find("qw") != nullptr && original.find("wx") != nullptr)
+    flight.sensors = std::make_shared<FlightData>(sensors_alone(original, vehicle, options.late));
+  flight.inertial_unused =
+      options.forces_only && !flight.sensors && log.find("px") != nullptr && log.find("ax") != nullptr;
 
   const double log_step_s = interval_s(fastest_steps(log));
   const Groups groups = groups_read(log, log_step_s, options);

@@ -114,7 +114,7 @@ struct FlightData {
   RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
   bool collective_only = false;  // torques unknown, or not to be judged
   bool has_voltage = false;
-  bool inertial_unused = false;  // an accelerometer was recorded, and left out for `forces_only`
+  bool inertial_unused = false;  // an accelerometer was recorded, and no attitude to compare it with the path
   SensorLatency late;
   bool hold_known = false;                 // interpolated commands were resampled, or sent faster than the log
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
@@ -127,6 +127,8 @@ struct FlightData {
   bool commands_filtered = false;  // as all else, or not
   bool read_slower = false;        // than it was logged: neighbouring innovations are then never quite white
   double start_s = 0.0;
+  // the sensors as they were logged, where the filter leaves inertial data out or all was filtered once more; no commands, no motion
+  std::shared_ptr<const FlightData> sensors;
   // with the command of each rotor, where the total alone is known from sample to sample: means of torques over a while
   std::shared_ptr<const FlightData> each_rotor;
   // from the first sample to the last
