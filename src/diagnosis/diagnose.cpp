@@ -23,7 +23,7 @@
 #include "diagnosis/recording/total_thrust.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/rollout/verify.hpp"
-#include "diagnosis/selection/reference_fit.hpp"
+#include "diagnosis/evidence/reference_fit.hpp"
 #include "diagnosis/selection/select_effects.hpp"
 #include "diagnosis/selection/subset_search.hpp"
 #include "diagnosis/validation/locate.hpp"

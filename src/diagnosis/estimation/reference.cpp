@@ -30,22 +30,19 @@ std::vector<Eigen::MatrixXd> parts_of(const Grams& grams) {
   return parts;
 }
 
-// By how much parts of the flights differ more than their noise lets them, at least 1: the mean square of their scores at what all of
-// them say together, over what it is where the model holds (a score of information A has the covariance A; a part of n counts 1 − 1/n)
-double differ_by(const Grams& grams, const std::vector<int>& free, const std::vector<int>& shared,
-                 const Eigen::VectorXd& estimate) {
+// By how much parts of the flights differ in each number more than their noise lets them, at least 1: the squares of their scores at what
+// all of them say together, over what they are where the model holds (a score of information A has the covariance A; a part of n counts
+// 1 − 1/n). What a wind of its own changes in one number leaves the others as sure as they are.
+Eigen::ArrayXd differ_by(const Grams& grams, const std::vector<int>& free, const std::vector<int>& shared,
+                         const Eigen::VectorXd& estimate) {
   const std::vector<Eigen::MatrixXd> parts = parts_of(grams);
-  double squares = 0.0, expected = 0.0;
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(estimate.size()), expected = squares;
   for (const Eigen::MatrixXd& part : parts) {
     const Eigen::MatrixXd own = project_out(part, free), A = own(shared, shared);
-    const Eigen::VectorXd score = own(shared, own.cols() - 1) - A * estimate;
-    Eigen::MatrixXd held = A;
-    held.diagonal().array() += decisions::reference_prior;
-    const Eigen::LDLT<Eigen::MatrixXd> inverse(held);
-    squares += score.dot(inverse.solve(score));
-    expected += inverse.solve(A).trace();
+    squares += (own(shared, own.cols() - 1) - A * estimate).array().square();
+    expected += A.diagonal().array();
   }
-  return std::max(1.0, squares / (expected * (1.0 - 1.0 / static_cast<double>(parts.size())) + 1e-12));
+  return (squares / (expected * (1.0 - 1.0 / static_cast<double>(parts.size())) + 1e-12)).max(1.0);
 }
 
 }  // namespace
@@ -64,7 +61,8 @@ Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std
   Eigen::MatrixXd H = reference.information;
   H.diagonal().array() += decisions::reference_prior;
   reference.estimate = H.ldlt().solve(total(shared, total.cols() - 1));
-  reference.information /= differ_by(grams, free, shared, reference.estimate);
+  const Eigen::VectorXd less = differ_by(grams, free, shared, reference.estimate).sqrt().inverse();
+  reference.information = less.asDiagonal() * reference.information * less.asDiagonal();
   return reference;
 }
 

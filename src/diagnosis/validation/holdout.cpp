@@ -143,6 +143,10 @@ class OnHeldOut {
 
 HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std::vector<FlightData> holdout,
                          std::vector<FlightData> own_rate, int jobs) {
+  if (holdout.empty()) {
+    const std::vector<double> nothing(selection.findings.size(), 0.0);
+    return {.gain = nothing, .expected = nothing};
+  }
   Session session(std::move(holdout), fitted.vehicle(), jobs, std::move(own_rate));
   session.noise = selection.noise_selected;
   suspect_what_was_found(fitted, selection, session);

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "diagnosis/selection/reference_fit.hpp"
+#include "diagnosis/evidence/reference_fit.hpp"
 #include "support/sessions.hpp"
 
 namespace gustlab::diagnosis {

@@ -1,9 +1,10 @@
-#include "diagnosis/selection/reference_fit.hpp"
+#include "diagnosis/evidence/reference_fit.hpp"
 
 #include <cmath>
 #include <map>
 
 #include "config/toml.hpp"
+#include "diagnosis/evidence/challenge.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/select_effects.hpp"
 
@@ -30,7 +31,8 @@ std::map<std::pair<std::string, int>, double> sizes_of_each_flight(const Catalog
 ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::vector<FlightData>& own_rate,
                            const VehicleModel& vehicle, int jobs) {
   Session session(flights, vehicle, jobs, own_rate);
-  const Selection selection = select_effects(session, {});
+  Selection selection = select_effects(session, {});
+  challenge(session, selection, {}, [] { return std::nullopt; }, jobs);
   const Catalogue& catalogue = session.catalogue();
   const std::vector<EffectSpec> all = effects_found(catalogue, selection);
   ReferenceFit fit{vehicle, {}, {}};
