@@ -44,6 +44,8 @@ struct ParameterInfo {
   Scale scale = Scale::one;
   // what is larger either way would be seen without any flight (0: the bounds above hold for a fit, too)
   double plausible = 0.0;
+  // Beforehand the vehicle file is wrong by this much (standard deviation, × scale); 0: nothing is known of it.
+  double known_to = 0.0;
   // the tolerance where the logged attitude is an estimate, which follows the sensor that it is compared with
   double estimate_tolerance = 0.0;
   Fitted fitted = Fitted::always;

@@ -13,7 +13,8 @@ class CenterOfMass final : public Effect {
     // the torque of 1.2 % of one of four rotors is 0.003 arms of centre of mass
     constexpr double natural = 0.02, tolerance = 0.003, plausible = 0.25;
     // Only a specific force to the side turns the vehicle by its height: drag, of a fifth of its weight at most in most flights.
-    constexpr double height_tolerance = 5.0 * tolerance;
+    // It stands in for any moment that goes with the velocity, so that it is believed to be near the file's: 2.5 mm of a Crazyflie.
+    constexpr double height_tolerance = 5.0 * tolerance, height_known_to = 0.05;
     visitor.number("x", offset_B_m_.x(),
                    {.unit = "m",
                     .help = "forward of the MJCF's centre of mass",
@@ -34,7 +35,8 @@ class CenterOfMass final : public Effect {
                     .natural = natural,
                     .tolerance = height_tolerance,
                     .scale = Scale::arm,
-                    .plausible = plausible});
+                    .plausible = plausible,
+                    .known_to = height_known_to});
   }
 
   void on_body(VehicleModel& vehicle) const override { vehicle.center_of_mass_B_m += offset_B_m_; }

@@ -141,6 +141,11 @@ std::vector<int> Session::with_biases(const std::vector<int>& groups) const {
   return columns;
 }
 
+void Session::freeze(int column) {
+  catalogue_.freeze(column);
+  std::erase(all_, column);
+}
+
 double Session::window_spacing_s() const {
   double duration_s = 0.0;
   for (const FlightData& flight : shooting_flights_) duration_s += flight.duration_s();
@@ -344,7 +349,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
     if (anew && !shoots()) {
       Grams now = body_grams(fitted);
       noise.torque_trim = likeliest_trims(catalogue_, fitted, value_, now, noise.torque_trim);
-      know_trims(catalogue_, noise.torque_trim, value_, now);
+      know_beforehand(catalogue_, noise.torque_trim, value_, now);
       coefficient = solve(now.total(), fitted, 1e-4).coefficient;
     }
     smoothed.assign(flights_.size(), Smoothed{});
@@ -457,7 +462,7 @@ Grams Session::grams(const std::vector<int>& columns) const {
     return grams;
   }
   Grams grams = body_grams(columns);
-  know_trims(catalogue_, noise.torque_trim, value_, grams);
+  know_beforehand(catalogue_, noise.torque_trim, value_, grams);
   return grams;
 }
 

@@ -45,6 +45,8 @@ class Session {
   void suspect_load(const Swing& swing, std::vector<std::vector<Vector3>> force_per_flight);
   // A lower speed limit is suspected: what it changes becomes a column.
   void suspect_limit(double limit_radps);
+  // Catalogue::freeze, here and in what is fitted beside all effects.
+  void freeze(int column);
   // F again from scratch at the next linearise (after a large effect was found).
   void forget_transitions();
   // EM on the noise, with the given columns at their least-squares values (ridged) all along.

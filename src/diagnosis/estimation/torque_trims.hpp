@@ -13,10 +13,12 @@ namespace gustlab::diagnosis {
 
 using TrimVariance = std::array<double, 3>;  // of each axis, (rad/s²)²
 
-// Adds to Gram matrices that each trim of each flight is zero but for its variance; `value`: where they are linearised.
-void know_trims(const Catalogue& catalogue, const TrimVariance& variance, const Eigen::VectorXd& value, Grams& grams);
+// Adds to Gram matrices what is known beforehand: each trim of each flight is zero but for its variance, and numbers of effects are those of
+// the vehicle file but for Column::known_to. `value`: where they are linearised.
+void know_beforehand(const Catalogue& catalogue, const TrimVariance& variance, const Eigen::VectorXd& value,
+                     Grams& grams);
 
-// The likeliest variances beside the effects of some columns, from Gram matrices that know_trims has not been told of: EM, from
+// The likeliest variances beside the effects of some columns, from Gram matrices that know_beforehand has not been told of: EM, from
 // `variance`. One flight alone says nothing of them: zero.
 TrimVariance likeliest_trims(const Catalogue& catalogue, const std::vector<int>& columns, const Eigen::VectorXd& value,
                              const Grams& grams, TrimVariance variance);

@@ -194,6 +194,7 @@ Column Catalogue::column_of(const EffectRow& row, const Number& number) const {
   column.min = number.info.min;
   column.max = number.info.max;
   column.nominal = *number.value;
+  column.known_to = number.info.known_to * scale;
   if (number.info.plausible > 0.0)
     column.max = number.info.plausible * scale, column.min = std::max(number.info.min, -column.max);
   // a switch, near one
@@ -291,6 +292,11 @@ void Catalogue::hide_torque_gains() {
   loop_answers_ = true;
   for (Group& group : groups_)
     if (needs_torque_gain(*group.row)) group.candidate = false;
+}
+
+void Catalogue::freeze(int column) {
+  const int g = columns_[static_cast<std::size_t>(column)].group;
+  std::erase(groups_[static_cast<std::size_t>(g)].columns, column);
 }
 
 Eigen::VectorXd Catalogue::nominal() const {

@@ -36,7 +36,8 @@ struct Column {
   double natural = 1.0;                              // typical size in SI, the regression's unit
   double tolerance = 0.0, estimate_tolerance = 0.0;  // the latter where errors of the sensors last
   double min = 0.0, max = 0.0;
-  double nominal = 0.0;  // value in the vehicle file
+  double nominal = 0.0;   // value in the vehicle file
+  double known_to = 0.0;  // standard deviation of the vehicle file's value, SI; 0: nothing is known beforehand
   bool of_torque_trim() const { return group < 0 && parameter >= torque_trim && parameter < command_clock; }
   // coefficient of the commands' innovation
   bool of_command_innovation() const {
@@ -126,6 +127,8 @@ class Catalogue {
   void set_speed_limit(double limit_radps);
   // The recorded loop answers what disturbs the vehicle: what only the torque per command shows is no candidate any more.
   void hide_torque_gains();
+  // A number that ran away from what is known of it beforehand stays as the vehicle file has it, and leaves its group to the others.
+  void freeze(int column);
   // Sensor effects and rate biases of one flight, as smoothing takes them out.
   SensorCorrection sensor_correction(const Eigen::VectorXd& value, int flight) const;
   // Values kept inside their bounds.

@@ -66,6 +66,10 @@ inline constexpr double least_load_share = 0.01, least_limit_gain = 30.0, least_
 // What a history costs in the search, beyond its column: numbers that were fitted to it beforehand.
 // Statistic: parameters. From: length, damping and the swing of some flights; a limit out of twenty. Costs: histories that gain less.
 inline constexpr double swing_costs = 30.0, limit_costs = 5.0;
+// A number that is known beforehand ran away from it: it stands in for something else, and stays as the vehicle file has it.
+// Statistic: its change over what it is known to. From: two standard deviations; the height of the centre of mass stood for a moment of the
+// velocity (nanodrone, NeuroBEM, imrc). Costs: a centre of mass that is a tenth of an arm higher or lower is not named.
+inline constexpr double ran_away = 2.0;
 // A value is a trim, no missing physics: up to so many tolerances.
 // Statistic: the larger of its sizes in reporting tolerances. From: an estimate holds a share of what alike parts scatter; no
 // derivation of the value. Costs: effects between one tolerance and this.

@@ -225,6 +225,20 @@ class Selector {
 
   // Gauss–Newton in the nonlinear model: columns are differentiated at most a few times, and stay as they are while steps fall fast.
   Eigen::VectorXd refine(const std::vector<int>& groups, Eigen::VectorXd value) {
+    value = refined(groups, std::move(value));
+    bool ran_away = false;
+    for (const int c : columns_of(catalogue_, groups)) {
+      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      if (column.known_to == 0.0 || std::abs(value[c] - column.nominal) < decisions::ran_away * column.known_to)
+        continue;
+      value[c] = column.nominal;
+      s_.freeze(c);
+      ran_away = true;
+    }
+    return ran_away ? refined(groups, std::move(value)) : value;
+  }
+
+  Eigen::VectorXd refined(const std::vector<int>& groups, Eigen::VectorXd value) {
     constexpr double near = 2e-2, falls_to = 0.3;
     s_.start_delay(groups, value);
     const std::vector<int> columns = s_.with_biases(groups);

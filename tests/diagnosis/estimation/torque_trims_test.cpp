@@ -1,0 +1,92 @@
+// Torque trims of every flight: what is known of them beforehand, and what several flights say of that together.
+#include "diagnosis/estimation/torque_trims.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "vehicle/read_vehicle.hpp"
+
+namespace gustlab::diagnosis {
+namespace {
+
+Catalogue catalogue_of(int flights) {
+  return {read_vehicle("crazyflie"), flights, {.observable = Need::attitude | Need::motion | Need::torque}};
+}
+
+int trim_of(const Catalogue& catalogue, int flight, int axis) {
+  for (int c = 0; c < catalogue.size(); ++c) {
+    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    if (column.of_torque_trim() && column.flight == flight && column.parameter == torque_trim + axis) return c;
+  }
+  return -1;
+}
+
+// every flight says its trim about x, and the same again of an effect that all flights share
+Grams flights_that_say(const Catalogue& catalogue, const std::vector<double>& trim_radps2, int shared,
+                       double information) {
+  Grams grams;
+  grams.columns = catalogue.size();
+  for (std::size_t f = 0; f < trim_radps2.size(); ++f) {
+    const int c = trim_of(catalogue, static_cast<int>(f), 0);
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(catalogue.size() + 1);
+    row[c] = torque_trim_sd;
+    if (shared >= 0) row[shared] = torque_trim_sd;
+    row[catalogue.size()] = trim_radps2[f];
+    grams.block.emplace_back(information * row * row.transpose());
+    grams.flight.push_back(static_cast<int>(f)), grams.time_s.push_back(0.0), grams.cluster.push_back(grams.clusters++);
+  }
+  return grams;
+}
+
+std::vector<int> trims_of(const Catalogue& catalogue, int flights) {
+  std::vector<int> columns;
+  for (int f = 0; f < flights; ++f)
+    for (int axis = 0; axis < 3; ++axis) columns.push_back(trim_of(catalogue, f, axis));
+  return columns;
+}
+
+constexpr TrimVariance beforehand = {25.0, 25.0, 25.0};
+
+TEST(TorqueTrims, AreAsLargeAsFlightsSay) {
+  const Catalogue catalogue = catalogue_of(4);
+  const Grams grams = flights_that_say(catalogue, {4.0, -2.0, 1.0, 3.0}, -1, 1e4);
+  const TrimVariance variance =
+      likeliest_trims(catalogue, trims_of(catalogue, 4), catalogue.nominal(), grams, beforehand);
+  EXPECT_NEAR(variance[0], (16.0 + 4.0 + 1.0 + 9.0) / 4.0, 0.01);
+  EXPECT_NEAR(variance[1], 25.0, 0.01);  // of which these flights say nothing
+}
+
+TEST(TorqueTrims, AboutWhatAllFlightsShareAreAsFlightsScatter) {
+  const Catalogue catalogue = catalogue_of(4);
+  const int shared = catalogue.groups()[static_cast<std::size_t>(catalogue.find("center_of_mass"))].columns.front();
+  const Grams grams = flights_that_say(catalogue, {14.0, 8.0, 11.0, 13.0}, shared, 1e4);
+  std::vector<int> columns = trims_of(catalogue, 4);
+  columns.push_back(shared);
+  // mean 11.5; the variance of a sample of four
+  EXPECT_NEAR(likeliest_trims(catalogue, columns, catalogue.nominal(), grams, beforehand)[0],
+              (6.25 + 12.25 + 0.25 + 2.25) / 3.0, 0.05);
+}
+
+TEST(TorqueTrims, OfOneFlightAreNone) {
+  const Catalogue catalogue = catalogue_of(1);
+  const Grams grams = flights_that_say(catalogue, {4.0}, -1, 1e4);
+  EXPECT_EQ(likeliest_trims(catalogue, trims_of(catalogue, 1), catalogue.nominal(), grams, beforehand), TrimVariance{});
+}
+
+// against the mean of a normal variable and its prior, by hand; linearised about another value it is the same trim
+TEST(TorqueTrims, ThatAreKnownAreDrawnToZero) {
+  const Catalogue catalogue = catalogue_of(2);
+  const std::vector<int> columns = trims_of(catalogue, 2);
+  for (const double about : {0.0, 1.5}) {
+    Eigen::VectorXd value = catalogue.nominal();
+    value[columns[0]] = about;
+    Grams grams = flights_that_say(catalogue, {4.0 - about, 0.0}, -1, 0.5);
+    know_beforehand(catalogue, {2.0, 2.0, 2.0}, value, grams);
+    const double found = about + torque_trim_sd * solve(grams.total(), columns).coefficient[0];
+    EXPECT_NEAR(found, 4.0 * 0.5 / (0.5 + 1.0 / 2.0), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace gustlab::diagnosis
