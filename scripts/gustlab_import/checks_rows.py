@@ -1,5 +1,7 @@
 """Checks of the rows: time, duplicates, gaps, and which rows are flight."""
 
+from pathlib import Path
+
 import numpy as np
 
 from .checks_columns import groups, slower
@@ -23,7 +25,7 @@ def clean_time(flight: Flight) -> None:
     if len(bad):
         row = bad[0]
         why = "runs backward" if step[row - 1] < 0.0 else "stands still while other columns change"
-        raise ImportFailure(f"{flight.where(row, 'time_s')}: time {why}: {flight.time_s[row]:.6f} s after "
+        raise ImportFailure(f"{flight.file}:{flight.line[row]}: column `{flight.source.get('time_s', 'time_s')}`: time {why}: {flight.time_s[row]:.6f} s after "
                             f"{flight.time_s[row - 1]:.6f} s ({len(bad)} such rows); is it the right time column?", DATA)
     if np.any(twice):
         at = flight.time_s[twice]
@@ -84,7 +86,7 @@ def airborne(flight: Flight) -> np.ndarray:
 
 def keep_section(flight: Flight, column_map: ColumnMap, from_s, to_s, whole: bool) -> None:
     """Keeps --from to --to, or the section that the map gives."""
-    section_from, section_to, why = column_map.section(flight.file)
+    section_from, section_to, why = column_map.section(Path(flight.file).name)
     if whole:
         section_from = section_to = None
     first = from_s if from_s is not None else section_from

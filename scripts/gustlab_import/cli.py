@@ -57,7 +57,7 @@ def run(argv: list) -> int:
     for path in options.inputs:
         progress.show(len(outcomes), len(options.inputs))
         name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
-        if name in names:
+        if name in names and options.out is not None:
             raise ImportFailure(f"{path}: would be written over {names[name]} (both give {name}); use two --out", USAGE)
         names[name] = path
         if column_map is not None:
@@ -101,7 +101,7 @@ def write(folder: Path, outcomes: list) -> None:
     for name in sorted(set(files) - ours):
         if (folder / name).exists():
             raise ImportFailure(f"{folder / name}: is there already, and no import wrote it; give another --out", USAGE)
-    again = {one.file for one in outcomes}
+    again = {one.name for one in outcomes}
     document["logs"] = [log for log in before if log["file"] not in again] + document["logs"]
     stale = {name for log in before if log["file"] in again for flight in log["flights"] for name in _names(flight)} - set(files)
     files["import.json"] = as_json(document).encode("utf-8")

@@ -37,7 +37,7 @@ def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options)
     top = {"vehicle": reference, "actuator": column_map.get("actuator", "kind"),
            "source": column_map.get("", "source", "recording"),
            "hold": column_map.get("", "hold", "unknown"), "notes": column_map.get("", "notes", "")}
-    origin = {"file": flight.file, "sha256": table.sha256, "map": column_map.name, "published": column_map.get("", "published", ""),
+    origin = {"file": Path(flight.file).name, "sha256": table.sha256, "map": column_map.name, "published": column_map.get("", "published", ""),
               "rows_read": flight.rows, "source_time_of_zero_s": flight.start_s, "usable": usable,
               "known_issues": column_map.get("", "known_issues", [])}
     sidecar = sidecar_text(flight, top, column_map.tables.get("environment", {}), origin)

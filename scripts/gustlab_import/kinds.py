@@ -21,14 +21,14 @@ def kind_of(path: Path) -> str:
         if head.startswith(magic):
             return kind
     if not head:
-        raise ImportFailure(f"{path.name}: byte 0: the file is empty; fetch it again")
+        raise ImportFailure(f"{path}: byte 0: the file is empty; fetch it again")
     if head.startswith(b"\x1f\x8b") and not path.name.lower().endswith(".csv.gz"):
-        raise ImportFailure(f"{path.name}: is compressed with gzip; unpack it first (gunzip), and give the log", USAGE)
+        raise ImportFailure(f"{path}: is compressed with gzip; unpack it first (gunzip), and give the log", USAGE)
     kind = ENDINGS.get(path.suffix.lower())
     if kind:
         return kind
     known = ", ".join(dict.fromkeys(ENDINGS))
-    raise ImportFailure(f"{path.name}: byte 0: no log format that is known begins like this, and `{path.suffix}` is none of {known}",
+    raise ImportFailure(f"{path}: byte 0: no log format that is known begins like this, and `{path.suffix}` is none of {known}",
                         USAGE)
 
 
@@ -48,6 +48,6 @@ def reader_of(kind: str, path: Path):
         return read_usd_by_names
     if kind in ("csv", "parquet"):
         built_in = ", ".join(sorted(p.stem for p in MAPS.glob("*.toml")))
-        raise ImportFailure(f"{path.name}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in}); `gustlab defaults column-map` prints one to begin with", USAGE)
+        raise ImportFailure(f"{path}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in}); `gustlab defaults column-map` prints one to begin with", USAGE)
     from .read_ros import read_ros
     return read_ros

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -17,7 +18,7 @@ MARK = {"note": "note   ", "warning": "WARNING", "error": "ERROR  "}
 
 @dataclass
 class Outcome:
-    """flights: [(name without .csv, Flight, text of the sidecar)]; refused: [(from_s, to_s, why)]; topics as in Recording."""
+    """file: the path as it was given; flights: [(name without .csv, Flight, text of the sidecar)]; refused: [(from_s, to_s, why)]; topics as in Recording."""
 
     file: str
     sha256: str
@@ -29,6 +30,11 @@ class Outcome:
     findings: list = field(default_factory=list)
     limits: list = field(default_factory=list)
     topics: list = field(default_factory=list)
+
+    @property
+    def name(self) -> str:
+        """Name of the file without its folder: what is written names no place of the machine."""
+        return Path(self.file).name
 
     def all_findings(self) -> list:
         """(name of the flight or "", finding) of the log and of its flights."""
@@ -57,7 +63,7 @@ def _log(one: Outcome) -> dict:
                 "sources": _sources(flight), "rows": len(flight.time_s),
                 "noise": {column: float(f"{value:.4g}") for column, value in noise(flight).items() if value == value}}
                for name, flight, _ in one.flights if len(flight.time_s)]
-    return {"file": one.file, "kind": one.kind, "autopilot": one.autopilot, "airframe": one.airframe, "sha256": one.sha256,
+    return {"file": one.name, "kind": one.kind, "autopilot": one.autopilot, "airframe": one.airframe, "sha256": one.sha256,
             "flights": flights, "refused": [{"from_s": _s(a), "to_s": _s(b), "why": why} for a, b, why in one.refused],
             "findings": [{**({"log": name + ".csv"} if name else {}), **finding.as_dict()} for name, finding in one.all_findings()],
             "cannot_tell": one.limits}

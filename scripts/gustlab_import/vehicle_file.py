@@ -41,12 +41,12 @@ def read_vehicle(wanted: str, beside) -> Vehicle:
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
         if document.get("format") != FORMAT:
-            raise ImportFailure(f'{path.name}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}") make one with `gustlab vehicle new`', USAGE)
+            raise ImportFailure(f'{path}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}") make one with `gustlab vehicle new`', USAGE)
         return Vehicle(reference, _rotors(path, document), _inputs(document))
     except tomllib.TOMLDecodeError as error:
-        raise ImportFailure(f"{path.name}:1:1: --vehicle: {error}", USAGE) from error
+        raise ImportFailure(f"{path}:1:1: --vehicle: {error}", USAGE) from error
     except (OSError, UnicodeDecodeError, xml.ParseError) as error:
-        raise ImportFailure(f"{path.name}:1:1: --vehicle: cannot be read ({error})", USAGE) from error
+        raise ImportFailure(f"{path}:1:1: --vehicle: cannot be read ({error})", USAGE) from error
 
 
 def _rotors(path: Path, document: dict) -> list:
