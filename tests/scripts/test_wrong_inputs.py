@@ -41,7 +41,7 @@ def files():
     lines = table.splitlines()
     made = {"good.ulg": ulog, "good.csv": table, "good.toml": MAP, "other/good.csv": table, "body.xml": BODY, "vehicle.toml": VEHICLE,
             "empty.ulg": b"", "unknown.xyz": NONSENSE, "folder/log.ulg": ulog, "bare/notes.txt": b"nothing",
-            "wing.ulg": quad(mav_type=1), "vtol.ulg": quad(mav_type=22), "disarmed.ulg": quad(armed=(90.0, 91.0), flying=(90.0, 91.0)),
+            "hexa.ulg": quad(mav_type=13).replace(b"CA_ROTOR_COUNT", b"CA_ROTOR_OTHER"), "wing.ulg": quad(mav_type=1), "vtol.ulg": quad(mav_type=22), "disarmed.ulg": quad(armed=(90.0, 91.0), flying=(90.0, 91.0)),
             "hop.ulg": quad(flying=(3.0, 4.0)), "no_motors.ulg": quad(motors_logged=False), "cut.ulg": ulog[:300], "cut.bin": b"\xa3\x95\x80\x80\x59FMT",
             "cut.usd": usd(2, [(k, 0.0, 0.0, 1, 2, 3, 4) for k in range(100)])[:60],
             "cut.bfl": b"H Product:Blackbox flight data recorder by Nicholas Sherlock\nH Data version:2\n", "cut.bag": b"#ROSBAG V2.0\nE",
@@ -190,6 +190,14 @@ class WrongInputs(unittest.TestCase):
         shutil.rmtree(self.folder / "out", ignore_errors=True)
         self.assertEqual(self.state(), before)
         return [] if written == ["out", "out/import.json"] else written
+
+    def test_a_layout_that_does_not_turn_as_the_log_says_is_written_with_a_warning(self):
+        for layout, warns in (("x", False), ("x-betaflight", False), ("+", True), ("x-crazyflie", False)):
+            done = subprocess.run([PROGRAM, *new(from_log="good.ulg", layout=layout)], cwd=self.folder, capture_output=True, text=True, check=False)
+            shutil.rmtree(self.folder / "out")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stderr.startswith(f'warning: --layout: the rotors of "{layout}" do not lie and turn as those of good.ulg'), warns, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), int(warns))
 
     def test_one_message_each(self):
         self.assertGreaterEqual(len(WRONG), 40)
