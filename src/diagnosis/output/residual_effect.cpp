@@ -250,7 +250,7 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   const std::vector<Proof> proofs = compare(without.fit, with.fit);
   if (proofs.empty() || !(proofs.front().closed > least_closed) || !(proofs.back().closed > -most_lost)) {
     out.notes.push_back(fmt::format(
-        "a sparse model of the rest in {} terms is not offered: it does not predict the held-out flights better",
+        "a model of what is left, a sum of {} terms, is not offered: it does not predict the held-out flights better",
         best.fit.chosen.size()));
     return show(std::move(without));
   }
