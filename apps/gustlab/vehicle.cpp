@@ -40,6 +40,8 @@ double quantity(const std::string& option, const std::string& text,
   } catch (const std::logic_error&) {
     end = 0;
   }
+  // 0x10 is a number for the library, and a slip of the keyboard here
+  if (text.find_first_of("xX") < end) end = 0;
   std::string unit = text.substr(end);
   unit.erase(0, unit.find_first_not_of(' '));
   std::vector<std::string> known;

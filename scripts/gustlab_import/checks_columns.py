@@ -212,8 +212,8 @@ def filtered(flight: Flight) -> None:
         corner = np.array([quiet_above(values[:, k]) for k in range(values.shape[1])])
         if np.mean(~np.isnan(corner)) > 0.5:
             say(flight, "filtered", columns, time_s, "warning",
-                f"{name} holds no power above about {np.nanmedian(corner) / step_of(time_s):.0f} Hz: low-pass filtered "
-                "(white measurement noise must not be assumed)")
+                f"{name}: nothing faster than about {np.nanmedian(corner) / step_of(time_s):.0f} Hz is left: low-pass filtered "
+                "(its noise is not independent from sample to sample)")
 
 
 def repeated_rows(flight: Flight) -> None:

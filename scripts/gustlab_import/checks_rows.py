@@ -33,7 +33,8 @@ def clean_time(flight: Flight) -> None:
                                        f"{int(twice.sum())} rows repeat the row before, time included: dropped", True))
         flight.keep(~twice)
     if len(flight.time_s) < 10:
-        raise ImportFailure(f"{flight.file}: only {len(flight.time_s)} samples: too few to be a flight", DATA)
+        count = len(flight.time_s)
+        raise ImportFailure(f"{flight.file}: only {count} sample{'s' * (count != 1)}: too few to be a flight", DATA)
 
 
 def gaps(flight: Flight) -> None:
@@ -92,11 +93,12 @@ def keep_section(flight: Flight, column_map: ColumnMap, from_s, to_s, whole: boo
     first = from_s if from_s is not None else section_from
     last = to_s if to_s is not None else section_to
     if first is not None or last is not None:
+        when = f"before {last:g}" if first is None else f"after {first:g}" if last is None else f"between {first:g} and {last:g}"
         first = flight.time_s[0] if first is None else first
         last = flight.time_s[-1] if last is None else last
         inside = (flight.time_s >= first) & (flight.time_s <= last)
         if not inside.any():
-            raise ImportFailure(f"{flight.file}: no sample between {first:g} and {last:g} s (the record has "
+            raise ImportFailure(f"{flight.file}: no sample {when} s (the record has "
                                 f"{flight.time_s[0]:g} to {flight.time_s[-1]:g} s)", USAGE)
         flight.keep(inside)
         if from_s is None and to_s is None:

@@ -11,7 +11,7 @@ from .from_recording import import_recording
 from .from_table import import_table
 from .kinds import kind_of, reader_of
 from .outcome import FORMAT, as_document, as_json, as_text
-from .problems import DATA, IO, USAGE, ImportFailure
+from .problems import DATA, IO, USAGE, ImportFailure, printable
 from .progress import Progress
 from .vehicle_file import read_vehicle
 from .write_log import csv_text, write_all
@@ -50,6 +50,8 @@ def stem(path: Path, by_folder: bool) -> str:
 
 def run(argv: list) -> int:
     options = arguments(argv)
+    if options.out is not None and options.out.exists() and not options.out.is_dir():
+        raise ImportFailure(f"--out {options.out}: is a file (flight logs go into a folder); give a folder", USAGE)
     column_map = load_map(options.map) if options.map else None
     vehicle = read_vehicle(options.vehicle, options.out) if options.vehicle else None
     outcomes, names = [], {}
@@ -80,10 +82,10 @@ def refusals(outcomes: list, keep_unusable: bool) -> int:
     for one in outcomes:
         wrong = next((f for _, f in one.all_findings() if f.severity == "error"), None)
         if wrong is not None and one.flights:
-            print(f"{one.file}: not usable: {wrong.says}", file=sys.stderr)
+            print(printable(f"{one.file}: not usable: {wrong.says}"), file=sys.stderr)
             unusable = True
         elif not one.flights:
-            print(f"{one.file}: no flight: {'; '.join(dict.fromkeys(why for _, _, why in one.refused))}", file=sys.stderr)
+            print(printable(f"{one.file}: no flight: {'; '.join(dict.fromkeys(why for _, _, why in one.refused))}"), file=sys.stderr)
     if unusable and not keep_unusable:
         return DATA
     return 0 if any(one.flights for one in outcomes) else DATA
@@ -132,7 +134,7 @@ def main(argv=None) -> int:
     try:
         return run(sys.argv[1:] if argv is None else argv)
     except ImportFailure as failure:
-        print(failure, file=sys.stderr)
+        print(printable(str(failure)), file=sys.stderr)
         return failure.code
     except BrokenPipeError:
         return IO

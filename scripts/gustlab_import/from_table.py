@@ -30,7 +30,7 @@ def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options)
     table = read_table(path, column_map)
     reference = vehicle.reference if vehicle else column_map.get("", "vehicle")
     if reference is None:
-        raise ImportFailure(f"{column_map.name}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
+        raise ImportFailure(f"{options.map.removesuffix('.toml')}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
     flight = convert(table, column_map)
     inspect(flight, column_map, table, options.from_s, options.to_s, options.whole)
     usable = all(f.severity != "error" for f in flight.findings)

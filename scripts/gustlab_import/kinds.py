@@ -12,14 +12,20 @@ ENDINGS = {".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash", ".tlog": "t
            ".bbl": "blackbox", ".csv": "csv", ".gz": "csv", ".parquet": "parquet"}
 
 
+def kind_by_mark(head: bytes) -> str:
+    """By the first bytes of a file; empty where they do not tell."""
+    return next((kind for magic, kind in MAGIC if head.startswith(magic)), "")
+
+
 def kind_of(path: Path) -> str:
     if path.is_dir():
         inside = sorted(p.name for p in path.iterdir() if p.suffix.lower() in ENDINGS)
         raise ImportFailure(f"{path}: a folder" + (f"; give the log in it: {path / inside[0]}" if inside else " without a log"), USAGE)
+    if path.exists() and not path.is_file():
+        raise ImportFailure(f"{path}: is a pipe or a device (a log is read more than once); save it as a file first", USAGE)
     head = first_bytes(path, 64)
-    for magic, kind in MAGIC:
-        if head.startswith(magic):
-            return kind
+    if kind := kind_by_mark(head):
+        return kind
     if not head:
         raise ImportFailure(f"{path}: byte 0: the file is empty; fetch it again")
     if head.startswith(b"\x1f\x8b") and not path.name.lower().endswith(".csv.gz"):

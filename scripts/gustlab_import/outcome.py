@@ -9,6 +9,7 @@ import numpy as np
 from .checks_columns import noise
 from .flight import Flight
 from .limits import can_tell, rate
+from .problems import printable
 from .streams import QUANTITIES
 
 FORMAT = "gustlab-import/1"
@@ -88,13 +89,13 @@ def as_text(outcomes: list, topics: bool = False) -> str:
 
 
 def _lines(one: Outcome, topics: bool) -> list:
-    lines = [f"{one.file}: {one.autopilot or one.kind}, {one.airframe} ({one.kind})"]
+    lines = [f"{printable(one.file)}: {one.autopilot or one.kind}, {one.airframe} ({one.kind})"]
     for name, flight, _ in one.flights:
         span = f"{flight.time_s[0]:.2f} to {flight.time_s[-1]:.2f} s" if len(flight.time_s) else "nothing left"
         lines.append(f"  flight {name}: {span}, {len(flight.time_s)} rows")
         lines += [f"    {quantity}: {hz:g} Hz ({_sources(flight).get(quantity, '')})"
                   for quantity, hz in rates(flight).items() if hz]
-        lines.append("    noise (third differences, SI units): " + _noise_text(noise(flight)))
+        lines.append("    noise from sample to sample (SI units): " + _noise_text(noise(flight)))
         lines.append("    enough to judge: " + ("; ".join(can_tell(flight)) or "nothing"))
     lines += [f"  refused: {a:.2f} to {b:.2f} s: {why}" for a, b, why in one.refused]
     for name, finding in one.all_findings():

@@ -60,12 +60,16 @@ def read_csv(path: Path) -> Table:
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ImportFailure(f"{path}:1:1: not a text file ({error.reason}); a binary file needs a map of its kind "
-                            "(usd, parquet, ros)") from error
+        raise ImportFailure(f"{path}:1:1: not a text file ({error.reason}); {_instead_of_text(raw)}") from error
     rows = csv.reader(io.StringIO(text))
     header = [name.strip() for name in next(rows, [])]
     if not header or header == [""]:
         raise ImportFailure(f"{path}:1:1: empty file (no header line)")
+    if any("\n" in name for name in header):
+        raise ImportFailure(f"{path}:1:1: a quotation mark in the header is never closed")
+    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
+        raise ImportFailure(f"{path}:1:1: cells are separated by {'semicolons' if ';' in header[0] else 'tabs'}; write commas "
+                            "(and decimal points)")
     doubled = sorted({name for name in header if header.count(name) > 1})
     if doubled:
         column = header.index(doubled[0]) + 1
@@ -75,14 +79,25 @@ def read_csv(path: Path) -> Table:
         if not row:
             continue
         if len(row) != len(header):
+            why = "cut off while it was written?" if len(row) < len(header) else "decimal commas?"
             raise ImportFailure(f"{path}:{rows.line_num}:{min(len(row), len(header)) + 1}: {len(row)} cells where the "
-                                f"header has {len(header)} (cut off while it was written?)")
+                                f"header has {len(header)} ({why})")
         cells.append([_number(cell, str(path), rows.line_num, k, header[k], non_finite) for k, cell in enumerate(row)])
         lines.append(rows.line_num)
     if not cells:
         raise ImportFailure(f"{path}:2:1: the file has a header and no samples")
     data = np.array(cells)
     return Table(str(path), digest, {name: data[:, k] for k, name in enumerate(header)}, np.array(lines), non_finite)
+
+
+def _instead_of_text(raw: bytes) -> str:
+    from .kinds import kind_by_mark   # kinds imports this module
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return "it is UTF-16: save it as UTF-8"
+    kind = kind_by_mark(raw[:64])
+    if kind in ("ulog", "dataflash", "blackbox"):
+        return "it is a flight computer's log, which needs no map: leave --map out"
+    return "a binary file needs a map of its kind (usd, parquet, ros)"
 
 
 def read_parquet(path: Path) -> Table:
