@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Prints what a PX4 or ArduPilot log says of its vehicle, as JSON: for `gustlab vehicle new --from-log LOG`.
 
-Hubs [m or in units of the arm, x forward, y left, z up], hover throttle, throttle curve and torque ratio, each with its source.
+Number of rotors, hubs [m or in units of the arm, x forward, y left, z up], hover throttle, throttle curve and torque ratio, each with
+its source.
 """
 
 import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
@@ -20,7 +21,7 @@ from gustlab_import.segments import split
 from pyulog import ULog
 
 KM_DEFAULT = 0.05       # PX4's default moment ratio CA_ROTORn_KM, which says nothing of a vehicle
-MULTICOPTERS = {2: "quadrotor", 13: "hexarotor", 14: "octorotor", 15: "tricopter"}  # MAV_TYPE (MAVLink common.xml)
+MULTICOPTERS = {2: 4, 13: 6, 14: 8, 15: 3}  # MAV_TYPE (MAVLink common.xml): rotors
 LEAST_HOVER_S = 5.0
 
 
@@ -37,6 +38,15 @@ def hubs(parameters):
     # 1 is PX4's default: it needs the proportions alone
     metres = 0.02 < min(arms) and max(arms) < 1.2 and not all(abs(abs(c) - 1.0) < 1e-6 for r in rotors for c in r["position_B_m"][:2])
     return rotors, "the log's parameters CA_ROTOR0_PX to KM", metres
+
+
+def rotor_count(parameters, found):
+    """{"value", "source"}; None where the log does not say"""
+    if found:
+        return {"value": len(found[0]), "source": "CA_ROTOR_COUNT"}
+    if "MAV_TYPE" not in parameters:
+        return None
+    return {"value": MULTICOPTERS[int(parameters["MAV_TYPE"])], "source": f"MAV_TYPE {int(parameters['MAV_TYPE'])}"}
 
 
 def hover(log):
@@ -69,7 +79,8 @@ def of_ardupilot(path):
         sys.exit(f"{path}: not of a multicopter ({recording.no_flight})")
     source = recording.streams["u"].source if "u" in recording.streams else ""
     places = [{"position_B_m": [rotor.x, rotor.y, 0.0], "counter_clockwise": rotor.direction > 0} for rotor in recording.rotors]
-    return {"hubs": places or None, "hubs_source": f"the log's FRAME_CLASS and FRAME_TYPE ({recording.airframe})", "metres": False,
+    count = {"value": len(places), "source": "FRAME_CLASS"} if places else None
+    return {"rotors": count, "hubs": places or None, "hubs_source": f"the log's FRAME_CLASS and FRAME_TYPE ({recording.airframe})", "metres": False,
             "hover": hover_of_flights(recording), "torque_ratio_m": None,
             "throttle_curve": {"value": 0.0, "source": f"import reads {source}"} if "as shares of thrust" in source else None}
 
@@ -99,7 +110,7 @@ def of_px4(path):
     if kind not in MULTICOPTERS or int(parameters.get("CA_AIRFRAME", 0)) != 0:
         sys.exit(f"{path}: not of a multicopter (MAV_TYPE is {kind}, CA_AIRFRAME {int(parameters.get('CA_AIRFRAME', 0))})")
     found = hubs(parameters)
-    return {"hubs": found and found[0], "hubs_source": found and found[1], "metres": bool(found and found[2]),
+    return {"rotors": rotor_count(parameters, found), "hubs": found and found[0], "hubs_source": found and found[1], "metres": bool(found and found[2]),
             "hover": hover(log) or hover_of_flights(read_ulog(path)), "throttle_curve": curve(parameters), "torque_ratio_m": torque_ratio(parameters)}
 
 

@@ -227,7 +227,7 @@ void add_diagnose(CLI::App& app) {
       app.add_subcommand("diagnose", "names the physics that the simulation of these flights leaves out");
   command->add_option("FLIGHT", options->flights,
                       "flight logs of one vehicle, NAME.csv or NAME.csv.gz; of one that lasts longer than five "
-                      "minutes, ten stretches of 30 s that excite most");
+                      "minutes, the ten stretches of 30 s that tell most");
   command->add_option("--holdout", options->holdout, "flights to verify on (default: the last one)");
   command->add_option(
       "--reference", options->reference,

@@ -37,13 +37,21 @@ void check_horizons(const std::vector<double>& horizon_s) {
           fmt::format("--horizon: {} s does not belong there (horizons are positive and rise)", horizon_s[h]));
 }
 
+// what a prediction starts from is kept, is led on by the model, by the model with effects; what sensors leave at the least
+std::string_view in_words(std::string_view kind) {
+  if (kind == "hold") return "values kept";
+  if (kind == "before") return "model";
+  if (kind == "after") return "with effects";
+  return kind == "noise" ? "noise alone" : kind;
+}
+
 void print_text(const nlohmann::ordered_json& block) {
   fmt::print("{} windows; mean error at the horizon\n\n{:16} {:>9}", block["windows"].get<std::size_t>(), "",
              "horizon_s");
   std::vector<std::string> kinds;
   for (const auto& [kind, values] : block["position_m"].items()) {
     kinds.push_back(kind);
-    fmt::print(" {:>10}", kind);
+    fmt::print(" {:>12}", in_words(kind));
   }
   fmt::print("\n");
   for (const std::string_view name : diagnosis::fit_quantity_names) {
@@ -52,7 +60,7 @@ void print_text(const nlohmann::ordered_json& block) {
       fmt::print("{:16} {:>9g}", h == 0 ? name : "", block["horizon_s"][h].get<double>());
       for (const std::string& kind : kinds) {
         const nlohmann::ordered_json& value = quantity[kind][h];
-        fmt::print(" {:>10}", value.is_null() ? "-" : fmt::format("{:.4g}", value.get<double>()));
+        fmt::print(" {:>12}", value.is_null() ? "-" : fmt::format("{:.4g}", value.get<double>()));
       }
       fmt::print("\n");
     }

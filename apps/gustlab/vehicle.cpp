@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -38,6 +40,8 @@ double quantity(const std::string& option, const std::string& text,
   } catch (const std::logic_error&) {
     end = 0;
   }
+  // 0x10 is a number for the library, and a slip of the keyboard here
+  if (text.find_first_of("xX") < end) end = 0;
   std::string unit = text.substr(end);
   unit.erase(0, unit.find_first_not_of(' '));
   std::vector<std::string> known;
@@ -88,12 +92,44 @@ void take_hubs(const nlohmann::json& said, const NewArguments& options, NewVehic
   wanted.hubs_source += fmt::format(", scaled to the mean arm of {:.4g} m that was given", arm_m);
 }
 
+// a hub in the same direction from the centre whose propeller turns the same way
+bool has_hub(const Hub& wanted, const nlohmann::json& hubs) {
+  const auto bearing = [](double x, double y) { return Vector3(x, y, 0.0).normalized(); };
+  const Vector3 there = bearing(wanted.position_B_m.x(), wanted.position_B_m.y());
+  const auto distance = [&](const nlohmann::json& hub) {
+    const std::vector<double> place = hub["position_B_m"];
+    return (bearing(place[0], place[1]) - there).norm();
+  };
+  const auto nearest = std::min_element(hubs.begin(), hubs.end(),
+                                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  // as far as `gustlab import` lets them be apart
+  return distance(*nearest) < 0.6 && (*nearest)["counter_clockwise"] == wanted.counter_clockwise;
+}
+
+// a layout that cannot be the log's is refused; places and turns in a log may be defaults
+void compare_layout(const nlohmann::json& said, const NewArguments& options) {
+  const Layout& layout = find_layout(options.layout);
+  if (!said["rotors"].is_null() && said["rotors"]["value"] != layout.places.size())
+    throw ConfigError(fmt::format(
+        "--layout: \"{}\" has {} rotors, and {} flew in {} (its {}) leave --layout out, or give the layout that flew",
+        layout.name, layout.places.size(), said["rotors"]["value"].get<int>(), options.log,
+        said["rotors"]["source"].get<std::string>()));
+  if (said["hubs"].is_null()) return;
+  const std::vector<Hub> hubs = hubs_on_circle(layout, 1.0);
+  if (!std::all_of(hubs.begin(), hubs.end(), [&](const Hub& hub) { return has_hub(hub, said["hubs"]); }))
+    spdlog::warn(
+        "--layout: the rotors of \"{}\" do not lie and turn as those of {} ({}) check which of them is right; --layout "
+        "is written",
+        layout.name, options.log, said["hubs_source"].get<std::string>());
+}
+
 // what the log says, where the user does not say otherwise
 void take_log(const NewArguments& options, NewVehicle& wanted) {
   // a file may be called --help
   const std::string file = options.log.starts_with('-') ? "./" + options.log : options.log;
   const nlohmann::json said = nlohmann::json::parse(output_of_script("log_vehicle.py", {file}));
-  if (!said["hubs"].is_null() && options.layout.empty()) take_hubs(said, options, wanted);
+  if (!options.layout.empty()) compare_layout(said, options);
+  else if (!said["hubs"].is_null()) take_hubs(said, options, wanted);
   if (!wanted.thrust_to_weight && !wanted.hover) wanted.hover = sourced(said, "hover");
   if (!wanted.throttle_curve) wanted.throttle_curve = sourced(said, "throttle_curve");
   wanted.torque_ratio_m = sourced(said, "torque_ratio_m");

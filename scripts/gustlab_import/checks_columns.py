@@ -1,5 +1,7 @@
 """Checks of single columns: missing cells, ranges, frozen, held, interpolated, made-up and filtered samples."""
 
+from pathlib import Path
+
 import numpy as np
 
 from .flight import Flight, step_of
@@ -85,7 +87,7 @@ def missing(flight: Flight, non_finite: dict) -> None:
         if not len(holes):
             continue
         line = next((non_finite[flight.source.get(c)] for c in columns if flight.source.get(c) in non_finite), None)
-        what = f"not a number or infinite (first at {flight.file}:{line})" if line else "empty"
+        what = f"not a number or infinite (first at {Path(flight.file).name}:{line})" if line else "empty"
         severity = "error" if len(holes) > 0.5 * len(rows) and name == "actuators" else "warning"
         some = [c for c, any_empty in zip(columns, empty.any(axis=0)) if any_empty]
         say(flight, "gap", some, rows[holes[[0, -1]]], severity,
@@ -210,8 +212,8 @@ def filtered(flight: Flight) -> None:
         corner = np.array([quiet_above(values[:, k]) for k in range(values.shape[1])])
         if np.mean(~np.isnan(corner)) > 0.5:
             say(flight, "filtered", columns, time_s, "warning",
-                f"{name} holds no power above about {np.nanmedian(corner) / step_of(time_s):.0f} Hz: low-pass filtered "
-                "(white measurement noise must not be assumed)")
+                f"{name}: nothing faster than about {np.nanmedian(corner) / step_of(time_s):.0f} Hz is left: low-pass filtered "
+                "(its noise is not independent from sample to sample)")
 
 
 def repeated_rows(flight: Flight) -> None:

@@ -20,6 +20,7 @@ CLEARLY = 0.3           # by how much another reading must correlate better to b
 STANDARD_GRAVITY = 9.80665  # m/s^2, CGPM 1901
 SLOWEST_s = 0.055       # samples farther apart tell no offsets between streams
 FEWEST = 60             # samples that a comparison needs
+LEAST_MOVED_mps = 0.05   # standard deviation, from which a velocity is compared with the position
 
 
 def check_motion(flight: Flight) -> None:
@@ -179,7 +180,8 @@ def velocity_against_position(flight: Flight) -> None:
     reach = round(REACH_s / step)
     moved = boxcar(np.gradient(position, rows, axis=0), round(0.05 / step))
     velocity = boxcar(as_central(velocity), round(0.05 / step))
-    if np.std(moved) < 0.05:
+    # in hover both say little; a position in another unit leaves only one of them small
+    if np.std(moved) < LEAST_MOVED_mps and np.std(velocity) < 5.0 * LEAST_MOVED_mps or not moved.any():
         return
 
     def misfit(candidate):
@@ -204,7 +206,7 @@ def velocity_against_position(flight: Flight) -> None:
             f"the velocity is not the derivative of the position (misfit {100 * own:.0f} %), and no other frame or sign helps")
     elif not 0.2 < gain < 5.0:
         say(flight, "unit", VELOCITY, rows, "error",
-            f"the velocity is {gain:.3g} times the derivative of the position: wrong unit")
+            f"the velocity is {f'{gain:.0f}' if gain >= 100.0 else f'{gain:.3g}'} times the derivative of the position: wrong unit")
     else:
         scale(flight, rows, moved, velocity, reach)
 

@@ -1,5 +1,7 @@
 """Checks of the rows: time, duplicates, gaps, and which rows are flight."""
 
+from pathlib import Path
+
 import numpy as np
 
 from .checks_columns import groups, slower
@@ -23,7 +25,7 @@ def clean_time(flight: Flight) -> None:
     if len(bad):
         row = bad[0]
         why = "runs backward" if step[row - 1] < 0.0 else "stands still while other columns change"
-        raise ImportFailure(f"{flight.where(row, 'time_s')}: time {why}: {flight.time_s[row]:.6f} s after "
+        raise ImportFailure(f"{flight.file}:{flight.line[row]}: column `{flight.source.get('time_s', 'time_s')}`: time {why}: {flight.time_s[row]:.6f} s after "
                             f"{flight.time_s[row - 1]:.6f} s ({len(bad)} such rows); is it the right time column?", DATA)
     if np.any(twice):
         at = flight.time_s[twice]
@@ -31,7 +33,8 @@ def clean_time(flight: Flight) -> None:
                                        f"{int(twice.sum())} rows repeat the row before, time included: dropped", True))
         flight.keep(~twice)
     if len(flight.time_s) < 10:
-        raise ImportFailure(f"{flight.file}: only {len(flight.time_s)} samples: too few to be a flight", DATA)
+        count = len(flight.time_s)
+        raise ImportFailure(f"{flight.file}: only {count} sample{'s' * (count != 1)}: too few to be a flight", DATA)
 
 
 def gaps(flight: Flight) -> None:
@@ -84,17 +87,18 @@ def airborne(flight: Flight) -> np.ndarray:
 
 def keep_section(flight: Flight, column_map: ColumnMap, from_s, to_s, whole: bool) -> None:
     """Keeps --from to --to, or the section that the map gives."""
-    section_from, section_to, why = column_map.section(flight.file)
+    section_from, section_to, why = column_map.section(Path(flight.file).name)
     if whole:
         section_from = section_to = None
     first = from_s if from_s is not None else section_from
     last = to_s if to_s is not None else section_to
     if first is not None or last is not None:
+        when = f"before {last:g}" if first is None else f"after {first:g}" if last is None else f"between {first:g} and {last:g}"
         first = flight.time_s[0] if first is None else first
         last = flight.time_s[-1] if last is None else last
         inside = (flight.time_s >= first) & (flight.time_s <= last)
         if not inside.any():
-            raise ImportFailure(f"{flight.file}: no sample between {first:g} and {last:g} s (the record has "
+            raise ImportFailure(f"{flight.file}: no sample {when} s (the record has "
                                 f"{flight.time_s[0]:g} to {flight.time_s[-1]:g} s)", USAGE)
         flight.keep(inside)
         if from_s is None and to_s is None:

@@ -11,7 +11,7 @@ from .from_recording import import_recording
 from .from_table import import_table
 from .kinds import kind_of, reader_of
 from .outcome import FORMAT, as_document, as_json, as_text
-from .problems import DATA, IO, USAGE, ImportFailure
+from .problems import DATA, IO, USAGE, ImportFailure, printable
 from .progress import Progress
 from .vehicle_file import read_vehicle
 from .write_log import csv_text, write_all
@@ -50,6 +50,8 @@ def stem(path: Path, by_folder: bool) -> str:
 
 def run(argv: list) -> int:
     options = arguments(argv)
+    if options.out is not None and options.out.exists() and not options.out.is_dir():
+        raise ImportFailure(f"--out {options.out}: is a file (flight logs go into a folder); give a folder", USAGE)
     column_map = load_map(options.map) if options.map else None
     vehicle = read_vehicle(options.vehicle, options.out) if options.vehicle else None
     outcomes, names = [], {}
@@ -57,7 +59,7 @@ def run(argv: list) -> int:
     for path in options.inputs:
         progress.show(len(outcomes), len(options.inputs))
         name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
-        if name in names:
+        if name in names and options.out is not None:
             raise ImportFailure(f"{path}: would be written over {names[name]} (both give {name}); use two --out", USAGE)
         names[name] = path
         if column_map is not None:
@@ -80,10 +82,10 @@ def refusals(outcomes: list, keep_unusable: bool) -> int:
     for one in outcomes:
         wrong = next((f for _, f in one.all_findings() if f.severity == "error"), None)
         if wrong is not None and one.flights:
-            print(f"{one.file}: not usable: {wrong.says}", file=sys.stderr)
+            print(printable(f"{one.file}: not usable: {wrong.says}"), file=sys.stderr)
             unusable = True
         elif not one.flights:
-            print(f"{one.file}: no flight: {'; '.join(dict.fromkeys(why for _, _, why in one.refused))}", file=sys.stderr)
+            print(printable(f"{one.file}: no flight: {'; '.join(dict.fromkeys(why for _, _, why in one.refused))}"), file=sys.stderr)
     if unusable and not keep_unusable:
         return DATA
     return 0 if any(one.flights for one in outcomes) else DATA
@@ -101,7 +103,7 @@ def write(folder: Path, outcomes: list) -> None:
     for name in sorted(set(files) - ours):
         if (folder / name).exists():
             raise ImportFailure(f"{folder / name}: is there already, and no import wrote it; give another --out", USAGE)
-    again = {one.file for one in outcomes}
+    again = {one.name for one in outcomes}
     document["logs"] = [log for log in before if log["file"] not in again] + document["logs"]
     stale = {name for log in before if log["file"] in again for flight in log["flights"] for name in _names(flight)} - set(files)
     files["import.json"] = as_json(document).encode("utf-8")
@@ -132,7 +134,7 @@ def main(argv=None) -> int:
     try:
         return run(sys.argv[1:] if argv is None else argv)
     except ImportFailure as failure:
-        print(failure, file=sys.stderr)
+        print(printable(str(failure)), file=sys.stderr)
         return failure.code
     except BrokenPipeError:
         return IO

@@ -117,17 +117,17 @@ def load_map(name: str) -> ColumnMap:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise ImportFailure(f"{path.name}:1:1: the map cannot be read ({error})", USAGE) from error
+        raise ImportFailure(f"{path}:1:1: the map cannot be read ({error})", USAGE) from error
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         at = str(error)
         where = [part for part in at.replace(")", "").replace(",", "").split() if part.isdigit()][-2:]
         where = where if len(where) == 2 else [str(text.count("\n") + 1), "1"]
-        raise ImportFailure(f"{path.name}:{where[0]}:{where[1]}: {at.split(' (at')[0]}", USAGE) from error
+        raise ImportFailure(f"{path}:{where[0]}:{where[1]}: {at.split(' (at')[0]}", USAGE) from error
     top = {key: value for key, value in document.items() if not _is_table(value)}
     tables = {key: value for key, value in document.items() if _is_table(value)}
-    checked = _Checker(path.name, text)
+    checked = _Checker(str(path), text)
     checked.table("", top)
     for key, value in tables.items():
         if key not in TABLES or key == "":
@@ -142,7 +142,7 @@ def load_map(name: str) -> ColumnMap:
     if "attitude" in tables and "unit" in tables["attitude"] and tables["attitude"]["order"] != "rpy":
         checked.fail("unit", "[attitude] has a unit and quaternions have none", 'give order = "rpy", or leave the unit out')
     if "time" not in tables or "actuator" not in tables and "rotor_speed" not in tables:
-        raise ImportFailure(f"{path.name}:1:1: a map needs [time] and [actuator] or [rotor_speed]", USAGE)
+        raise ImportFailure(f"{path}:1:1: a map needs [time] and [actuator] or [rotor_speed]", USAGE)
     if top["kind"] == "usd" and "event" not in top:
         checked.fail("kind", 'kind = "usd" needs `event`', 'for example event = "fixedFrequency"')
     return ColumnMap(path.stem, top, tables)

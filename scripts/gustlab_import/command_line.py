@@ -17,5 +17,8 @@ def seconds(text: str) -> float:
 class Options(argparse.ArgumentParser):
     """As argparse has it, but a wrong command line is said in one line."""
 
+    def __init__(self, **words):
+        super().__init__(allow_abbrev=False, **words)
+
     def error(self, message: str):
         self.exit(USAGE, f"gustlab: {message} (see {self.prog} --help)\n")

@@ -1,6 +1,7 @@
 """Turns a table and a column map into the columns of a flight log (SI units, world z up, quaternion scalar first)."""
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -22,6 +23,7 @@ FASTEST_s, SLOWEST_s = 2e-5, 0.2   # between rows
 class Flight:
     """A recording in the units and frames of the flight log.
 
+    file    path of the source as it was given
     time_s  (n,) [s]
     columns name of the flight log column -> (n,) in SI units, NaN where there is no sample, in the order of the file
     line    (n,) line or record of the source
@@ -53,8 +55,8 @@ class Flight:
         return commands or [name for name in self.columns if name.startswith("rotor") and name[5:].isdigit()]
 
     def where(self, row: int, column: str) -> str:
-        """`file:line: column` of a cell of the source, for messages."""
-        return f"{self.file}:{self.line[row]}: column `{self.source.get(column, column)}`"
+        """`file:line: column` of a cell of the source, for findings, which name no folder."""
+        return f"{Path(self.file).name}:{self.line[row]}: column `{self.source.get(column, column)}`"
 
     def series(self, *names: str) -> tuple:
         """(time_s, values) of the rows that hold a sample of any of the named columns: their own clock."""

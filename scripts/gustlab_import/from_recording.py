@@ -27,7 +27,7 @@ def import_recording(recording: Recording, name: str, vehicle, options) -> Outco
     for number, span in enumerate(spans, 1):
         flight = on_one_clock(recording, *span)
         check_flight(flight, actuator)
-        origin = {"file": recording.file, "sha256": recording.sha256, "log": recording.kind, "autopilot": recording.autopilot,
+        origin = {"file": out.name, "sha256": recording.sha256, "log": recording.kind, "autopilot": recording.autopilot,
                   "airframe": recording.airframe, **{f"{key}": value for key, value in recording.facts.items()},
                   **{f"source_{q}": stream.source for q, stream in recording.streams.items()}, "usable": usable(flight)}
         if options.keep_position:

@@ -30,14 +30,14 @@ def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options)
     table = read_table(path, column_map)
     reference = vehicle.reference if vehicle else column_map.get("", "vehicle")
     if reference is None:
-        raise ImportFailure(f"{column_map.name}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
+        raise ImportFailure(f"{options.map.removesuffix('.toml')}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
     flight = convert(table, column_map)
     inspect(flight, column_map, table, options.from_s, options.to_s, options.whole)
     usable = all(f.severity != "error" for f in flight.findings)
     top = {"vehicle": reference, "actuator": column_map.get("actuator", "kind"),
            "source": column_map.get("", "source", "recording"),
            "hold": column_map.get("", "hold", "unknown"), "notes": column_map.get("", "notes", "")}
-    origin = {"file": flight.file, "sha256": table.sha256, "map": column_map.name, "published": column_map.get("", "published", ""),
+    origin = {"file": Path(flight.file).name, "sha256": table.sha256, "map": column_map.name, "published": column_map.get("", "published", ""),
               "rows_read": flight.rows, "source_time_of_zero_s": flight.start_s, "usable": usable,
               "known_issues": column_map.get("", "known_issues", [])}
     sidecar = sidecar_text(flight, top, column_map.tables.get("environment", {}), origin)

@@ -12,23 +12,29 @@ ENDINGS = {".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash", ".tlog": "t
            ".bbl": "blackbox", ".csv": "csv", ".gz": "csv", ".parquet": "parquet"}
 
 
+def kind_by_mark(head: bytes) -> str:
+    """By the first bytes of a file; empty where they do not tell."""
+    return next((kind for magic, kind in MAGIC if head.startswith(magic)), "")
+
+
 def kind_of(path: Path) -> str:
     if path.is_dir():
         inside = sorted(p.name for p in path.iterdir() if p.suffix.lower() in ENDINGS)
         raise ImportFailure(f"{path}: a folder" + (f"; give the log in it: {path / inside[0]}" if inside else " without a log"), USAGE)
+    if path.exists() and not path.is_file():
+        raise ImportFailure(f"{path}: is a pipe or a device (a log is read more than once); save it as a file first", USAGE)
     head = first_bytes(path, 64)
-    for magic, kind in MAGIC:
-        if head.startswith(magic):
-            return kind
+    if kind := kind_by_mark(head):
+        return kind
     if not head:
-        raise ImportFailure(f"{path.name}: byte 0: the file is empty; fetch it again")
+        raise ImportFailure(f"{path}: byte 0: the file is empty; fetch it again")
     if head.startswith(b"\x1f\x8b") and not path.name.lower().endswith(".csv.gz"):
-        raise ImportFailure(f"{path.name}: is compressed with gzip; unpack it first (gunzip), and give the log", USAGE)
+        raise ImportFailure(f"{path}: is compressed with gzip; unpack it first (gunzip), and give the log", USAGE)
     kind = ENDINGS.get(path.suffix.lower())
     if kind:
         return kind
     known = ", ".join(dict.fromkeys(ENDINGS))
-    raise ImportFailure(f"{path.name}: byte 0: no log format that is known begins like this, and `{path.suffix}` is none of {known}",
+    raise ImportFailure(f"{path}: byte 0: no log format that is known begins like this, and `{path.suffix}` is none of {known}",
                         USAGE)
 
 
@@ -48,6 +54,6 @@ def reader_of(kind: str, path: Path):
         return read_usd_by_names
     if kind in ("csv", "parquet"):
         built_in = ", ".join(sorted(p.stem for p in MAPS.glob("*.toml")))
-        raise ImportFailure(f"{path.name}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in}); `gustlab defaults column-map` prints one to begin with", USAGE)
+        raise ImportFailure(f"{path}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in}); `gustlab defaults column-map` prints one to begin with", USAGE)
     from .read_ros import read_ros
     return read_ros

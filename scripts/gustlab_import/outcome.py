@@ -2,12 +2,14 @@
 
 import json
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from .checks_columns import noise
 from .flight import Flight
 from .limits import can_tell, rate
+from .problems import printable
 from .streams import QUANTITIES
 
 FORMAT = "gustlab-import/1"
@@ -17,7 +19,7 @@ MARK = {"note": "note   ", "warning": "WARNING", "error": "ERROR  "}
 
 @dataclass
 class Outcome:
-    """flights: [(name without .csv, Flight, text of the sidecar)]; refused: [(from_s, to_s, why)]; topics as in Recording."""
+    """file: the path as it was given; flights: [(name without .csv, Flight, text of the sidecar)]; refused: [(from_s, to_s, why)]; topics as in Recording."""
 
     file: str
     sha256: str
@@ -29,6 +31,11 @@ class Outcome:
     findings: list = field(default_factory=list)
     limits: list = field(default_factory=list)
     topics: list = field(default_factory=list)
+
+    @property
+    def name(self) -> str:
+        """Name of the file without its folder: what is written names no place of the machine."""
+        return Path(self.file).name
 
     def all_findings(self) -> list:
         """(name of the flight or "", finding) of the log and of its flights."""
@@ -57,7 +64,7 @@ def _log(one: Outcome) -> dict:
                 "sources": _sources(flight), "rows": len(flight.time_s),
                 "noise": {column: float(f"{value:.4g}") for column, value in noise(flight).items() if value == value}}
                for name, flight, _ in one.flights if len(flight.time_s)]
-    return {"file": one.file, "kind": one.kind, "autopilot": one.autopilot, "airframe": one.airframe, "sha256": one.sha256,
+    return {"file": one.name, "kind": one.kind, "autopilot": one.autopilot, "airframe": one.airframe, "sha256": one.sha256,
             "flights": flights, "refused": [{"from_s": _s(a), "to_s": _s(b), "why": why} for a, b, why in one.refused],
             "findings": [{**({"log": name + ".csv"} if name else {}), **finding.as_dict()} for name, finding in one.all_findings()],
             "cannot_tell": one.limits}
@@ -82,13 +89,13 @@ def as_text(outcomes: list, topics: bool = False) -> str:
 
 
 def _lines(one: Outcome, topics: bool) -> list:
-    lines = [f"{one.file}: {one.autopilot or one.kind}, {one.airframe} ({one.kind})"]
+    lines = [f"{printable(one.file)}: {one.autopilot or one.kind}, {one.airframe} ({one.kind})"]
     for name, flight, _ in one.flights:
         span = f"{flight.time_s[0]:.2f} to {flight.time_s[-1]:.2f} s" if len(flight.time_s) else "nothing left"
         lines.append(f"  flight {name}: {span}, {len(flight.time_s)} rows")
         lines += [f"    {quantity}: {hz:g} Hz ({_sources(flight).get(quantity, '')})"
                   for quantity, hz in rates(flight).items() if hz]
-        lines.append("    noise (third differences, SI units): " + _noise_text(noise(flight)))
+        lines.append("    noise from sample to sample (SI units): " + _noise_text(noise(flight)))
         lines.append("    enough to judge: " + ("; ".join(can_tell(flight)) or "nothing"))
     lines += [f"  refused: {a:.2f} to {b:.2f} s: {why}" for a, b, why in one.refused]
     for name, finding in one.all_findings():

@@ -5,6 +5,11 @@ from dataclasses import dataclass
 USAGE, DATA, IO = 2, 3, 4
 
 
+def printable(text: str) -> str:
+    """As a terminal may see it: a file name may hold anything."""
+    return "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in text)
+
+
 class ImportFailure(Exception):
     """A problem that ends the program; `code` is the exit code (2 usage or map, 3 data, 4 file system)."""
 

@@ -23,7 +23,7 @@ def read_blackbox(path: Path) -> Recording:
     data = read_bytes(path)
     parts = split_sessions(data)
     if not parts:
-        raise ImportFailure(f"{path.name}: byte 0: no blackbox log begins in this file")
+        raise ImportFailure(f"{path}: byte 0: no blackbox log begins in this file")
     best = None
     for begin, end in parts:
         log = FlightLogParser(data, begin, end)
@@ -31,13 +31,13 @@ def read_blackbox(path: Path) -> Recording:
             log.parse_header()
             log.parse_data()
         except Exception as error:  # the decoder raises whatever a damaged byte leads to
-            raise ImportFailure(f"{path.name}: byte {begin}: the blackbox log cannot be decoded ({type(error).__name__}: {error}); "
+            raise ImportFailure(f"{path}: byte {begin}: the blackbox log cannot be decoded ({type(error).__name__}: {error}); "
                                 "fetch it again") from error
         if best is None or len(log.main_frames) > len(best.main_frames):
             best = log
     if len(best.main_frames) < 20:
-        raise ImportFailure(f"{path.name}: {len(best.main_frames)} frames in the longest of {len(parts)} logs: too few to be a flight")
-    return _recording(path.name, data, best, len(parts))
+        raise ImportFailure(f"{path}: {len(best.main_frames)} frames in the longest of {len(parts)} logs: too few to be a flight")
+    return _recording(str(path), data, best, len(parts))
 
 
 def _recording(name: str, data: bytes, log, sessions: int) -> Recording:

@@ -37,17 +37,17 @@ def read_dataflash(path: Path) -> Recording:
     from pymavlink import DFReader  # a second to import
     data = read_bytes(path)
     if not data.startswith((b"\xa3\x95", b"FMT,")):
-        raise ImportFailure(f"{path.name}: byte 0: a DataFlash log begins with A3 95, or as text with FMT; is it another kind of log?")
+        raise ImportFailure(f"{path}: byte 0: a DataFlash log begins with A3 95, or as text with FMT; is it another kind of log?")
     try:
         with warnings.catch_warnings(), _set_aside() as said:
             warnings.simplefilter("ignore")
             log = DFReader.DFReader_text(str(path)) if data.startswith(b"FMT,") else DFReader.DFReader_binary(str(path))
             messages = _collect(log, lambda m: m.get_type(), _dataflash_time)
     except Exception as error:  # pymavlink raises whatever a damaged byte leads to
-        raise ImportFailure(f"{path.name}: the DataFlash log cannot be read ({type(error).__name__}: {error}); fetch it again") from error
+        raise ImportFailure(f"{path}: the DataFlash log cannot be read ({type(error).__name__}: {error}); fetch it again") from error
     if not messages:
-        raise ImportFailure(f"{path.name}: the DataFlash log holds no messages (cut off after its formats?); fetch it again")
-    recording = _DataFlash(path.name, data, messages).recording()
+        raise ImportFailure(f"{path}: the DataFlash log holds no messages (cut off after its formats?); fetch it again")
+    recording = _DataFlash(str(path), data, messages).recording()
     if lost := sum(line.startswith(b"bad header") for line in said[0].splitlines()):
         recording.findings.append(Finding("gap", "time_s", 0.0, recording.end_s, "warning", f"the file is damaged in places ({lost} bytes that are no message)"))
     return recording
@@ -258,11 +258,11 @@ def read_tlog(path: Path) -> Recording:
             log = mavutil.mavlink_connection(str(path))
             messages = _collect(log, lambda m: (m.get_type(), m.get_srcSystem(), m.get_srcComponent()), _boot_time)
     except Exception as error:  # pymavlink raises whatever a damaged byte leads to
-        raise ImportFailure(f"{path.name}: the tlog cannot be read (cut off within its first message, or damaged); fetch it again") from error
+        raise ImportFailure(f"{path}: the tlog cannot be read (cut off within its first message, or damaged); fetch it again") from error
     beats = [key for key, many in messages.items() if key[0] == "HEARTBEAT" and many[0][1].autopilot != 8]
     if not beats:
-        raise ImportFailure(f"{path.name}: no heartbeat of an autopilot is in the tlog: not MAVLink telemetry, or cut off")
-    return _Telemetry(path.name, data, messages, beats[0]).recording()
+        raise ImportFailure(f"{path}: no heartbeat of an autopilot is in the tlog: not MAVLink telemetry, or cut off")
+    return _Telemetry(str(path), data, messages, beats[0]).recording()
 
 
 def _boot_time(message) -> float:

@@ -23,7 +23,7 @@ SETTINGS = {"rate": "record the motor commands (mav_msgs/Actuators, px4_msgs/Act
 
 def read_ros(path: Path) -> Recording:
     bag = _Bag(path)
-    out = Recording(path.name, bag.sha256, "ros-bag", bag.kind, "unknown", end_s=bag.end_s, settings=SETTINGS)
+    out = Recording(str(path), bag.sha256, "ros-bag", bag.kind, "unknown", end_s=bag.end_s, settings=SETTINGS)
     out.topics = [(f"{name} ({bag.types[name].replace('/msg/', '/')})", len(times), rate_of(times)) for name, (times, _) in bag.topics.items()]
     wanted = {}
     for name in sorted(bag.topics, key=lambda n: -len(bag.topics[n][0])):
@@ -79,13 +79,13 @@ def table_of(path: Path, names: set) -> Table:
             continue
         series[name] = bag.column(topic, name[len(topic) + 1:])
     if not series:
-        raise ImportFailure(f"{path.name}: none of the map's columns is in the bag (topics: {', '.join(sorted(bag.topics))})")
+        raise ImportFailure(f"{path}: none of the map's columns is in the bag (topics: {', '.join(sorted(bag.topics))})")
     time_s = np.unique(np.concatenate([times for times, _ in series.values()]))
     columns = {"time": time_s}
     for name, (times, values) in series.items():
         columns[name] = np.full(len(time_s), np.nan)
         columns[name][np.searchsorted(time_s, times)] = values
-    return Table(path.name, bag.sha256, columns, np.arange(1, len(time_s) + 1))
+    return Table(str(path), bag.sha256, columns, np.arange(1, len(time_s) + 1))
 
 
 class _Bag:
@@ -93,7 +93,7 @@ class _Bag:
 
     def __init__(self, path: Path):
         from rosbags.highlevel import AnyReader  # a second to import
-        self.name, self.sha256 = path.name, hashlib.sha256(read_bytes(path)).hexdigest()
+        self.name, self.sha256 = str(path), hashlib.sha256(read_bytes(path)).hexdigest()
         self.topics, self.types, self.unknown = {}, {}, []
         try:
             with _opened(AnyReader, path) as reader:
@@ -104,10 +104,10 @@ class _Bag:
             raise
         except Exception as error:  # rosbags raises whatever a damaged byte leads to
             why = f"{type(error).__name__}: " if isinstance(error, (AttributeError, KeyError)) else ""
-            raise ImportFailure(f"{path.name}: the bag cannot be read ({why}{error}): cut off, or never closed? fetch it again, or mend it "
+            raise ImportFailure(f"{path}: the bag cannot be read ({why}{error}): cut off, or never closed? fetch it again, or mend it "
                                 f"with {REPAIR.get(path.suffix.lower(), REPAIR['.bag'])}") from error
         if not self.topics:
-            raise ImportFailure(f"{path.name}: no message of a known type is in the bag"
+            raise ImportFailure(f"{path}: no message of a known type is in the bag"
                                 + (f" (unknown: {', '.join(sorted(set(self.unknown)))})" if self.unknown else ""))
 
     def _read(self, reader) -> None:

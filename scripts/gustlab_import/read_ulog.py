@@ -29,7 +29,7 @@ SETTINGS = {"rate": "SDLOG_PROFILE: set bits 3 (system identification) and 4 (hi
 
 def read_ulog(path: Path) -> Recording:
     data = read_bytes(path)
-    return _Reader(path.name, data).recording()
+    return _Reader(str(path), data).recording()
 
 
 def _load(name: str, data: bytes):

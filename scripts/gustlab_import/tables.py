@@ -18,7 +18,7 @@ from .problems import DATA, ImportFailure
 class Table:
     """Columns of one recording; a missing sample is NaN.
 
-    file       name of the file, without its folder
+    file       path of the file as it was given
     sha256     of the bytes of the file
     columns    name -> (n,) float64
     line       (n,) line (CSV) or record number (binary) of every row, for messages
@@ -56,33 +56,48 @@ def read_csv(path: Path) -> Table:
         try:
             raw = gzip.decompress(raw)
         except (OSError, EOFError, zlib.error) as error:
-            raise ImportFailure(f"{path.name}:1:1: the gzip stream is broken ({error}); fetch the file again") from error
+            raise ImportFailure(f"{path}:1:1: the gzip stream is broken ({error}); fetch the file again") from error
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ImportFailure(f"{path.name}:1:1: not a text file ({error.reason}); a binary file needs a map of its kind "
-                            "(usd, parquet, ros)") from error
+        raise ImportFailure(f"{path}:1:1: not a text file ({error.reason}); {_instead_of_text(raw)}") from error
     rows = csv.reader(io.StringIO(text))
     header = [name.strip() for name in next(rows, [])]
     if not header or header == [""]:
-        raise ImportFailure(f"{path.name}:1:1: empty file (no header line)")
+        raise ImportFailure(f"{path}:1:1: empty file (no header line)")
+    if any("\n" in name for name in header):
+        raise ImportFailure(f"{path}:1:1: a quotation mark in the header is never closed")
+    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
+        raise ImportFailure(f"{path}:1:1: cells are separated by {'semicolons' if ';' in header[0] else 'tabs'}; write commas "
+                            "(and decimal points)")
     doubled = sorted({name for name in header if header.count(name) > 1})
     if doubled:
         column = header.index(doubled[0]) + 1
-        raise ImportFailure(f"{path.name}:1:{column}: column `{doubled[0]}` occurs twice; rename one of them")
+        raise ImportFailure(f"{path}:1:{column}: column `{doubled[0]}` occurs twice; rename one of them")
     cells, lines, non_finite = [], [], {}
     for row in rows:
         if not row:
             continue
         if len(row) != len(header):
-            raise ImportFailure(f"{path.name}:{rows.line_num}:{min(len(row), len(header)) + 1}: {len(row)} cells where the "
-                                f"header has {len(header)} (cut off while it was written?)")
-        cells.append([_number(cell, path.name, rows.line_num, k, header[k], non_finite) for k, cell in enumerate(row)])
+            why = "cut off while it was written?" if len(row) < len(header) else "decimal commas?"
+            raise ImportFailure(f"{path}:{rows.line_num}:{min(len(row), len(header)) + 1}: {len(row)} cells where the "
+                                f"header has {len(header)} ({why})")
+        cells.append([_number(cell, str(path), rows.line_num, k, header[k], non_finite) for k, cell in enumerate(row)])
         lines.append(rows.line_num)
     if not cells:
-        raise ImportFailure(f"{path.name}:2:1: the file has a header and no samples")
+        raise ImportFailure(f"{path}:2:1: the file has a header and no samples")
     data = np.array(cells)
-    return Table(path.name, digest, {name: data[:, k] for k, name in enumerate(header)}, np.array(lines), non_finite)
+    return Table(str(path), digest, {name: data[:, k] for k, name in enumerate(header)}, np.array(lines), non_finite)
+
+
+def _instead_of_text(raw: bytes) -> str:
+    from .kinds import kind_by_mark   # kinds imports this module
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return "it is UTF-16: save it as UTF-8"
+    kind = kind_by_mark(raw[:64])
+    if kind in ("ulog", "dataflash", "blackbox"):
+        return "it is a flight computer's log, which needs no map: leave --map out"
+    return "a binary file needs a map of its kind (usd, parquet, ros)"
 
 
 def read_parquet(path: Path) -> Table:
@@ -93,7 +108,7 @@ def read_parquet(path: Path) -> Table:
     try:
         table = pyarrow.parquet.read_table(path)
     except (pyarrow.ArrowException, OSError, ValueError) as error:
-        raise ImportFailure(f"{path.name}: the Parquet file cannot be read ({str(error).splitlines()[0]}); fetch it again") from error
+        raise ImportFailure(f"{path}: the Parquet file cannot be read ({str(error).splitlines()[0]}); fetch it again") from error
     columns, non_finite = {}, {}
     for name in table.column_names:
         kind = table.schema.field(name).type
@@ -107,8 +122,8 @@ def read_parquet(path: Path) -> Table:
                 non_finite[name] = int(bad[0]) + 1
             columns[name] = np.where(np.isfinite(values), values, np.nan)
     if not columns or not table.num_rows:
-        raise ImportFailure(f"{path.name}: no columns of numbers, or no rows, are in the Parquet file")
-    return Table(path.name, digest, columns, np.arange(1, table.num_rows + 1), non_finite)
+        raise ImportFailure(f"{path}: no columns of numbers, or no rows, are in the Parquet file")
+    return Table(str(path), digest, columns, np.arange(1, table.num_rows + 1), non_finite)
 
 
 def _number(cell: str, file: str, line: int, index: int, name: str, non_finite: dict) -> float:

@@ -68,7 +68,7 @@ def read_usd(path: Path, event: str) -> Table:
     """
     data = read_bytes(path)
     digest = hashlib.sha256(data).hexdigest()
-    reader = _Reader(data, path.name)
+    reader = _Reader(data, str(path))
     if not data or data[0] != MAGIC:
         reader.fail("not a Crazyflie uSD log (the first byte is not 0xBC)")
     reader.at = 1
@@ -100,8 +100,8 @@ def read_usd(path: Path, event: str) -> Table:
                         + types[identifier][2].unpack_from(data, reader.at + head.size))
         reader.at += head.size + types[identifier][2].size
     if not rows:
-        raise ImportFailure(f"{path.name}: byte {reader.at}: no record of type `{event}`")
-    return _table(path.name, digest, types[wanted][1], rows, tick_s, not crc_fits)
+        raise ImportFailure(f"{path}: byte {reader.at}: no record of type `{event}`")
+    return _table(str(path), digest, types[wanted][1], rows, tick_s, not crc_fits)
 
 
 def _table(file: str, digest: str, variables: list, rows: list, tick_s: float, cut: bool) -> Table:

@@ -41,32 +41,42 @@ def read_vehicle(wanted: str, beside) -> Vehicle:
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
         if document.get("format") != FORMAT:
-            raise ImportFailure(f'{path.name}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}") make one with `gustlab vehicle new`', USAGE)
+            raise ImportFailure(f'{path}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}") make one with `gustlab vehicle new`', USAGE)
         return Vehicle(reference, _rotors(path, document), _inputs(document))
     except tomllib.TOMLDecodeError as error:
-        raise ImportFailure(f"{path.name}:1:1: --vehicle: {error}", USAGE) from error
+        raise ImportFailure(f"{path}:1:1: --vehicle: {error}", USAGE) from error
     except (OSError, UnicodeDecodeError, xml.ParseError) as error:
-        raise ImportFailure(f"{path.name}:1:1: --vehicle: cannot be read ({error})", USAGE) from error
+        raise ImportFailure(f"{path}:1:1: --vehicle: cannot be read ({error})", USAGE) from error
 
 
 def _rotors(path: Path, document: dict) -> list:
     """Rotors from the MJCF's sites; [] when the file does not say, which its own reader will report."""
     mjcf = path.parent / str(document.get("mjcf", ""))
-    if not mjcf.is_file() or not isinstance(document.get("rotor"), list):
+    rotors = document.get("rotor")
+    if not mjcf.is_file() or not isinstance(rotors, list) or not all(isinstance(rotor, dict) for rotor in rotors):
         return []
-    sites = {site.get("name"): site.get("pos", "0 0 0").split() for site in xml.parse(mjcf).iter("site")}
+    sites = {site.get("name"): site.get("pos", "0 0 0") for site in xml.parse(mjcf).iter("site")}
     out = []
-    for rotor in document["rotor"]:
+    for rotor in rotors:
         place = sites.get(rotor.get("site"))
         if place is None:
             return []
-        out.append(Rotor(float(place[0]), float(place[1]), 1 if rotor.get("direction") == "ccw" else -1))
+        out.append(Rotor(*_place(mjcf, rotor["site"], place), 1 if rotor.get("direction") == "ccw" else -1))
     return out
+
+
+def _place(mjcf: Path, site: str, text: str) -> tuple:
+    try:
+        x, y, _ = (float(number) for number in text.split())
+    except ValueError:
+        raise ImportFailure(f'{mjcf}:1:1: --vehicle: pos="{text}" of site "{site}" (three numbers are needed)', USAGE) from None
+    return x, y
 
 
 def _inputs(document: dict) -> tuple:
     """Actuator kinds: those with a map, and throttle where only the hover input is known."""
-    maps = {key.split("_")[0] for key in document.get("actuator", {})}
-    if "hover" in document.get("thrust", {}):
+    table = lambda name: document[name] if isinstance(document.get(name), dict) else {}  # noqa: E731
+    maps = {key.split("_")[0] for key in table("actuator")}
+    if "hover" in table("thrust"):
         maps.add("throttle")
     return tuple(sorted(maps))

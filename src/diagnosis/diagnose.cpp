@@ -157,14 +157,13 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
   if (reference) session.compare_with(std::move(*reference));
   if (session.catalogue().filter_looks_like_lag())
     reading.remarks.notes.push_back(
-        fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's are not "
-                    "told from those of the filter, "
-                    "which the commands did not pass",
+        fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's cannot be "
+                    "told from the delay of the filter, which smoothed the motion and not the commands",
                     1e3 * decisions::filter_lag_s));
   if (session.catalogue().commands_are_slow())
     reading.remarks.notes.emplace_back(
         "the commands were logged at a lower rate than the motion: how much torque in roll and pitch the loop added "
-        "between them is fitted beside all else, and what roll and pitch alone would show (inertia, damping) is not "
+        "between them is estimated with all else, and what roll and pitch alone would show (inertia, damping) is not "
         "told");
   report_progress(options, "choosing effects", 0.1);
   Selection selection = select_effects(session, {});
@@ -304,7 +303,9 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   suspect_unfelt(fitted.session, fitted.vehicle, out);
   const std::string bound = at_its_bound(fitted.session.catalogue(), fitted.challenged.records);
   if (!bound.empty())
-    out.notes.push_back(fmt::format("{} ran into its bound: the model is bent to something that it is not", bound));
+    out.notes.push_back(fmt::format(
+        "{} ended at the largest or smallest value allowed: it was fitted to something that it does not describe",
+        bound));
   out.verdict = conclude(out, fitted.challenged.rest, !bound.empty(), aligned.commands_jitter);
 
   report_progress(options, "looking for a flight that would tell more", 0.85);

@@ -71,7 +71,23 @@ const Quantity& quantity_of(const std::string& key) {
   return quantities[0];
 }
 
-std::string horizon_chart(const DiagnosisFigures::Horizon& curve) {
+// what the second model is: with names, or only with what is no missing physics; empty when it is the first
+std::string after_label(const Json& diagnosis) {
+  if (!part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty()) return "with what was found";
+  if (!part(diagnosis, "reference_effects").empty()) return "with what the reference flights show";
+  return part(diagnosis, "calibration").empty() ? "" : "with small corrections";
+}
+
+using Entries = std::vector<std::pair<std::string, std::string>>;
+
+Entries with_after(const Json& diagnosis, Entries entries) {
+  if (const std::string label = after_label(diagnosis); !label.empty())
+    entries.insert(std::find_if(entries.begin(), entries.end(), [](const auto& e) { return e.first == "before"; }) + 1,
+                   {"after", label});
+  return entries;
+}
+
+std::string horizon_chart(const DiagnosisFigures::Horizon& curve, bool after) {
   const Quantity& quantity = quantity_of(curve.quantity);
   const double most = std::max({largest(curve.before), largest(curve.after), largest(curve.hold)});
   const Display display = display_of("", quantity.unit, most);
@@ -89,18 +105,14 @@ std::string horizon_chart(const DiagnosisFigures::Horizon& curve) {
   add("hold", curve.hold, {}, {});
   add("noise", curve.noise, {}, {});
   add("before", curve.before, curve.before_low, curve.before_high);
-  add("after", curve.after, curve.after_low, curve.after_high);
+  if (after) add("after", curve.after, curve.after_low, curve.after_high);
   return svg::draw(chart);
 }
 
 std::string horizon_table(const Json& diagnosis) {
   const Json& fit = part(diagnosis, "fit");
   const std::vector<double> horizons = numbers(part(fit, "horizon_s"));
-  std::string html =
-      "<details><summary>The numbers</summary><div class=\"scroll\"><table><tr><th>quantity</th><th "
-      "class=\"n\">horizon</th>"
-      "<th class=\"n\">held</th><th class=\"n\">before</th><th class=\"n\">after</th><th class=\"n\">noise "
-      "floor</th></tr>";
+  std::string rows;
   for (const Quantity& quantity : quantities) {
     const Json& errors = part(fit, quantity.key);
     if (errors.empty()) continue;
@@ -116,10 +128,19 @@ std::string horizon_table(const Json& diagnosis) {
       }
       // what was not predicted at all has no row
       if (any)
-        html += fmt::format("<tr><td>{}</td><td class=\"n\">{:g} s</td>{}</tr>", quantity.name, horizons[h], cells);
+        rows += fmt::format("<tr><td class=\"name\">{}</td><td class=\"n\">{:g} s</td>{}</tr>", quantity.name,
+                            horizons[h], cells);
     }
   }
-  return html + "</table></div></details>";
+  return "<details><summary>The numbers</summary>" +
+         card_table({{"quantity"},
+                     {"horizon", true},
+                     {"values kept", true},
+                     {"before", true},
+                     {"after", true},
+                     {"noise floor", true}},
+                    rows) +
+         "</details>";
 }
 
 std::string files_of(const Json& diagnosis, const std::string& role) {
@@ -151,7 +172,8 @@ std::string residual_chart(const DiagnosisFigures::Residual& residual) {
 
 std::string horizon_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
   std::string charts;
-  for (const DiagnosisFigures::Horizon& curve : curves(diagnosis, figures)) charts += horizon_chart(curve);
+  for (const DiagnosisFigures::Horizon& curve : curves(diagnosis, figures))
+    charts += horizon_chart(curve, !after_label(diagnosis).empty());
   if (charts.empty()) return "";
   const double windows = number(part(diagnosis, "fit"), "windows");
   const std::string files = files_of(diagnosis, "holdout");
@@ -166,10 +188,9 @@ std::string horizon_section(const nlohmann::ordered_json& diagnosis, const Diagn
   return "<section><h2>How much better it predicts</h2><p>On held-out flights, which were not used to find the "
          "effects. The "
          "noise floor is what the sensors alone would give.</p><figure>" +
-         legend({{"before", "simulation as it was"},
-                 {"after", "with what was found"},
-                 {"noise", "noise floor"},
-                 {"hold", "no model: values held"}}) +
+         legend(with_after(
+             diagnosis,
+             {{"before", "simulation as it was"}, {"noise", "noise floor"}, {"hold", "no model: values kept"}})) +
          "<div class=\"charts\">" + charts + "</div><figcaption>" + caption + "</figcaption></figure>" +
          horizon_table(diagnosis) + "</section>";
 }
@@ -194,7 +215,8 @@ std::string residual_section(const nlohmann::ordered_json& diagnosis, const Diag
          "along the flights, against the variable that matters most. A flat blue line at zero means that nothing is "
          "left.</p><figure>" +
          legend({{"before", "mean before"}, {"after", "mean after"}}) + "<div class=\"charts\">" + charts +
-         "</div><figcaption>Each faint dot is one block of a fit flight, before. Bars: 95 % intervals of the bin "
+         "</div><figcaption>Each faint dot is the mean of one block, a short stretch of a flight, before. Bars: 95 % "
+         "intervals of the bin "
          "means. " +
          escape(fmt::format("{}", fmt::join(notes, " · "))) + ".</figcaption></figure></section>";
 }
@@ -235,6 +257,7 @@ std::string path_chart(const DiagnosisFigures& figures) {
 // length of what the predictions are wrong by
 std::vector<double> distance(const std::vector<const DiagnosisFigures::Trace*>& parts,
                              std::vector<double> DiagnosisFigures::Trace::*predicted) {
+  if ((parts.front()->*predicted).empty()) return {};
   std::vector<double> sum(parts.front()->time_s.size(), 0.0);
   for (const DiagnosisFigures::Trace* trace : parts)
     for (std::size_t k = 0; k < std::min(sum.size(), (trace->*predicted).size()); ++k) {
@@ -297,13 +320,17 @@ std::string motor_chart(const DiagnosisFigures& figures) {
   if (drawn.empty()) return "";
   std::vector<std::pair<std::string, std::string>> entries;
   for (std::size_t i = 0; i < figures.window.motors.size(); ++i)
-    entries.emplace_back(series_style(i), fmt::format("{}", i + 1));
+    entries.emplace_back(series_style(i), fmt::format("rotor {}", i + 1));
   return "<div>" + drawn + legend(entries) + "</div>";
 }
 
 }  // namespace
 
-std::string window_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
+std::string window_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& all) {
+  DiagnosisFigures figures = all;
+  // the same line twice would hide the first
+  if (after_label(diagnosis).empty())
+    for (DiagnosisFigures::Trace& trace : figures.window.traces) trace.after.clear();
   const double restart_s = figures.window.restart_s;
   std::string charts = path_chart(figures);
   charts += error_chart(figures, "Position: how far off", {"position x", "position y", "position z"},
@@ -343,10 +370,8 @@ std::string window_section(const nlohmann::ordered_json& diagnosis, const Diagno
         restart_s);
   if (!torque_is_told(diagnosis)) caption += " These logs tell no torque, so predictions follow the recorded attitude.";
   return "<section><h2>Before and after, over a stretch of flight</h2><figure>" +
-         legend({{"measured", "flown"},
-                 {"before", "simulation as it was"},
-                 {"after", "with what was found"},
-                 {"noise", "noise floor"}}) +
+         legend(with_after(diagnosis,
+                           {{"measured", "flown"}, {"before", "simulation as it was"}, {"noise", "noise floor"}})) +
          "<div class=\"charts\">" + charts + "</div><figcaption>" + caption + "</figcaption></figure></section>";
 }
 

@@ -27,6 +27,11 @@ std::string verdict_badge(const std::string& verdict) {
   return fmt::format("<span class=\"badge {}\">{}</span>", escape(style), escape(plain_label(verdict)));
 }
 
+// as a sentence ends; a question has its mark
+std::string ended(const std::string& words) {
+  return words.ends_with('?') || words.ends_with('.') ? words : words + ".";
+}
+
 // every finding in a line, with its certainty and what a pilot would notice of it
 std::string headlines(const Json& diagnosis) {
   std::string items;
@@ -59,25 +64,28 @@ std::string suspected(const Json& diagnosis) {
 }
 
 std::string header(const Json& diagnosis) {
-  std::size_t fit = 0, held_out = 0;
+  std::size_t fit = 0, held_out = 0, reference = 0;
   double seconds = 0.0;
   for (const Json& flight : part(diagnosis, "flights")) {
-    (text(flight, "role") == "holdout" ? held_out : fit) += text(flight, "role") == "set_aside" ? 0 : 1;
+    const std::string role = text(flight, "role");
+    if (role == "set_aside") continue;
+    ++(role == "holdout" ? held_out : role == "reference" ? reference : fit);
     if (const double duration = number(flight, "duration_s"); std::isfinite(duration)) seconds += duration;
   }
+  const std::string normal = reference == 0 ? "" : fmt::format("{} for reference, ", reference);
   return fmt::format(
-      "<header><p class=\"kind\">Diagnosis of {} · {} flight{} to find, {} to check, {:.0f} s in "
+      "<header><p class=\"kind\">Diagnosis of {} · {} flight{} to find, {}{} to check, {:.0f} s in "
       "all</p><h1>{}</h1>{}{}{}{}</header>",
-      escape(text(diagnosis, "vehicle")), fit, fit == 1 ? "" : "s", held_out, seconds, escape(one_sentence(diagnosis)),
-      verdict_badge(text(diagnosis, "verdict")), paragraph(gain_sentence(diagnosis), "lead"), headlines(diagnosis),
-      suspected(diagnosis));
+      escape(text(diagnosis, "vehicle")), fit, fit == 1 ? "" : "s", normal, held_out, seconds,
+      escape(one_sentence(diagnosis)), verdict_badge(text(diagnosis, "verdict")),
+      paragraph(gain_sentence(diagnosis), "lead"), headlines(diagnosis), suspected(diagnosis));
 }
 
 std::string log_findings(const Json& diagnosis) {
   std::string items;
   for (const Json& line : part(diagnosis, "log_findings_in_short"))
-    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(capital(plain_label(text(line, "kind")))),
-                         escape(in_plain_words(text(line, "says"))));
+    items += fmt::format("<li><strong>{}</strong>: {}</li>", escape(capital(plain_label(text(line, "kind")))),
+                         escape(ended(in_plain_words(text(line, "says")))));
   return items.empty() ? "" : "<div class=\"findings\"><h2>About the recordings</h2><ul>" + items + "</ul></div>";
 }
 
@@ -110,10 +118,10 @@ std::string shows(const Json& entry) {
   return fmt::format("<span class=\"soft\">{}</span>", words);
 }
 
-// "12 %", "8.1 ×", a dash where there is nothing above it
+// "1.12", as often as the noise; a dash where there is nothing above it
 std::string times_noise(double above) {
-  if (!(above >= 0.005)) return "–";
-  return above < 1.0 ? fmt::format("{:.2g} %", 100.0 * above) : fmt::format("{} ×", figure(1.0 + above));
+  if (!(above >= 0.005) || !std::isfinite(above)) return "–";
+  return above < 9.0 ? fmt::format("{:.2f} ×", 1.0 + above) : fmt::format("{:.0f} ×", 1.0 + above);
 }
 
 std::string where(const Json& diagnosis) {
@@ -122,41 +130,40 @@ std::string where(const Json& diagnosis) {
   const bool torque_told = torque_is_told(diagnosis);
   double full = 1.0;
   for (const Json& entry : mismatch)
-    if (const double ratio = number(entry, "rms") / number(entry, "noise_rms"); std::isfinite(ratio))
+    if (const double ratio = number(entry, "rms") / number(entry, "noise_rms");
+        std::isfinite(ratio) && (torque_told || !text(entry, "channel").starts_with("torque")))
       full = std::max(full, ratio);
   std::string rows;
   for (const Json& entry : mismatch) {
     const double rms = number(entry, "rms"), noise = number(entry, "noise_rms"), above = rms / noise - 1.0;
     const Display display = display_of("", text(entry, "unit"), rms);
     const bool judged = torque_told || !text(entry, "channel").starts_with("torque");
+    const auto size = [&](double value) { return judged ? figure(display.factor * value) + " " + display.unit : "–"; };
     rows += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td class=\"n\">{} {}</td><td class=\"n\">{} {}</td><td class=\"n\">{}</td><td "
-        "class=\"where\">{}</td></tr>",
-        escape(plain_channel(text(entry, "channel"))), svg::bar(rms / noise, 1.0, full), figure(display.factor * rms),
-        escape(display.unit), figure(display.factor * noise), escape(display.unit), judged ? times_noise(above) : "–",
+        "<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+        "class=\"n\">{}</td><td class=\"where\">{}</td></tr>",
+        escape(plain_channel(text(entry, "channel"))), judged ? svg::bar(rms / noise, 1.0, full) : "",
+        escape(size(rms)), escape(size(noise)), judged ? times_noise(above) : "–",
         judged ? shows(entry) : "<span class=\"soft\">not judged: these logs tell no torque</span>");
   }
   return "<p>The difference between simulation and recording, channel by channel, before anything was added. The "
-         "tick is what noise and calm air alone would leave.</p><div "
-         "class=\"scroll\"><table><tr><th>channel</th><th>against "
-         "noise</th><th class=\"n\">rms</th><th class=\"n\">noise</th><th class=\"n\">above "
-         "it</th><th>where</th></tr>" +
-         rows + "</table></div>";
+         "tick is what noise and calm air alone would leave.</p>" +
+         card_table(
+             {{"channel"}, {"against noise"}, {"rms", true}, {"noise", true}, {"rms over noise", true}, {"where"}},
+             rows);
+}
+
+// "delta" is said as what it is
+std::string plain_parameter(const std::string& name) {
+  return name == "delta" || name.starts_with("delta_") ? "change" + plain_label(name.substr(5)) : plain_label(name);
 }
 
 std::string parameter_row(const std::string& name, const Json& entry, const std::string& flight) {
   const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
   const Display display = display_of(name, text(entry, "unit"), std::abs(value));
-  return fmt::format("<tr><td>{}</td>{}<td class=\"n\">{}</td><td>{}</td></tr>", escape(plain_label(name)),
-                     flight.empty() ? "" : fmt::format("<td>{}</td>", escape(flight)),
+  return fmt::format("<tr><td class=\"name\">{}</td>{}<td class=\"n\">{}</td><td>{}</td></tr>",
+                     escape(plain_parameter(name)), flight.empty() ? "" : fmt::format("<td>{}</td>", escape(flight)),
                      with_half_width(display.factor * value, display.factor * half), escape(display.unit));
-}
-
-std::string parameter_table(const char* flight_head, const char* value_head, const std::string& rows) {
-  if (rows.empty()) return "";
-  return fmt::format(
-      "<div class=\"scroll\"><table><tr><th>parameter</th>{}<th class=\"n\">{}</th><th>unit</th></tr>{}</table></div>",
-      flight_head, value_head, rows);
 }
 
 std::string parameters(const Json& effect) {
@@ -166,11 +173,11 @@ std::string parameters(const Json& effect) {
     if (name != "rotor") rows += parameter_row(name, entry, "");
   for (const auto& [flight, values] : per_flight.items())
     for (const auto& [name, entry] : values.items()) flight_rows += parameter_row(name, entry, flight);
-  const std::string table =
-      parameter_table("", per_flight.empty() ? "value ± 95 %" : "mean of the flights ± 95 %", rows);
+  const char* head = per_flight.empty() ? "value ± 95 %" : "mean of the flights ± 95 %";
+  const std::string table = rows.empty() ? "" : card_table({{"parameter"}, {head, true}, {"unit"}}, rows);
   if (flight_rows.empty()) return table;
   return table + "<details><summary>Each flight</summary>" +
-         parameter_table("<th>flight</th>", "value ± 95 %", flight_rows) + "</details>";
+         card_table({{"parameter"}, {"flight"}, {"value ± 95 %", true}, {"unit"}}, flight_rows) + "</details>";
 }
 
 // every name that the data cannot tell from this one, itself first
@@ -190,13 +197,14 @@ std::string rivals(const Json& effect) {
     // one line for the rotors of rotor_loss, with the nearest of them
     const bool said = std::any_of(ruled_out.begin(), ruled_out.end(),
                                   [&](const std::string& other) { return other.starts_with(name + " ("); });
-    if (!said) ruled_out.push_back(name + (std::isfinite(z) ? fmt::format(" (z = {:.1f})", z) : ""));
+    if (!said) ruled_out.push_back(name + (std::isfinite(z) ? fmt::format(" ({:.1f})", z) : ""));
   }
   std::string words;
   if (!alike.empty())
     words = "These flights cannot tell " + plain_name(effect) + " from " + list_in_words(alike, "or") +
             "; the numbers are those of " + plain_name(effect) + ". ";
-  if (!ruled_out.empty()) words += "Fits worse in its place: " + list_in_words(ruled_out) + ".";
+  if (!ruled_out.empty())
+    words += "Fits worse in its place, by so many standard errors: " + list_in_words(ruled_out) + ".";
   return paragraph(words, "note");
 }
 
@@ -209,32 +217,49 @@ std::string effect_card(const Json& effect) {
       rivals(effect));
 }
 
+double three_digits(double value) {
+  if (!std::isfinite(value) || value == 0.0) return value;
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+  return unit > 1.0 ? unit * std::round(value / unit) : value;
+}
+
+std::string whole_percent(double share) {
+  return fmt::format("{}{:.0f} %", share < -0.005 ? "−" : "", std::abs(100.0 * share));
+}
+
 // what speaks for and against every candidate, in the numbers that decided
 std::string evidence_table(const Json& diagnosis) {
   std::string rows;
   for (const Json& record : part(diagnosis, "evidence")) {
     const Json &share = part(record, "recovered"), &z = part(record, "recovered_z");
-    const bool flown = share.size() > 1 && share[1].is_number() && z.size() > 1 && z[1].is_number();
+    // too few held-out windows leave both at zero
+    const bool flown = share.size() > 1 && share[1].is_number() && z.size() > 1 && z[1].is_number() && z[1] != 0.0;
+    const auto gain = [&](const char* key) { return figure(three_digits(number(record, key))); };
     const double p = number(record, "surrogate_p");
     rows += fmt::format(
-        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+        "<tr><td class=\"name\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td class=\"n\">{} / {}</td>"
         "<td class=\"n\">{}</td></tr>",
-        escape(plain_name(record)), sure(number(record, "probability")), figure(number(record, "delta_chi2")),
-        figure(number(record, "robust_delta_chi2")), std::isfinite(p) ? figure(p) : "–", record.value("flights_for", 0),
-        record.value("flights_against", 0),
-        flown ? fmt::format("{:.0f} % (z = {:.1f})", 100.0 * share[1].get<double>(), z[1].get<double>()) : "–");
+        escape(plain_name(record)), sure(number(record, "probability")), gain("delta_chi2"), gain("robust_delta_chi2"),
+        std::isfinite(p) ? probability(p) : "–", record.value("flights_for", 0), record.value("flights_against", 0),
+        flown ? whole_percent(share[1].get<double>()) : "–");
   }
   if (rows.empty()) return "";
-  return "<details><summary>Evidence, one line a candidate</summary><div "
-         "class=\"scroll\"><table><tr><th>effect</th><th class=\"n\">probability</th><th class=\"n\">Δχ²</th>"
-         "<th class=\"n\">robust Δχ²</th><th class=\"n\">p, signature moved</th><th class=\"n\">flights for / "
-         "against</th><th class=\"n\">held-out error removed, 0.5 s</th></tr>" +
-         rows + "</table></div>" +
+  return "<details><summary>Evidence, one line a candidate</summary>" +
+         card_table({{"effect"},
+                     {"probability", true},
+                     {"Δχ²", true},
+                     {"robust Δχ²", true},
+                     {"p, signature moved", true},
+                     {"flights for / against", true},
+                     {"held-out error removed, 0.5 s", true}},
+                    rows) +
          paragraph(
-             "Robust: over what the same signature gains when it is moved along its flight, or what its size varies "
-             "between sixths of flights, whichever is more. "
-             "From 80 % on a candidate is named, from 50 % on suspected.",
+             "Δχ²: how much the misfit of the predictions rises without it, in units of their noise. Robust: over what "
+             "the same signature gains when it is moved along its flight, or what its size varies between sixths of "
+             "flights, whichever is more. p: share of the moved signatures that gain as much. The last column is the "
+             "better of two: position and velocity, or attitude and body rate. From 80 % on a candidate is named (or "
+             "stands under Calibration, where it is small), from 50 % on suspected.",
              "note") +
          "</details>";
 }
@@ -254,9 +279,9 @@ std::string habit_card(const Json& habit, const Json& fit) {
       };
       if (cell(part(part(habit, "fit"), key)) == "–") continue;
       rows += fmt::format(
-          "<tr><td>{} [{}]</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+          "<tr><td class=\"name\">{} [{}]</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
           "class=\"n\">{}</td></tr>",
-          name, unit, figure(horizon[h].get<double>()), cell(part(part(fit, key), "hold")),
+          name, unit, fmt::format("{:g}", horizon[h].get<double>()), cell(part(part(fit, key), "hold")),
           cell(part(part(fit, key), "after")), cell(part(part(habit, "fit"), key)));
     }
   return "<div class=\"effect\"><div class=\"head\"><h3>A habit of the recorded loop, not physics</h3></div>" +
@@ -264,10 +289,13 @@ std::string habit_card(const Json& habit, const Json& fit) {
          paragraph(
              "It turns the vehicle in rollouts on its own recordings. Where a controller of gustlab flies the vehicle "
              "it is left out.") +
-         "<div class=\"scroll\"><table><tr><th>mean error on held-out flights</th><th class=\"n\">after [s]</th><th "
-         "class=\"n\">held</th>"
-         "<th class=\"n\">physics</th><th class=\"n\">with the habit</th></tr>" +
-         rows + "</table></div></div>";
+         card_table({{"mean error on held-out flights"},
+                     {"after [s]", true},
+                     {"values kept", true},
+                     {"physics", true},
+                     {"with the habit", true}},
+                    rows) +
+         "</div>";
 }
 
 std::string what(const Json& diagnosis, double weight_N) {
@@ -281,24 +309,45 @@ std::string what(const Json& diagnosis, double weight_N) {
       std::string unit = text(term, "unit");
       if (text(term, "term") == "1") unit = unit.substr(0, unit.find(" per unit"));
       rows += fmt::format(
-          "<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td class=\"unit\">{}</td><td "
+          "<tr><td class=\"name\">{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td class=\"unit\">{}</td><td "
           "class=\"where\">{}</td></tr>",
           escape(plain_channel(text(term, "channel"))), escape(text(term, "term")), figure(number(term, "coefficient")),
           escape(unit), escape(likeness(term, weight_N)));
     }
-    cards += "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
-             paragraph(
-                 "Nothing in the catalogue explains the rest. This sparse model describes it and can be flown, but it "
-                 "is a description and no name.") +
-             paragraph(text(model, "says").empty() ? "" : capital(text(model, "says")) + ".") +
-             (rows.empty() ? ""
-                           : "<div class=\"scroll\"><table><tr><th>channel</th><th>term</th><th "
-                             "class=\"n\">coefficient</th><th>unit</th><th>what it is like</th></tr>" +
-                                 rows + "</table></div>") +
-             "</div>";
+    cards +=
+        "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
+        paragraph(
+            "Nothing in the catalogue explains the rest. This sum of a few terms describes it and can be flown, but "
+            "it is a description and no name.") +
+        paragraph(text(model, "says").empty() ? "" : capital(text(model, "says")) + ".") +
+        (rows.empty()
+             ? ""
+             : card_table({{"channel"}, {"term"}, {"coefficient", true}, {"unit"}, {"what it is like"}}, rows)) +
+        "</div>";
   }
   if (const Json& habit = part(diagnosis, "habit"); !habit.empty()) cards += habit_card(habit, part(diagnosis, "fit"));
   return cards + evidence_table(diagnosis);
+}
+
+bool anything_named(const Json& diagnosis) {
+  return !part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty();
+}
+
+// effects found in the reference flights: what only they show, and no change
+std::string reference_effects(const Json& diagnosis) {
+  std::string rows;
+  for (const Json& effect : part(diagnosis, "reference_effects"))
+    for (const auto& [name, entry] : part(effect, "parameters").items()) {
+      if (name == "rotor") continue;
+      const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
+      const Display display = display_of(name, text(entry, "unit"), std::abs(value));
+      rows += fmt::format("<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>",
+                          escape(plain_name(effect)), escape(plain_parameter(name)),
+                          with_half_width(display.factor * value, display.factor * half), escape(display.unit));
+    }
+  if (rows.empty()) return "";
+  return "<p>Against the vehicle file. It is taken as normal, and only what changed since is named above.</p>" +
+         card_table({{"effect"}, {"parameter"}, {"value ± 95 %", true}, {"unit"}}, rows);
 }
 
 std::string calibration(const Json& diagnosis) {
@@ -309,18 +358,17 @@ std::string calibration(const Json& diagnosis) {
         if (name == "rotor") continue;
         const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
         const Display display = display_of(name, text(entry, "unit"), std::abs(value));
-        rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>",
-                            escape(with_name ? plain_name(effect) : text(effect, "sensor")), escape(plain_label(name)),
-                            with_half_width(display.factor * value, display.factor * half), escape(display.unit));
+        rows +=
+            fmt::format("<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>",
+                        escape(with_name ? plain_name(effect) : text(effect, "sensor")), escape(plain_parameter(name)),
+                        with_half_width(display.factor * value, display.factor * half), escape(display.unit));
       }
   };
   add(part(diagnosis, "calibration"), true);
   add(part(diagnosis, "sensor_biases"), false);
   if (rows.empty()) return "";
-  return "<p>Small corrections below the reporting tolerances: the usual scatter of a build, not missing physics.</p>"
-         "<div class=\"scroll\"><table><tr><th>of</th><th>parameter</th><th class=\"n\">value ± 95 "
-         "%</th><th>unit</th></tr>" +
-         rows + "</table></div>";
+  return "<p>Small corrections below the reporting tolerances: the usual scatter of a build, not missing physics.</p>" +
+         card_table({{"of"}, {"parameter"}, {"value ± 95 %", true}, {"unit"}}, rows);
 }
 
 std::string disturbance(const Json& diagnosis) {
@@ -329,17 +377,15 @@ std::string disturbance(const Json& diagnosis) {
     // as in the table of channels
     if (!torque_is_told(diagnosis) && text(entry, "group").starts_with("torque")) continue;
     rows += fmt::format(
-        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{} s</td></tr>",
+        "<tr><td class=\"name\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{} "
+        "s</td></tr>",
         escape(plain_channel(text(entry, "group"))), figure(number(entry, "before")), figure(number(entry, "after")),
         escape(display_of("", text(entry, "unit"), 1.0).unit), figure(number(entry, "correlation_time_s")));
   }
   if (rows.empty()) return "";
   return "<p>What still pushes the vehicle at random: turbulence, and whatever has no name. It comes and goes over the "
-         "correlation time.</p>"
-         "<div class=\"scroll\"><table><tr><th>group</th><th class=\"n\">before</th><th "
-         "class=\"n\">after</th><th>unit</th><th class=\"n\">correlation "
-         "time</th></tr>" +
-         rows + "</table></div>";
+         "correlation time.</p>" +
+         card_table({{"group"}, {"before", true}, {"after", true}, {"unit"}, {"correlation time", true}}, rows);
 }
 
 bool of_torques_alone(const Json& alarm) {
@@ -371,9 +417,9 @@ std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& diagnos
 std::string remarks(const Json& diagnosis) {
   std::string items;
   for (const auto& [kind, says] : alarm_lines(diagnosis))
-    items += fmt::format("<li><strong>{}</strong>: {}.</li>", escape(kind), escape(says));
+    items += fmt::format("<li><strong>{}</strong>: {}</li>", escape(kind), escape(ended(says)));
   for (const Json& note : part(diagnosis, "notes"))
-    if (note.is_string()) items += "<li>" + escape(capital(in_plain_words(note.get<std::string>()))) + ".</li>";
+    if (note.is_string()) items += "<li>" + escape(ended(capital(in_plain_words(note.get<std::string>())))) + "</li>";
   return items.empty() ? "" : "<ul>" + items + "</ul>";
 }
 
@@ -417,14 +463,15 @@ std::string cannot_tell(const Json& diagnosis) {
     const std::string name = plain_name(entry);
     if (std::find(said.begin(), said.end(), name) != said.end()) continue;
     said.push_back(name);
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td></tr>", escape(name),
-                        escape(text(entry, "why")), figure(number(entry, "delta_score")));
+    rows += fmt::format("<tr><td class=\"name\">{}</td><td class=\"where\">{}</td><td class=\"n\">{}</td></tr>",
+                        escape(name), escape(text(entry, "why")), figure(number(entry, "delta_score")));
   }
   if (!rows.empty())
     html +=
-        "<details><summary>Looked at and not named</summary><div class=\"scroll\"><table><tr><th>effect</th><th>why "
-        "not</th><th class=\"n\">score</th></tr>" +
-        rows + "</table></div></details>";
+        "<details><summary>Looked at and not named</summary>" +
+        card_table({{"effect"}, {"why not"}, {"score", true}}, rows) +
+        paragraph("Score: how much better the model predicts with it, less a price for each of its numbers.", "note") +
+        "</details>";
   return html;
 }
 
@@ -454,15 +501,16 @@ std::string flights(const Json& diagnosis) {
     }
     const std::string role = text(flight, "role");
     any_condition = any_condition || !conditions.empty();
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{} s</td><td class=\"n\">{} ms</td><td>{}</td></tr>",
-                        escape(text(flight, "file")), escape(role == "holdout" ? "held out" : plain_label(role)),
-                        figure(number(flight, "duration_s")), figure(1e3 * number(flight, "time_offset_s")),
-                        escape(list_in_words(conditions)));
+    rows += fmt::format(
+        "<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{} s</td><td class=\"n\">{} "
+        "ms</td><td>{}</td></tr>",
+        escape(text(flight, "file")), escape(role == "holdout" ? "held out" : plain_label(role)),
+        figure(number(flight, "duration_s")), figure(1e3 * number(flight, "time_offset_s")),
+        escape(list_in_words(conditions)));
   }
   if (rows.empty()) return "";
-  return "<div class=\"scroll\"><table><tr><th>file</th><th>role</th><th class=\"n\">duration</th><th class=\"n\">time "
-         "offset</th><th>" +
-         std::string(any_condition ? "condition" : "") + "</th></tr>" + rows + "</table></div>";
+  return card_table({{"file"}, {"role"}, {"duration", true}, {"time offset", true}, {any_condition ? "condition" : ""}},
+                    rows);
 }
 
 std::string footer(const Json& diagnosis) {
@@ -483,9 +531,11 @@ std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const Diagno
   std::string body;
   for (const std::string& piece :
        {header(diagnosis), log_findings(diagnosis), window_section(diagnosis, figures),
-        section("What was left out", what(diagnosis, figures.weight_N)), section("Where it differs", where(diagnosis)),
-        residual_section(diagnosis, figures), horizon_section(diagnosis, figures),
-        section("Still not explained, and remarks", remarks(diagnosis)),
+        section(anything_named(diagnosis) ? "What was left out" : "What was looked at",
+                what(diagnosis, figures.weight_N)),
+        section("What the reference flights show already", reference_effects(diagnosis)),
+        section("Where it differs", where(diagnosis)), residual_section(diagnosis, figures),
+        horizon_section(diagnosis, figures), section("Still not explained, and remarks", remarks(diagnosis)),
         section("What cannot be told", cannot_tell(diagnosis)), section("What to fly next", next_flight(diagnosis)),
         section("Unexplained disturbance", disturbance(diagnosis)), section("Calibration", calibration(diagnosis)),
         section("Flights", flights(diagnosis)), footer(diagnosis)})

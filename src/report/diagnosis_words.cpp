@@ -80,6 +80,14 @@ std::string where_in_words(const Json& diagnosis) {
   return words;
 }
 
+// mean commands of hover are all that such logs tell
+bool hover_alone(const Json& diagnosis) {
+  const Json& blind = part(diagnosis, "not_identifiable");
+  return std::any_of(blind.begin(), blind.end(), [](const Json& entry) {
+    return diagnosis::lack_named(text(entry, "lack")) == diagnosis::Lack::attitude_and_rate;
+  });
+}
+
 // the findings as one sentence: the first three in words, the rest counted
 std::string findings_in_words(const Json& diagnosis) {
   constexpr std::size_t most = 3;
@@ -215,6 +223,13 @@ std::string list_in_words(const std::vector<std::string>& items, const char* las
   return words;
 }
 
+std::string written_unit(std::string unit) {
+  for (const auto& [plain, nice] : {std::pair{"^2", "²"}, std::pair{"^3", "³"}, std::pair{"kg m2", "kg m²"}})
+    if (const std::size_t at = unit.find(plain); at != std::string::npos)
+      unit.replace(at, std::string(plain).size(), nice);
+  return unit;
+}
+
 Display display_of(const std::string& parameter, const std::string& unit, double magnitude) {
   if (unit == "m" && magnitude < 0.1) return {1e3, "mm"};
   if (unit == "s" && magnitude < 1.0) return {1e3, "ms"};
@@ -225,11 +240,7 @@ Display display_of(const std::string& parameter, const std::string& unit, double
     const bool share = parameter.starts_with("delta") || parameter == "loss";
     return share ? Display{100.0, "%"} : Display{1.0, ""};
   }
-  std::string written = unit;
-  for (const auto& [plain, nice] : {std::pair{"^2", "²"}, std::pair{"^3", "³"}, std::pair{"kg m2", "kg m²"}})
-    if (const std::size_t at = written.find(plain); at != std::string::npos)
-      written.replace(at, std::string(plain).size(), nice);
-  return {1.0, written};
+  return {1.0, written_unit(unit)};
 }
 
 std::string capital(std::string words) {
@@ -293,8 +304,16 @@ std::string one_sentence(const Json& diagnosis) {
   const std::string vehicle = text(diagnosis, "vehicle");
   const std::string model = vehicle.empty() ? "The simulation" : "The simulation of " + vehicle;
   const std::string where = where_in_words(diagnosis);
+  const bool compared = diagnosis.contains("reference_effects");
+  if (verdict == Verdict::consistent && hover_alone(diagnosis))
+    return "In hover the flights" + (vehicle.empty() ? "" : " of " + vehicle) +
+           " agree with each other; nothing else can be told from them.";
+  if (verdict == Verdict::consistent && compared)
+    return "Nothing changed since the reference flights" + (vehicle.empty() ? "" : " of " + vehicle) +
+           " beyond noise and calm air.";
   if (verdict == Verdict::consistent)
-    return model + " agrees with these flights: nothing is left beyond noise and calm air.";
+    return model + " agrees with these flights: nothing is " +
+           (part(diagnosis, "suspected").empty() ? "left" : "proved") + " beyond noise and calm air.";
   if (verdict == Verdict::insufficient_data) {
     // the reason, when there is one for all
     const Json& blind = part(diagnosis, "not_identifiable");
@@ -305,10 +324,10 @@ std::string one_sentence(const Json& diagnosis) {
            " is right or wrong" + (one_reason ? ": " + text(blind[0], "why") : "") + ".";
   }
   if (verdict == Verdict::unexplained) {
-    return fmt::format(
-        "Something acts on {} that the simulation leaves out{}, and no effect known here explains enough of it to be "
-        "named.",
-        vehicle.empty() ? "the vehicle" : vehicle, where.empty() ? "" : " (" + where + ")");
+    return fmt::format("Something acts on {} that {}{}, and no effect known here explains enough of it to be named.",
+                       vehicle.empty() ? "the vehicle" : vehicle,
+                       compared ? "neither the simulation nor the reference flights show" : "the simulation leaves out",
+                       where.empty() ? "" : " (" + where + ")");
   }
 
   return findings_in_words(diagnosis) + (verdict == Verdict::partly_explained ? ". Something else remains." : ".");

@@ -44,6 +44,8 @@ struct Display {
   double factor = 1.0;
   std::string unit;
 };
+// m/s^2 as m/s²
+std::string written_unit(std::string unit);
 // Small m, s, N, N m in thousandths, rad as degrees, relative changes in percent; everything else as it is.
 Display display_of(const std::string& parameter, const std::string& unit, double magnitude);
 // Three significant digits, or a power of ten.

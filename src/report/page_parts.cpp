@@ -23,6 +23,24 @@ std::string paragraph(const std::string& words, const char* style) {
   return fmt::format("<p{}>{}</p>", *style ? fmt::format(" class=\"{}\"", style) : "", svg::escape(words));
 }
 
+std::string card_table(const std::vector<Column>& columns, const std::string& rows, const char* style) {
+  std::string head;
+  for (const Column& column : columns)
+    head += fmt::format("<th{}>{}</th>", column.number ? " class=\"n\"" : "", svg::escape(column.title));
+  std::string body;
+  std::size_t cell = 0, at = 0;
+  for (std::size_t next = rows.find("<t"); next != std::string::npos; next = rows.find("<t", at)) {
+    body += rows.substr(at, next + 3 - at);
+    at = next + 3;
+    if (rows[at - 1] == 'r') cell = 0;
+    if (rows[at - 1] != 'd' || cell >= columns.size()) continue;
+    const std::string& title = columns[cell++].title;
+    if (!title.empty()) body += fmt::format(" data-label=\"{}\"", svg::escape(title));
+  }
+  return fmt::format("<div class=\"scroll\"><table class=\"cards{}\"><tr>{}</tr>{}</table></div>", style, head,
+                     body + rows.substr(at));
+}
+
 std::string legend(const std::vector<std::pair<std::string, std::string>>& entries) {
   std::string html = "<ul class=\"legend\">";
   for (const auto& [style, label] : entries)

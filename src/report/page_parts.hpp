@@ -14,6 +14,13 @@ std::string page(std::string_view title, const std::string& body);
 std::string section(std::string_view title, const std::string& body);
 // Of escaped text; empty when there is none.
 std::string paragraph(const std::string& words, const char* style = "");
+struct Column {
+  std::string title;
+  bool number = false;
+};
+// A table of rows "<tr><td>...</td>...</tr>" without tables in their cells, which a phone shows as cards: the cell of class "name",
+// then each other one under its column's title. `style`: more classes, each after a space.
+std::string card_table(const std::vector<Column>& columns, const std::string& rows, const char* style = "");
 // (class of the line, what it is)
 std::string legend(const std::vector<std::pair<std::string, std::string>>& entries);
 // Class of the n-th line of a chart that has many, from 0.

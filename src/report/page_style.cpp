@@ -90,6 +90,16 @@ svg.bar .back { fill: var(--faint); opacity: .5; } svg.bar .value { fill: var(--
   table.wrap tr { padding: .5rem 0; border-bottom: 1px solid var(--faint); } table.wrap td { border: 0; padding: 0; }
   table.wrap td:first-child { font-weight: 600; } table.wrap td:last-child { color: var(--soft); }
    main { padding: 1.5rem 1rem 3rem; } }
+/* a row of figures is a card on a phone: the cell that names it, then each figure under its title */
+@media (max-width: 30rem) { table.cards, table.cards tbody { display: block; } table.cards tr:first-child { display: none; }
+  table.cards tr { display: grid; grid-template-columns: repeat(3, 1fr); gap: .15rem .8rem; padding: .6rem 0;
+  border-bottom: 1px solid var(--faint); }
+  table.cards td, table.cards td.where { border: 0; padding: 0; min-width: 0; text-align: left; }
+  table.cards td.n { white-space: normal; } table.cards td:empty { display: none; }
+  table.cards td.name { order: -1; font-weight: 600; } table.cards td.name, table.cards td.where { grid-column: 1 / -1; }
+  table.cards td[data-label]::before { content: attr(data-label); display: block; color: var(--soft); font-size: .78rem; }
+  table.cards td.name::before { content: none; }
+  table.heat th:first-child { position: sticky; left: 0; background: var(--paper); } }
 @media print { :root { --ink: #000; --soft: #444; --faint: #ccc; --paper: #fff; --card: #fff; --before: #b5610c; --after: #1a5f9a;
   --measured: #000; --warn: #803300; --warn-back: #fff; --good: #205a37; }
   body { font-size: 11pt; } main { padding: 0; max-width: none; } .effect, figure, tr, .findings { break-inside: avoid; }

@@ -152,7 +152,20 @@ std::string escape(std::string_view text) {
   return safe;
 }
 
+namespace {
+
+std::vector<double> multiples(double low, double high, double step) {
+  std::vector<double> found;
+  for (auto k = static_cast<long>(std::ceil(low / step - 1e-9)); static_cast<double>(k) * step <= high + 1e-9 * step;
+       ++k)
+    found.push_back(static_cast<double>(k) * step);
+  return found;
+}
+
+}  // namespace
+
 std::vector<double> ticks(double low, double high, int count, bool log) {
+  constexpr std::size_t fewest = 3;
   std::vector<double> found;
   if (!(high > low)) return {low};
   if (log) {
@@ -168,13 +181,13 @@ std::vector<double> ticks(double low, double high, int count, bool log) {
     return found;
   }
   const double raw = (high - low) / count, power = std::pow(10.0, std::floor(std::log10(raw)));
-  double step = 10.0 * power;
-  for (const double digit : {5.0, 2.0, 1.0})
-    if (raw <= digit * power) step = digit * power;
-  for (auto k = static_cast<long>(std::ceil(low / step - 1e-9)); static_cast<double>(k) * step <= high + 1e-9 * step;
-       ++k)
-    found.push_back(static_cast<double>(k) * step);
-  if (found.empty()) found = {low, high};
+  for (const double digit : {1.0, 2.0, 5.0, 10.0})
+    if (raw <= digit * power * (1.0 + 1e-12)) {
+      found = multiples(low, high, digit * power);
+      // of one or two ticks nobody reads a size
+      if (found.size() < fewest) found = multiples(low, high, (digit == 5.0 ? 2.0 : 0.5 * digit) * power);
+      break;
+    }
   return found;
 }
 

@@ -41,6 +41,13 @@ std::vector<std::string> distinct(const Items& items, const Of& of) {
   return found;
 }
 
+// as it is written beside a figure; empty where the sweep does not say
+std::string unit_of(const Results& results, const std::string& axis) {
+  for (const NamedValue& known : results.axis_units)
+    if (known.name == axis) return known.value == "-" ? "–" : written_unit(known.value);
+  return "";
+}
+
 class Sweep {
  public:
   explicit Sweep(const Results& results) : results_(results), cells_(aggregate(results.rows)) {
@@ -48,7 +55,8 @@ class Sweep {
     controllers_ = distinct(cells_, [](const TableCell& cell) { return cell.controller; });
     for (const NamedValue& axis : cells_.front().axes) {
       const std::size_t place = axes_.size();
-      axes_.push_back({axis.name, distinct(cells_, [&](const TableCell& cell) { return cell.axes[place].value; })});
+      axes_.push_back({axis.name, unit_of(results, axis.name),
+                       distinct(cells_, [&](const TableCell& cell) { return cell.axes[place].value; })});
     }
   }
 
@@ -60,7 +68,11 @@ class Sweep {
 
  private:
   struct AxisValues {
-    std::string name;
+    std::string name, unit;
+    std::string title() const { return unit.empty() ? name : fmt::format("{} [{}]", name, unit); }
+    std::string at(const std::string& value) const {
+      return name + " = " + value + (unit.empty() || unit == "–" ? "" : " " + unit);
+    }
     std::vector<std::string> values;
     bool numeric() const {
       return std::all_of(values.begin(), values.end(), [](const std::string& v) { return number_of(v).has_value(); });
@@ -87,8 +99,7 @@ class Sweep {
   std::string others_at(const std::vector<std::string>& at, const std::vector<std::size_t>& drawn) const {
     std::vector<std::string> said;
     for (std::size_t a = 0; a < axes_.size(); ++a)
-      if (is_axis(a) && std::find(drawn.begin(), drawn.end(), a) == drawn.end())
-        said.push_back(axes_[a].name + " = " + at[a]);
+      if (is_axis(a) && std::find(drawn.begin(), drawn.end(), a) == drawn.end()) said.push_back(axes_[a].at(at[a]));
     return list_in_words(said);
   }
   std::string axis_chart(const std::string& trajectory, std::size_t axis) const;
@@ -136,13 +147,15 @@ std::string Sweep::header() const {
 }
 
 std::string Sweep::table() const {
-  std::string head, rows;
+  std::vector<Column> columns;
   for (std::size_t a = 0; a < axes_.size(); ++a)
-    if (is_axis(a)) head += fmt::format("<th>{}</th>", escape(axes_[a].name));
-  head += "<th>trajectory</th><th>controller</th><th class=\"n\">completed</th>";
-  for (const Metric& metric : tracking_metrics)
-    head +=
-        fmt::format("<th class=\"n\">{}</th>{}", metric.title, &metric == &tracking_metrics[rmse] ? "<th></th>" : "");
+    if (is_axis(a)) columns.push_back({axes_[a].title()});
+  columns.insert(columns.end(), {{"trajectory"}, {"controller"}, {"completed", true}});
+  for (const Metric& metric : tracking_metrics) {
+    columns.push_back({std::string(metric.title) + " [m]", true});
+    if (&metric == &tracking_metrics[rmse]) columns.push_back({""});
+  }
+  std::string rows;
   double full = 0.0;
   for (const TableCell& cell : cells_)
     if (std::isfinite(cell.errors[rmse].mean)) full = std::max(full, cell.errors[rmse].mean);
@@ -150,7 +163,7 @@ std::string Sweep::table() const {
     rows += "<tr>";
     for (std::size_t a = 0; a < axes_.size(); ++a)
       if (is_axis(a)) rows += fmt::format("<td>{}</td>", escape(cell.axes[a].value));
-    rows += fmt::format("<td>{}</td><td>{}</td><td class=\"n\">{}/{}</td>", escape(cell.trajectory),
+    rows += fmt::format("<td>{}</td><td class=\"name\">{}</td><td class=\"n\">{}/{}</td>", escape(cell.trajectory),
                         escape(cell.controller), cell.completed, cell.total);
     for (std::size_t m = 0; m < tracking_metrics.size(); ++m) {
       const Summary& error = cell.errors[m];
@@ -160,11 +173,10 @@ std::string Sweep::table() const {
     }
     rows += "</tr>";
   }
-  const std::string whole =
-      "<div class=\"scroll\"><table class=\"errors\"><tr>" + head + "</tr>" + rows + "</table></div>";
+  const std::string whole = card_table(columns, rows, " errors");
   const std::string note = paragraph(
       fmt::format(
-          "m, planar unless z is named; mean ± sample standard deviation over runs, samples from {:g} s on. The bar is "
+          "Planar unless z is named; mean ± sample standard deviation over runs, samples from {:g} s on. The bar is "
           "the mean RMSE.",
           results_.settle_s),
       "note");
@@ -214,7 +226,7 @@ std::string Sweep::heat_maps() const {
     for (const std::string& trajectory : trajectories_)
       for (const std::string& controller : controllers_)
         maps += map(controller + ", " + trajectory, axes_[drawn[0]].values,
-                    axes_[drawn[1]].name + " \\ " + axes_[drawn[0]].name, axes_[drawn[1]].values,
+                    axes_[drawn[1]].title() + " \\ " + axes_[drawn[0]].title(), axes_[drawn[1]].values,
                     [&](const std::string& row, const std::string& column) {
                       std::vector<std::string> here = at;
                       here[drawn[0]] = column, here[drawn[1]] = row;
@@ -234,7 +246,7 @@ std::string Sweep::heat_maps() const {
 std::string Sweep::axis_chart(const std::string& trajectory, std::size_t axis) const {
   svg::Chart chart;
   chart.title = trajectory;
-  chart.x_label = axes_[axis].name;
+  chart.x_label = axes_[axis].title();
   chart.y_label = "RMSE [m]";
   std::vector<std::string> at = middle();
   for (std::size_t c = 0; c < controllers_.size(); ++c) {
@@ -297,7 +309,7 @@ std::string Sweep::failures() const {
     if (row.outcome == Outcome::completed) continue;
     std::string where = row.trajectory;
     for (std::size_t a = 0; a < row.axes.size(); ++a)
-      if (is_axis(a)) where += fmt::format(", {} = {}", row.axes[a].name, row.axes[a].value);
+      if (is_axis(a)) where += ", " + axes_[a].at(row.axes[a].value);
     const std::string outcome(to_string(row.outcome));
     auto known = std::find_if(found.begin(), found.end(), [&](const Failed& one) {
       return one.where == where && one.controller == row.controller && one.outcome == outcome;
@@ -313,14 +325,12 @@ std::string Sweep::failures() const {
   std::string rows;
   for (const Failed& one : found)
     rows += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{} of {}</td><td class=\"n\">{:.2f} s, replicate "
+        "<tr><td class=\"name\">{}</td><td>{}</td><td>{}</td><td class=\"n\">{} of {}</td><td class=\"n\">{:.2f} s, "
+        "replicate "
         "{}</td></tr>",
         escape(one.where), escape(one.controller), escape(plain_label(one.outcome)), one.count, one.of, one.earliest_s,
         one.replicate);
-  return "<div class=\"scroll\"><table><tr><th>where</th><th>controller</th><th>how it ended</th><th "
-         "class=\"n\">runs</th><th "
-         "class=\"n\">the earliest</th></tr>" +
-         rows + "</table></div>";
+  return card_table({{"where"}, {"controller"}, {"how it ended"}, {"runs", true}, {"the earliest", true}}, rows);
 }
 
 std::string paths(const SweepFigures& figures) {

@@ -14,6 +14,7 @@
 #include "gustlab/errors.hpp"
 #include "gustlab/trajectory.hpp"
 #include "simulation/flight.hpp"
+#include "simulation/setting_units.hpp"
 #include "simulation/variants.hpp"
 #include "vehicle/read_vehicle.hpp"
 
@@ -294,6 +295,9 @@ std::vector<Experiment> read_variants(const std::string& path, const std::vector
     experiment.variant = variant.name;
     experiment.variant_place = experiments.size() - 1;
     experiment.axes = variant.axes;
+    for (const NamedValue& axis : variant.axis_keys)
+      if (const std::string unit = unit_of_setting(experiment, axis.value); !unit.empty())
+        experiment.axis_units.push_back({axis.name, unit});
     experiment.alone = variant.alone;
     experiment.held_out = variant.held_out;
   }

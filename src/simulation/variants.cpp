@@ -20,8 +20,8 @@ struct Axis {
     std::string value;             // what results call it
     std::vector<std::string> set;  // key=value
   };
-  std::string name, where;
-  bool alone = false;  // one point at a time, beside the variants
+  std::string name, key, where;  // key: the first
+  bool alone = false;            // one point at a time, beside the variants
   std::vector<Point> points;
 };
 
@@ -54,6 +54,7 @@ std::string label_of(std::string literal) {
 Axis read_axis(config::Table& table) {
   const std::vector<std::string> keys = read_keys(table);
   Axis axis{table.text("name").value_or(keys.front().substr(keys.front().rfind('.') + 1)),
+            keys.front(),
             table.where("values"),
             table.flag("alone").value_or(false),
             {}};
@@ -79,6 +80,7 @@ Variant at(const Variant& variant, const Axis& axis, const Axis::Point& point) {
   result.name += fmt::format("{}{}_{}", result.name.empty() ? "" : "_", axis.name, point.value);
   result.set.insert(result.set.end(), point.set.begin(), point.set.end());
   result.axes.push_back({axis.name, point.value});
+  result.axis_keys.push_back({axis.name, axis.key});
   if (result.where.empty()) result.where = axis.where;
   return result;
 }
@@ -121,6 +123,7 @@ std::vector<Variant> read_variant_tables(config::Table& document) {
           table.fail("values", fmt::format("variant \"{}\" is here twice", variant.name), "", "rename one");
         variant.alone = variant.axes.front();
         variant.axes = {{"variant", variant.name}};
+        variant.axis_keys.clear();
       }
       continue;
     }

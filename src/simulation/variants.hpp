@@ -14,8 +14,9 @@ struct Variant {
   std::vector<std::string> set;  // key=value
   std::vector<NamedValue> axes;  // where it stands on each axis
   bool held_out = false;
-  std::string where;   // file:line:col of what sets the most
-  NamedValue alone{};  // the axis that it alone moves along; none of a grid
+  std::string where;                    // file:line:col of what sets the most
+  std::vector<NamedValue> axis_keys{};  // first key of each [[axis]] that is crossed
+  NamedValue alone{};                   // the axis that it alone moves along; none of a grid
 };
 
 // Every point of the grid that the axes span, the last axis fastest, for each [[variant]] (or once, where there is none); empty

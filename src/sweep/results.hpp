@@ -28,7 +28,8 @@ struct ResultRow {
 struct Results {
   std::vector<ResultRow> rows;
   double settle_s = 0.0;
-  std::vector<NamedValue> arcs{};  // how much of each trajectory was flown; empty where variants differ
+  std::vector<NamedValue> axis_units{};  // unit of an axis, "-" without a dimension; none where it is not known
+  std::vector<NamedValue> arcs{};        // how much of each trajectory was flown; empty where variants differ
 };
 
 // Whether a flight can have such an error or duration: NaN (no sample counted), or from 0 to 1e12 m or s. MuJoCo calls a

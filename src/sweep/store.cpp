@@ -66,6 +66,7 @@ Provenance provenance_of(const Experiment& experiment, const Shard& shard) {
           {"settle_s", config::shortest(experiment.flight.settle_s)},
           {"arcs", to_lines(arcs_of(experiment))},
           {"axes", to_lines(experiment.axes)},
+          {"axis_units", to_lines(experiment.axis_units)},
           {"variant_place", fmt::format("{}", experiment.variant_place)},
           {"version", std::string(build.version)},
           {"commit", std::string(build.commit)},
@@ -239,6 +240,9 @@ Results RunStore::results() {
       error != std::errc() || rest != end)
     throw DataError(fmt::format("{}: \"settle_s\" of the provenance is no number ({})", database_.path(), settle_s));
   results.arcs = from_lines(provenance_.at("arcs"));
+  // stores of earlier programs have no units
+  if (const auto units = provenance_.find("axis_units"); units != provenance_.end())
+    results.axis_units = from_lines(units->second);
   for_each([&](ResultRow row) { results.rows.push_back(std::move(row)); });
   return results;
 }

@@ -67,7 +67,7 @@ TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
                              "Still not explained",
                              "repeat after 0.05 s",
                              "What cannot be told",
-                             "these flights do not excite it",
+                             "these flights do not show it",
                              "fly: low flight",
                              "What to fly next",
                              "Thrust sweep",
@@ -149,8 +149,8 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
   const std::string html = diagnosis_page(diagnosis, {});
   expect_sound(html);
   EXPECT_THAT(html, HasSubstr("An unnamed effect"));
-  EXPECT_THAT(html, HasSubstr("<code>vx |v|</code></td><td class=\"n\">−0.0120</td>"));
-  EXPECT_THAT(html, AllOf(HasSubstr("<td class=\"unit\">N</td>"), Not(HasSubstr("per unit of the term"))));
+  EXPECT_THAT(html, HasSubstr("<code>vx |v|</code></td><td data-label=\"coefficient\" class=\"n\">−0.0120</td>"));
+  EXPECT_THAT(html, AllOf(HasSubstr("class=\"unit\">N</td>"), Not(HasSubstr("per unit of the term"))));
 }
 
 TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
@@ -181,7 +181,7 @@ TEST(DiagnosisPage, AnEffectThatWasAskedTwiceIsLookedAtOnce) {
   diagnosis["rejected"] = {{{"effect", "steady_wind"}, {"why", "first"}, {"delta_score", 97.0}},
                            {{"effect", "steady_wind"}, {"why", "second"}, {"delta_score", 13.0}}};
   const std::string html = diagnosis_page(diagnosis, {});
-  EXPECT_THAT(html, AllOf(HasSubstr("<td>first</td>"), Not(HasSubstr("<td>second</td>"))));
+  EXPECT_THAT(html, AllOf(HasSubstr(">first</td>"), Not(HasSubstr(">second</td>"))));
 }
 
 // the page said of one log that torques are not known, and that roll torque is wrong everywhere
@@ -189,7 +189,7 @@ TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
   Json diagnosis = example_diagnosis();
   diagnosis["mismatch"] = {
       {{"channel", "torque_x"}, {"significant", true}, {"rms", 2e-4}, {"noise_rms", 1e-4}, {"unit", "N m"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<td class=\"where\">everywhere</td>"));
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("class=\"where\">everywhere</td>"));
   DiagnosisFigures figures = example_figures();
   figures.residuals[0].channel = "torque_x";
   EXPECT_THAT(diagnosis_page(diagnosis, figures),
@@ -213,11 +213,11 @@ TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
 
 TEST(DiagnosisPage, WhatWasNotPredictedHasNoRow) {
   Json diagnosis = example_diagnosis();
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("<td>Attitude</td>"));
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("class=\"name\">Attitude</td>"));
   for (auto& errors : diagnosis["fit"]["attitude_rad"])
     for (auto& error : errors) error = nullptr;
   EXPECT_THAT(diagnosis_page(diagnosis, {}),
-              AllOf(Not(HasSubstr("<td>Attitude</td>")), HasSubstr("<td>Velocity</td>")));
+              AllOf(Not(HasSubstr("class=\"name\">Attitude</td>")), HasSubstr("class=\"name\">Velocity</td>")));
 }
 
 TEST(DiagnosisPage, ShowsSuspectsWithTheReasonWhyTheyHaveNoName) {
@@ -302,11 +302,88 @@ TEST(DiagnosisPage, SaysNoPatternEverywhereWhereTheNoiseIsAsLarge) {
   EXPECT_THAT(row(0.401, 0.401, 1e-20, true),
               AllOf(HasSubstr("a faint pattern under the noise"), Not(HasSubstr("everywhere"))));
   EXPECT_THAT(row(0.401, 0.401, 1e-20, false), HasSubstr("a pattern far below the noise; too small to matter"));
-  EXPECT_THAT(row(0.259, 0.479, 0.4, false),
-              AllOf(HasSubstr("no more than noise"), HasSubstr("<td class=\"n\">–</td>")));
+  EXPECT_THAT(row(0.259, 0.479, 0.4, false), AllOf(HasSubstr("no more than noise"), HasSubstr("class=\"n\">–</td>")));
   EXPECT_THAT(row(9.27, 3.0, 1e-20, false),
               AllOf(HasSubstr("3.09 ×"), HasSubstr("more than noise, and still too small to matter")));
   EXPECT_THAT(row(4.0, 0.5, 1e-20, true), AllOf(HasSubstr("8.00 ×"), HasSubstr("everywhere")));
+}
+
+// what readers of real pages stumbled over
+TEST(DiagnosisPage, SaysWhatFlightsWereForReferenceAndWhatTheyShow) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["flights"][0]["role"] = "reference", diagnosis["flights"][1]["role"] = "set_aside";
+  diagnosis["effects"] = Json::array();
+  diagnosis["verdict"] = "unexplained";
+  diagnosis["reference_effects"] = {
+      {{"effect", "thrust_scale"}, {"parameters", {{"delta", {{"value", -0.05}, {"std", 0.002}, {"unit", "-"}}}}}}};
+  const std::string html = diagnosis_page(diagnosis, example_figures());
+  for (const char* wanted :
+       {"1 flight to find, 1 for reference, 1 to check, 73 s in all",
+        "neither the simulation nor the reference flights", "with what the reference flights show",
+        "What the reference flights show already",
+        ">thrust scale</td><td data-label=\"parameter\">change</td><td data-label=\"value ± 95 %\" class=\"n\">−5.00 ± "
+        "0.39</td>"})
+    EXPECT_THAT(html, HasSubstr(wanted));
+  EXPECT_THAT(html, AllOf(Not(HasSubstr("with what was found")), Not(HasSubstr("What was left out"))));
+  diagnosis["verdict"] = "consistent";
+  EXPECT_THAT(report::one_sentence(diagnosis), HasSubstr("Nothing changed since the reference flights of crazyflie"));
+}
+
+TEST(DiagnosisPage, SaysProvedWhereSomethingIsSuspected) {
+  Json diagnosis = {{"verdict", "consistent"}};
+  EXPECT_THAT(report::one_sentence(diagnosis), HasSubstr("nothing is left beyond noise"));
+  diagnosis["suspected"] = {{{"effect", "axial_inflow"}, {"confidence", 0.71}}};
+  EXPECT_THAT(report::one_sentence(diagnosis), HasSubstr("nothing is proved beyond noise"));
+}
+
+TEST(DiagnosisPage, OfHoverAloneSaysNoMore) {
+  const Json diagnosis = {{"verdict", "consistent"},
+                          {"vehicle", "crazyflie"},
+                          {"not_identifiable", {{{"effect", "inertia"}, {"lack", "attitude_and_rate"}}}}};
+  EXPECT_EQ(report::one_sentence(diagnosis),
+            "In hover the flights of crazyflie agree with each other; nothing else can be told from them.");
+}
+
+// the same line twice hides the first
+TEST(DiagnosisPage, DrawsNoSecondModelWhereNothingWasFitted) {
+  Json diagnosis = example_diagnosis();
+  for (const char* list : {"effects", "calibration"}) diagnosis[list] = Json::array();
+  diagnosis["verdict"] = "insufficient_data";
+  DiagnosisFigures figures = example_figures();
+  figures.residuals.clear();
+  const std::string html = diagnosis_page(diagnosis, figures);
+  EXPECT_THAT(html, AllOf(HasSubstr("class=\"before\""), Not(HasSubstr("<path class=\"after\""))));
+  EXPECT_THAT(html, Not(HasSubstr("with what was found")));
+}
+
+TEST(DiagnosisPage, EndsSentencesOnceAndRoundsShares) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["log_findings_in_short"] = {{{"kind", "unit"}, {"says", "is it the right unit?"}}};
+  diagnosis["mismatch"][0]["rms"] = 1.996 * 0.0007;
+  diagnosis["evidence"] = {{{"effect", "mass"},
+                            {"probability", 0.9},
+                            {"delta_chi2", 147956.0},
+                            {"surrogate_p", 0.005},
+                            {"recovered", {0.1, -0.894, 0.2}},
+                            {"recovered_z", {1.0, 50.3, 1.0}}},
+                           {{"effect", "gust"}, {"recovered", {0.0, 0.0, 0.0}}, {"recovered_z", {0.0, 0.0, 0.0}}}};
+  const std::string html = diagnosis_page(diagnosis, {});
+  EXPECT_THAT(html, AllOf(HasSubstr("is it the right unit?</li>"), HasSubstr("2.00 ×"), Not(HasSubstr("e+02"))));
+  for (const char* wanted :
+       {">148000</td>", ">0.005</td>", ">−89 %</td>", "held-out error removed, 0.5 s\" class=\"n\">–",
+        "by so many standard errors: quadratic drag (9.1) and steady wind (14.2)"})
+    EXPECT_THAT(html, HasSubstr(wanted));
+  EXPECT_THAT(html, Not(HasSubstr("(z = ")));
+}
+
+// where the logs tell no torque a size of it means nothing
+TEST(DiagnosisPage, ShowsNoSizeOfWhatIsNotJudged) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["torque_told"] = false;
+  const std::string html = diagnosis_page(diagnosis, {});
+  const std::size_t at = html.find("pitch torque</td>");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_THAT(html.substr(at, html.find("</tr>", at) - at), AllOf(Not(HasSubstr("µN m")), HasSubstr("not judged")));
 }
 
 TEST(TradeWords, EveryEffectThatADiagnosisNamesHasThem) {
@@ -383,7 +460,7 @@ TEST(TradeWords, WhatWouldTellIsALoggerAFileOrAFlight) {
 TEST(DiagnosisPage, WhatWouldTellStandsBesideTheReason) {
   Json diagnosis = example_diagnosis();
   diagnosis["not_identifiable"] = {{{"effect", "slung_load"},
-                                    {"why", "these flights do not excite it (it shows in: √(g / length) (slow))"},
+                                    {"why", "these flights do not show it (it shows in: √(g / length) (slow))"},
                                     {"lack", "excitation"},
                                     {"shows_in", "√(g / length) (slow)"}},
                                    // the words of a reason choose nothing
@@ -391,7 +468,7 @@ TEST(DiagnosisPage, WhatWouldTellStandsBesideTheReason) {
                                    {{"effect", "motor_lag"}, {"why", "because"}, {"lack", "torque"}}};
   const std::string page = diagnosis_page(diagnosis, {});
   EXPECT_THAT(page,
-              HasSubstr("<td>these flights do not excite it</td><td class=\"where\">fly: √(g / length) (slow)</td>"));
+              HasSubstr("<td>these flights do not show it</td><td class=\"where\">fly: √(g / length) (slow)</td>"));
   EXPECT_THAT(page, HasSubstr("<td>no accelerometer, no torque and no command</td><td class=\"where\">–</td>"));
   EXPECT_THAT(page, HasSubstr("<td>because</td><td class=\"where\">log body rate and every motor"));
 }
@@ -417,6 +494,11 @@ TEST(Svg, EqualScalesMakeACircleRound) {
 
 TEST(Svg, TicksAreRoundAndInside) {
   EXPECT_THAT(svg::ticks(0.0, 1.03, 5, false), testing::Pointwise(testing::DoubleNear(1e-12), {0.0, 0.5, 1.0}));
+  // of one tick alone nobody reads a size
+  EXPECT_THAT(svg::ticks(-48.0, 36.0, 4, false),
+              testing::Pointwise(testing::DoubleNear(1e-12), {-40.0, -20.0, 0.0, 20.0}));
+  EXPECT_THAT(svg::ticks(0.0, 0.83, 4, false),
+              testing::Pointwise(testing::DoubleNear(1e-12), {0.0, 0.2, 0.4, 0.6, 0.8}));
   EXPECT_THAT(svg::ticks(-1.2, 1.2, 5, false),
               testing::Pointwise(testing::DoubleNear(1e-12), {-1.0, -0.5, 0.0, 0.5, 1.0}));
   EXPECT_THAT(svg::ticks(0.008, 0.3, 4, true),

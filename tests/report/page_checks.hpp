@@ -44,7 +44,7 @@ inline void expect_sound(const std::string& html) {
   EXPECT_THAT(html.substr(0, html.find("<main>")), testing::Not(testing::HasSubstr("http")));
 }
 
-// What a browser says of the laid out page: overflow in px, then each text of a figure that leaves its frame or covers another.
+// What a browser says of the laid out page: overflow in px, tables (but heat maps) that must be scrolled sideways, then each text of a figure that leaves its frame or covers another.
 inline constexpr const char* layout_probe = R"js(<script>window.onload = () => {
   const said = [], width = document.documentElement.clientWidth;
   for (const part of document.querySelectorAll('main *')) {
@@ -52,6 +52,10 @@ inline constexpr const char* layout_probe = R"js(<script>window.onload = () => {
     if (part.closest('svg') && part.tagName !== 'svg') continue;
     if (part.getBoundingClientRect().right > width + 1) said.push('wider than the page: ' + part.outerHTML.slice(0, 60));
   }
+  for (const part of document.querySelectorAll('details')) part.open = true;
+  for (const part of document.querySelectorAll('.scroll'))
+    if (part.scrollWidth > part.clientWidth + 1 && !part.querySelector('table.heat'))
+      said.push('scrolls sideways: ' + part.innerHTML.slice(0, 60));
   for (const figure of document.querySelectorAll('svg[role=img]')) {
     const frame = figure.getBoundingClientRect();
     const texts = [...figure.querySelectorAll('text')].map(t => [t.textContent, t.getBoundingClientRect()]);

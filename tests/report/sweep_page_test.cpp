@@ -16,6 +16,7 @@ using testing::Not;
 Results grid() {
   Results results;
   results.settle_s = 2.0;
+  results.axis_units = {{"strength", "m/s^2"}, {"mass", "-"}};
   for (const char* strength : {"0", "0.5", "1", "2"})
     for (const char* mass : {"-0.2", "0", "0.2"})
       for (const char* trajectory : {"circle", "lemniscate"})
@@ -59,9 +60,11 @@ TEST(SweepPage, SaysWhoIsBestWhatFailedAndWhere) {
   for (const char* wanted :
        {"Sweep grid · crazyflie · 240 runs · strength: 4 values · mass: 3 values",
         "indi has the least mean RMSE in 24 of 24 comparisons.", "6 of 240 runs were not completed", "All 48 cells",
-        "Heat map", "indi, lemniscate", "Over strength", "Shown at mass = 0.", "Over mass", "Paths",
+        "Heat map", "indi, lemniscate", "mass [–] \\ strength [m/s²]", "Over strength", ">strength [m/s²]</text>",
+        "Shown at mass = 0.", "Over mass", ">mass [–]</text>", "Shown at strength = 1 m/s².", "Paths",
         "Replicate 1 of strength_1_mass_0", "What was not completed",
-        "circle, strength = 2, mass = -0.2</td><td>indi</td><td>crashed</td><td class=\"n\">1 of 5</td><td "
+        "circle, strength = 2 m/s², mass = -0.2</td><td data-label=\"controller\">indi</td><td data-label=\"how it "
+        "ended\">crashed</td><td data-label=\"runs\" class=\"n\">1 of 5</td><td data-label=\"the earliest\" "
         "class=\"n\">4.25 s, replicate 3"}) {
     const std::size_t found = html.find(wanted, at);
     ASSERT_NE(found, std::string::npos) << wanted;

@@ -1,6 +1,7 @@
 """The importer as a program: conversions, maps, exit codes, reproducible bytes."""
 
 import gzip
+import json
 import tomllib
 import unittest
 from pathlib import Path
@@ -133,6 +134,21 @@ class BadInput(ImportCase):
         (self.folder / "other").mkdir()
         second = self.write("other/log.csv", csv(flight(2.0)))
         self.fails(2, "use two --out", self.log(csv(flight(2.0))), second, "--map", self.map, "--out", self.out)
+
+    def test_two_inputs_of_one_name_are_told_apart(self):
+        """By the path that was given; what is written names no folder."""
+        (self.folder / "other").mkdir()
+        good, bad = self.log(csv(flight(2.0))), self.write("other/log.csv", csv(flight(2.0)).replace(",", ";", 1))
+        for path in (bad, self.write("other/log.ulg", b""), self.write("other/log.xyz", b"nothing")):
+            self.assertTrue(self.run_import(path, "--map", self.map)[2].startswith(f"{path}:"), path)
+        bad.write_text(csv({**flight(2.0), "m2": 5.0 * flight(2.0)["m2"]}), encoding="utf-8")
+        code, out, err = self.run_import(good, bad, "--map", self.map)
+        self.assertEqual((code, out.count(f"{good}: "), out.count(f"{bad}: ")), (3, 1, 1), err)
+        self.assertTrue(err.startswith(f"{bad}: not usable: "), err)
+        code, out, _ = self.run_import(good, "--map", self.map, "--out", self.out, "--format", "json")
+        self.assertEqual(json.loads(out)["logs"][0]["file"], "log.csv")
+        for path in self.out.iterdir():
+            self.assertNotIn(str(self.folder), path.read_text(encoding="utf-8"))
 
     def test_output_that_cannot_be_written(self):
         in_the_way = self.write("file", "")

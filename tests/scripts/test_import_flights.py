@@ -38,7 +38,7 @@ class Published(ImportCase):
         code, flights, _ = self.take("nanodrone", self.files("nanodrone", "*_run1*.csv.gz"))
         self.assertEqual(code, 0)
         for flight in flights.values():
-            self.assertFound(flight["findings"], "filtered", "body rate holds no power above about 2", "warning")
+            self.assertFound(flight["findings"], "filtered", "body rate: nothing faster than about 2", "warning")
             self.assertFound(flight["findings"], "delay", "earlier than attitude")
         written = self.written("test_melon_run1_bag1_1.csv")
         self.assertEqual(len(written["time_s"]), 6499)

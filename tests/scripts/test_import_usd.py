@@ -73,7 +73,7 @@ class Usd(ImportCase):
         for length in range(len(content)):
             code, _, err = self.take(content[:length])
             self.assertIn(code, (0, 3), f"{length}: {err}")
-            self.assertTrue(code == 0 or err.startswith("log00: byte ") or "too few" in err, f"{length}: {err}")
+            self.assertTrue(code == 0 or err.startswith(f"{self.folder / 'log00'}: byte ") or "too few" in err, f"{length}: {err}")
 
     def test_wrong_checksum(self):
         content = bytearray(usd(2, records(300, 10000)))

@@ -41,7 +41,7 @@ def files():
     lines = table.splitlines()
     made = {"good.ulg": ulog, "good.csv": table, "good.toml": MAP, "other/good.csv": table, "body.xml": BODY, "vehicle.toml": VEHICLE,
             "empty.ulg": b"", "unknown.xyz": NONSENSE, "folder/log.ulg": ulog, "bare/notes.txt": b"nothing",
-            "wing.ulg": quad(mav_type=1), "vtol.ulg": quad(mav_type=22), "disarmed.ulg": quad(armed=(90.0, 91.0), flying=(90.0, 91.0)),
+            "hexa.ulg": quad(mav_type=13).replace(b"CA_ROTOR_COUNT", b"CA_ROTOR_OTHER"), "wing.ulg": quad(mav_type=1), "vtol.ulg": quad(mav_type=22), "disarmed.ulg": quad(armed=(90.0, 91.0), flying=(90.0, 91.0)),
             "hop.ulg": quad(flying=(3.0, 4.0)), "no_motors.ulg": quad(motors_logged=False), "cut.ulg": ulog[:300], "cut.bin": b"\xa3\x95\x80\x80\x59FMT",
             "cut.usd": usd(2, [(k, 0.0, 0.0, 1, 2, 3, 4) for k in range(100)])[:60],
             "cut.bfl": b"H Product:Blackbox flight data recorder by Nicholas Sherlock\nH Data version:2\n", "cut.bag": b"#ROSBAG V2.0\nE",
@@ -55,6 +55,10 @@ def files():
             "old.toml": MAP.replace("map/1", "map/9"), "less.toml": VEHICLE.split("[[rotor]]")[0],
             "site.toml": VEHICLE.replace('"a"', '"z"'), "hover.toml": VEHICLE.replace("0.5", "-0.5"), "key.toml": VEHICLE + "radius = 0.1\n",
             "body.toml": VEHICLE.replace("body.xml", "words.csv"), "taken/vehicle.toml": b"", "theirs/import.json": b"[]",
+            "semicolons.csv": table.replace(",", ";"), "wide.csv": table.encode("utf-16"), "decimal.csv": table.replace(".", ","),
+            "quote.csv": table.replace("t,x", '"t,x', 1), "one.csv": "\n".join(lines[:2]) + "\n", "line\nbreak.ulg": b"",
+            "mm.toml": MAP.replace('"z"]', '"z"]\nunit = "mm"', 1), "nobody.toml": MAP.replace('vehicle = "crazyflie"\n', ""),
+            "numbers.toml": VEHICLE.replace("body.xml", "numbers.xml"), "numbers.xml": BODY.replace("-0.17 0.17 0", "left"),
             "stand.csv": "thrust_N,throttle\n" + "".join(f"{k},{k}\n" for k in range(9)), "few.csv": "thrust_N,speed_radps\n1,100\n"}
     made |= {f"nonsense{kind}": NONSENSE for kind in (".ulg", ".bin", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".parquet", ".csv", ".toml")}
     return {name: text.encode() if isinstance(text, str) else text for name, text in made.items()}
@@ -94,12 +98,19 @@ WRONG = (
     (log("good.ulg", "--map", "nothing"), 2, "no built-in map"),
     (["import", "good.ulg", "--out", "theirs"], 2, "no import wrote it; give another --out"),
     (["import", "good.csv", "other/good.csv", "--map", "good.toml", "--out", "out"], 2, "use two --out"),
+    (log("good.ulg", "--wh"), 2, "gustlab: unrecognized arguments: --wh"),
+    (log(""), 2, 'gustlab: there is an empty word behind "import"'),
+    (["import", "good.ulg", "--out", "good.csv"], 2, "--out good.csv: is a file (flight logs go into a folder); give a folder"),
+    (log("good.ulg", "--vehicle", "numbers.toml"), 2, 'numbers.xml:1:1: --vehicle: pos="left" of site "b" (three numbers are needed)'),
+    (["import", "good.csv", "--map", "good.toml", "--from", "100", "--out", "out"], 2, "good.csv: no sample after 100 s"),
     # which file
     (log("missing.ulg"), 3, "missing.ulg: cannot be read (No such file or directory)"),
     (log("bare"), 2, "bare: a folder without a log"),
     (log("folder"), 2, "folder: a folder; give the log in it: folder/log.ulg"),
     (log("empty.ulg"), 3, "empty.ulg: byte 0: the file is empty; fetch it again"),
     (log("packed.ulg.gz"), 2, "packed.ulg.gz: is compressed with gzip; unpack it first"),
+    (log("line\nbreak.ulg"), 3, "line\\x0abreak.ulg: byte 0: the file is empty"),
+    (log("pipe.ulg"), 2, "pipe.ulg: is a pipe or a device (a log is read more than once); save it as a file first"),
     (log("unknown.xyz"), 2, "no log format that is known begins like this"),
     *((log(f"nonsense{kind}"), 3, f"nonsense{kind}: ") for kind in (".ulg", ".bin", ".tlog", ".bag", ".db3", ".mcap", ".bfl")),
     (log("nonsense.csv"), 2, "a csv file needs a column map"),
@@ -120,6 +131,12 @@ WRONG = (
     (table("word.csv"), 3, "word.csv:6:3: `north` in column `y` is not a number"),
     (table("twice.csv"), 3, "column `x` occurs twice"),
     (table("cut.csv.gz"), 3, "the gzip stream is broken"),
+    (table("semicolons.csv"), 3, "semicolons.csv:1:1: cells are separated by semicolons; write commas"),
+    (table("wide.csv"), 3, "wide.csv:1:1: not a text file (invalid start byte); it is UTF-16: save it as UTF-8"),
+    (table("good.ulg"), 3, "it is a flight computer's log, which needs no map: leave --map out"),
+    (table("decimal.csv"), 3, "cells where the header has 22 (decimal commas?)"),
+    (table("quote.csv"), 3, "quote.csv:1:1: a quotation mark in the header is never closed"),
+    (table("one.csv"), 3, "one.csv: only 1 sample: too few"),
     (table("still.csv"), 3, "still.csv"),
     (table("years.csv"), 3, "[time] unit is too large"),
     (table("large.csv"), 3, "large.csv: not usable"),
@@ -130,9 +147,12 @@ WRONG = (
     (table("good.csv", "short.toml"), 2, "[attitude] needs 4 columns, not 3"),
     (table("good.csv", "lost.toml"), 3, "no column `roll_rate`"),
     (table("good.csv", "old.toml"), 2, 'format is "gustlab-column-map/9"'),
+    (table("good.csv", "mm.toml"), 3, "good.csv: not usable: the velocity is 1000 times the derivative of the position: wrong unit"),
+    (table("good.csv", "nobody.toml"), 2, "nobody.toml:1:1: `vehicle` is missing"),
     # vehicle new
     (new(mass="1.2"), 2, '"1.2" is not a number with a unit'),
     (new(mass="-1kg"), 2, '"-1kg" is not above zero'),
+    (new(arm="0x1m"), 2, '"0x1m" is not a number with a unit'),
     (new(arm=None), 2, "--arm is missing"),
     (new(hover=None), 2, "--thrust-to-weight or --hover is missing"),
     (new(layout="hex"), 2, 'did you mean "hexa"?'),
@@ -142,6 +162,9 @@ WRONG = (
     (new(from_log="--"), 3, "--: cannot be read (No such file"),
     (new(from_log="--help"), 3, "--help: cannot be read (No such file"),
     (new(from_log="wing.ulg"), 3, "not of a multicopter"),
+    (new(from_log="good.ulg", layout="hexa"), 2, '--layout: "hexa" has 6 rotors, and 4 flew in good.ulg (its CA_ROTOR_COUNT) leave --layout out'),
+    (new(from_px4="good.ulg", layout="octo"), 2, '--layout: "octo" has 8 rotors, and 4 flew in good.ulg'),
+    (new(from_log="hexa.ulg", layout="x"), 2, '--layout: "x" has 4 rotors, and 6 flew in hexa.ulg (its MAV_TYPE 13)'),
     (new(from_log="cut.ulg"), 3, "cut.ulg: "),
     (new(from_log="cut.bfl"), 3, "cut.bfl: a log of PX4 (.ulg) or ArduPilot (.bin) is needed"),
     (new(from_log="folder"), 3, "folder: a folder; give the log in it"),
@@ -175,6 +198,7 @@ class WrongInputs(unittest.TestCase):
         for name, contents in files().items():
             (cls.folder / name).parent.mkdir(exist_ok=True)
             (cls.folder / name).write_bytes(contents)
+        os.mkfifo(cls.folder / "pipe.ulg")
         with sqlite3.connect(cls.folder / "whole.db3") as database:
             database.execute("CREATE TABLE topics (name TEXT)")
         database.close()
@@ -190,6 +214,14 @@ class WrongInputs(unittest.TestCase):
         shutil.rmtree(self.folder / "out", ignore_errors=True)
         self.assertEqual(self.state(), before)
         return [] if written == ["out", "out/import.json"] else written
+
+    def test_a_layout_that_does_not_turn_as_the_log_says_is_written_with_a_warning(self):
+        for layout, warns in (("x", False), ("x-betaflight", False), ("+", True), ("x-crazyflie", False)):
+            done = subprocess.run([PROGRAM, *new(from_log="good.ulg", layout=layout)], cwd=self.folder, capture_output=True, text=True, check=False)
+            shutil.rmtree(self.folder / "out")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stderr.startswith(f'warning: --layout: the rotors of "{layout}" do not lie and turn as those of good.ulg'), warns, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), int(warns))
 
     def test_one_message_each(self):
         self.assertGreaterEqual(len(WRONG), 40)

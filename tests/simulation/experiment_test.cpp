@@ -216,6 +216,7 @@ TEST_F(Variants, AxesSpanAGrid) {
   EXPECT_EQ(grid[0].name, "small.strength_0.5_rate_50");
   EXPECT_EQ(grid[4].variant, "strength_1_rate_100");
   EXPECT_EQ(grid[4].axes, (std::vector<NamedValue>{{"strength", "1"}, {"rate", "100"}}));
+  EXPECT_EQ(grid[4].axis_units, (std::vector<NamedValue>{{"strength", "-"}, {"rate", "Hz"}}));
   EXPECT_EQ(grid[5].flight.offboard_rate_hz, 250.0);
   std::set<std::string> keys;
   for (const Experiment& point : grid) keys.insert(to_hex(plan(point).front().key));

@@ -218,6 +218,9 @@ class Axes(Commands):
         table = self.call("table", "a", "--columns", "rmse,p95")[0]
         self.assertIn("| strength | period | vehicle | trajectory | controller | completed | RMSE | P95 |", table)
         self.assertEqual(table.count("| crazyflie | circle | pid | 3/3 |"), 4)
+        page = self.call("table", "a", "--format", "html")[0]
+        for axis in (">strength [–]</text>", ">period [s]</text>"):
+            self.assertIn(axis, page)
         self.assertEqual(self.call("table", "a", "--names", "pid=PID,strength=gust")[1], "")
         self.assertIn('this table has no pdi did you mean "pid"?', self.call("table", "a", "--names", "pdi=PID")[1])
         self.call("gate", "a", "--baseline", "base.csv", "--update")

@@ -129,8 +129,8 @@ Reading settle_reading(const Aligned& aligned, bool forces_only, int jobs) {
     return prepare(aligned.fit, aligned.vehicle, trial);
   });
   out.remarks.notes.push_back(
-      fmt::format("the logs do not say how commands are held between samples: {} is the likelier",
-                  *out.options.linear_hold ? "linear" : "zoh"));
+      fmt::format("the logs do not say how commands go on between samples (hold in the sidecar): {} fits better",
+                  *out.options.linear_hold ? "a straight line from one to the next" : "each until the next comes"));
   return out;
 }
 

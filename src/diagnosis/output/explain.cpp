@@ -45,8 +45,8 @@ std::optional<NotIdentifiable> why_not_identifiable(const Session& session, cons
     if (information > 1e-9) best = std::min(best, 5.0 / std::sqrt(information));
   }
   if (!(best > hardly_shown)) return std::nullopt;
-  const std::string why = best > 1e200 ? "these flights do not excite it"
-                                       : fmt::format("only a strength {:.0f} times its natural size would show", best);
+  const std::string why = best > 1e200 ? "these flights do not show it"
+                                       : fmt::format("only one {:.0f} times as large as is usual would show", best);
   return NotIdentifiable{catalogue_name(group), why + shows_in_words(group.row->shows_in), Lack::excitation,
                          std::string(group.row->shows_in)};
 }
@@ -196,7 +196,9 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
     const Group& group = group_of(session, others[i].second);
     out.rejected.push_back(
         {group.rotor > 0 ? fmt::format("{} (rotor {})", group.row->name, group.rotor) : catalogue_name(group),
-         others[i].first, others[i].first > 0.0 ? "gains less than the materiality of a further effect" : "no gain"});
+         others[i].first,
+         others[i].first > 0.0 ? "makes the predictions too little better to be one more name"
+                               : "does not make the predictions better"});
   }
 }
 

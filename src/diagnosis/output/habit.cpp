@@ -222,10 +222,11 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
   if (!(predicted < decisions::habit_better * held)) return;
   out.habit = {
       {"effect", effect},
-      {"says", fmt::format("half a second ahead the recorded actuators predict the body rate to {:.2g} rad/s, holding "
-                           "it to {:.2g}, and the habit of "
-                           "the loop that was recorded to {:.2g}; the habit is no physics, and true of no other loop",
-                           physics, held, predicted)},
+      {"says",
+       fmt::format("half a second ahead the body rate is predicted to {:.2g} rad/s by the recorded actuators, to "
+                   "{:.2g} by leaving it as it is, and to {:.2g} by the habit of the loop that was recorded; the "
+                   "habit is no physics, and true of no other loop",
+                   physics, held, predicted)},
       {"fit", nlohmann::ordered_json::object()}};
   for (const std::string_view name : fit_quantity_names)
     out.habit["fit"][std::string(name)] = with.fit.at(std::string(name)).at("after");

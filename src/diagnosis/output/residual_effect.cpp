@@ -250,15 +250,15 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   const std::vector<Proof> proofs = compare(without.fit, with.fit);
   if (proofs.empty() || !(proofs.front().closed > least_closed) || !(proofs.back().closed > -most_lost)) {
     out.notes.push_back(fmt::format(
-        "a sparse model of the rest in {} terms is not offered: it does not predict the held-out flights better",
+        "a model of what is left, a sum of {} terms, is not offered: it does not predict the held-out flights better",
         best.fit.chosen.size()));
     return show(std::move(without));
   }
   const Proof& most = proofs.front();
   std::string quantity(most.quantity.substr(0, most.quantity.rfind('_')));
   std::replace(quantity.begin(), quantity.end(), '_', ' ');
-  json["says"] =
-      fmt::format("it closes {:.0f} % of the held-out error in {} half a second ahead", 100.0 * most.closed, quantity);
+  json["says"] = fmt::format("it closes {:.0f} % of the held-out error in {} half a second ahead",
+                             100.0 * std::min(most.closed, 1.0), quantity);
   json["share_closed"] = nlohmann::ordered_json::object();
   for (const Proof& proof : proofs) json["share_closed"][std::string(proof.quantity)] = proof.closed;
   out.residual_model = std::move(json);

@@ -22,7 +22,7 @@ void note_stretches(const std::string& file, const std::vector<FlightLog>& fligh
   for (const FlightLog& flight : flights)
     out.stretches.push_back({label_of(flight.path), file, flight.time_s.front(), flight.time_s.back()});
   out.remarks.notes.push_back(fmt::format(
-      "{} lasts longer than {:g} s: of each of its {} parts the {:g} s that excite most are diagnosed, each as a "
+      "{} lasts longer than {:g} s: of each of its {} parts the {:g} s that tell most are diagnosed, each as a "
       "flight of its own, and the rest is not",
       file, most_flight_s, flights.size(), stretch_s));
 }

@@ -124,9 +124,8 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
       finding.column = "rotor";
       finding.kind = "inconsistent";
       finding.says = fmt::format(
-          "the rotor order of the vehicle file contradicts roll and pitch (agreement {:.2f} of 2); u1…u{} drive the "
-          "rotors "
-          "that the file lists as {} (agreement {:.2f}): the diagnosis goes on with that order",
+          "the rotor order of the vehicle file contradicts roll and pitch (agreement {:.2f}, full is 2); u1…u{} drive "
+          "the rotors that the file lists as {} (agreement {:.2f}): the diagnosis goes on with that order",
           stated, vehicle.rotor_count, order_text(best), level(best));
       findings.push_back(finding);
       const auto rotors = vehicle.rotors;
@@ -141,7 +140,8 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
       finding.column = "rotor.direction";
       finding.kind = "sign";
       finding.says = fmt::format(
-          "the vehicle yaws against the torque of the vehicle file (agreement {:.2f}): every rotor turns the other way "
+          "the vehicle yaws against the torque of the vehicle file (agreement {:.2f}, full is 1): every rotor turns "
+          "the other way "
           "round than the file says, and the diagnosis goes on with that",
           yaw);
       findings.push_back(finding);

@@ -15,7 +15,7 @@ namespace gustlab::diagnosis {
 // One quantity of one held-out window, predicted anew from the recorded state every half second. NaN breaks a line.
 struct WindowTrace {
   std::string name, unit;
-  std::vector<double> time_s, measured, before, after;
+  std::vector<double> time_s, measured, before, after;  // on the log's own clock
 };
 
 // What one flight contributed.

@@ -68,7 +68,7 @@ struct Line {
     const std::string where = files.size() == 1
                                   ? files.front()
                                   : fmt::format("{} of {} flights", files.size(), std::max(flights, files.size()));
-    return fmt::format("{}: {}{}", where, column == "*" || column.empty() ? "" : column + " ", says);
+    return fmt::format("{}: {}{}", where, column == "*" || column.empty() ? "" : column + ": ", says);
   }
 };
 

@@ -73,7 +73,7 @@ std::vector<WindowTrace> window_of(const FlightLog& log, const VehicleModel& veh
         WindowTrace& trace = traces[i];
         (trace.*into).push_back(restart || !finite ? std::nan("") : predicted[i]);
         if (!measured) continue;
-        trace.time_s.push_back(motion.time_s(row));
+        trace.time_s.push_back(recording.log.time_s.front() + motion.time_s(row));
         trace.measured.push_back(recorded[i]);
       }
     }

@@ -92,7 +92,7 @@ void ask_generic_bases(const Session& session, const Selection& selection, const
       continue;
     if (!beyond_chance(gains[i].all, family.size, rows)) continue;
     worst = std::max(worst, gains[i].all);
-    Alarm alarm{"omnibus", fmt::format("the rest depends on {}", family.name), gains[i].all / rows, {}};
+    Alarm alarm{"omnibus", fmt::format("what is left depends on {}", family.name), gains[i].all / rows, {}};
     const double most = *std::max_element(gains[i].channel.begin(), gains[i].channel.end());
     for (std::size_t c = 0; c < channel_name.size(); ++c)
       if (beyond_chance(gains[i].channel[c], gains[i].size[c], rows) &&
@@ -104,7 +104,7 @@ void ask_generic_bases(const Session& session, const Selection& selection, const
             return std::find(a.channels.begin(), a.channels.end(), where) != a.channels.end();
           }))
         continue;
-      alarm.says = fmt::format("{} still is a smooth function of the state", where);
+      alarm.says = fmt::format("what is left of {} follows how the vehicle moves", where);
     }
     result.alarms.push_back(std::move(alarm));
   }
@@ -131,7 +131,8 @@ void ask_whiteness(const Session& session, const NoiseModel& noise, const std::v
     const auto lag = most - correlated.begin() + 1;
     if (r > (noise.errors_last() ? most_correlation_of_lasting : most_correlation) && own_rate)
       result.alarms.push_back({"whiteness",
-                               fmt::format("innovations of {} are correlated over {} samples", sensor_name[c], lag),
+                               fmt::format("what the model does not predict of {} is alike over {} sample{}",
+                                           sensor_name[c], lag, lag == 1 ? "" : "s"),
                                0.01 * r,
                                {channel_name[c % 3 + (c < 3 || c > 8 ? 0 : 3)]},
                                sensor_name[c]});

@@ -154,7 +154,7 @@ TEST_F(Explained, WhatFlightsDoNotExciteIsSaidOnce) {
   for (const NotIdentifiable& n : d.not_identifiable)
     if (n.effect == "rotor_loss") {
       ++times;
-      EXPECT_THAT(n.why, HasSubstr("do not excite"));
+      EXPECT_THAT(n.why, HasSubstr("do not show"));
     }
   EXPECT_EQ(times, 1);
   for (const NotIdentifiable& n : d.not_identifiable) EXPECT_NE(n.effect, "mass");

@@ -28,10 +28,10 @@ TEST(FindingLines, CountFlightsAndRangeNumbers) {
                      finding("c.csv", "wx…az", "delay", "the gyro is -20 to 150 ms later"),
                      finding("a.csv", "wx…az", "delay", "the gyro is 5 to 60 ms later")},
                     8),
-              ElementsAre("held: 2 of 8 flights: px 9…12 % of its samples repeat the one before",
-                          "gap: b.csv: time_s no sample for 0.25…1.50 s",
-                          "unit: c.csv: ax…az the accelerometer is in g, not in m/s²: not used",
-                          "delay: 2 of 8 flights: wx…az the gyro is -20…5 to 60…150 ms later"));
+              ElementsAre("held: 2 of 8 flights: px: 9…12 % of its samples repeat the one before",
+                          "gap: b.csv: time_s: no sample for 0.25…1.50 s",
+                          "unit: c.csv: ax…az: the accelerometer is in g, not in m/s²: not used",
+                          "delay: 2 of 8 flights: wx…az: the gyro is -20…5 to 60…150 ms later"));
 }
 
 // flights that were set aside are not counted by the caller

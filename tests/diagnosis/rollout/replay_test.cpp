@@ -88,6 +88,14 @@ class Replay : public ::testing::Test {
   const FlightLog log = fly(vehicle, vehicle.effects);
 };
 
+// what is drawn beside it, the recorded commands, has the times of the log
+TEST_F(Replay, TheWindowThatIsDrawnHasTheTimesOfTheLog) {
+  const Verification flown = verify({log}, vehicle, {}, 1);
+  ASSERT_FALSE(flown.window.empty());
+  EXPECT_GT(flown.window.front().time_s.front(), 101.0);
+  EXPECT_LT(flown.window.front().time_s.back(), 103.0);
+}
+
 TEST_F(Replay, OfTheModelThatFlewIsExact) {
   const FitErrors errors = replay(log, vehicle, vehicle.effects, {});
   EXPECT_EQ(errors.windows(), 2u);  // 0 to 1 s and 1 to 2 s; the record ends at 2.99 s
