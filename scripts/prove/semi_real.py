@@ -382,6 +382,9 @@ def cases_of(name, recordings):
             unit = units(effect, recordings.vehicle, rotor, sign, voltage)
             if effect in SIGNED and recordings.has_rates() and np.mean(shown(recordings, effect, unit) or [0.0]) < 0:
                 unit = units(effect, recordings.vehicle, rotor, -sign, voltage)
+            # a gyroscope that is later than the pose would take a late pose back
+            if effect == "pose_delay" and np.mean(shown(recordings, effect, unit)) < -0.5 * physics.TOLERANCE[effect]:
+                continue
             if way == "recording" and effect == "rotor_loss":
                 unit = {"loss": -1.0, "rotor": rotor}
             most = MOST.get(effect, MOST_PER_KG.get(effect, np.inf) * recordings.vehicle.mass)

@@ -3,11 +3,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "diagnosis/recording/row_intervals.hpp"
 #include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
+
+constexpr double of_all = 3.0;  // flights
 
 // numbers that a vehicle has: not those of one flight, and no history that a scan of these flights found
 bool is_shared(const Catalogue& catalogue, const Column& column) {
@@ -32,7 +35,8 @@ std::vector<Eigen::MatrixXd> parts_of(const Grams& grams) {
 
 // By how much parts of the flights differ in each number more than their noise lets them, at least 1: the squares of their scores at what
 // all of them say together, over what they are where the model holds (a score of information A has the covariance A; a part of n counts
-// 1 − 1/n). What a wind of its own changes in one number leaves the others as sure as they are.
+// 1 − 1/n). What a wind of its own changes in one number leaves the others as sure as they are. Few flights agree by chance: the median of all
+// numbers counts as three flights more.
 Eigen::ArrayXd differ_by(const Grams& grams, const std::vector<int>& free, const std::vector<int>& shared,
                          const Eigen::VectorXd& estimate) {
   const std::vector<Eigen::MatrixXd> parts = parts_of(grams);
@@ -42,7 +46,10 @@ Eigen::ArrayXd differ_by(const Grams& grams, const std::vector<int>& free, const
     squares += (own(shared, own.cols() - 1) - A * estimate).array().square();
     expected += A.diagonal().array();
   }
-  return (squares / (expected * (1.0 - 1.0 / static_cast<double>(parts.size())) + 1e-12)).max(1.0);
+  const double free_flights = static_cast<double>(parts.size()) - 1.0;
+  const Eigen::ArrayXd ratio = squares / (expected * free_flights / (free_flights + 1.0) + 1e-12);
+  const double usual = median({ratio.begin(), ratio.end()});
+  return ((free_flights * ratio + of_all * usual) / (free_flights + of_all)).max(1.0);
 }
 
 }  // namespace

@@ -79,7 +79,6 @@ NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleMo
     noise.white[g] = (g < 2 ? 2.0 : 8.0) * noise.least_white[g];
   }
   noise.time_s = {0.2, 0.2, 0.1, 0.1};
-  if (flights.size() > 1) noise.torque_trim.fill(torque_trim_sd * torque_trim_sd);
   constexpr std::array<unsigned, 4> channel = {has_position, has_attitude, has_rate, has_force};
   constexpr std::array<double, 4> least = {1e-10, 1e-10, 1e-8, 1e-6};
   for (std::size_t g = 0; g < noise_groups; ++g) {
@@ -124,6 +123,8 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       shooting_flights_(std::move(shooting_flights)),
       shot_(shooting_flights_.size()) {
   sensor_windows_.resize(flights_.size());
+  // one flight says nothing of its trims: they are small on filtered logs, and nothing elsewhere
+  if (shoots() || flights_.size() > 1) noise.torque_trim.fill(torque_trim_sd * torque_trim_sd);
   for_each_flight([&](std::size_t f) {
     sensor_windows_[f] = sensor_windows(flights_[f], static_cast<int>(f), catalogue_);
     flights_[f].measured_at_sample = measured_beside_commands(flights_[f]);
@@ -321,6 +322,14 @@ std::vector<int> Session::present(const std::vector<int>& columns) const {
   return result;
 }
 
+Eigen::VectorXd Session::beside_trims(const std::vector<int>& columns) {
+  Grams now = flown_grams(columns);
+  // learned on filtered logs, they made the offsets that a vehicle has anyway a centre of mass beside a lost rotor
+  if (!shoots()) noise.torque_trim = likeliest_trims(catalogue_, columns, value_, now, noise.torque_trim);
+  know_beforehand(catalogue_, noise.torque_trim, value_, now);
+  return solve(now.total(), columns, 1e-4).coefficient;
+}
+
 Eigen::VectorXd Session::value_with(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const {
   Eigen::VectorXd value = value_;
   for (std::size_t i = 0; i < columns.size(); ++i)
@@ -335,7 +344,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   if (shoots()) {
     weigh(shooting_weights(shot_aside_, {}, {}));
     for (int iteration = 0; iteration < 4; ++iteration) {
-      coefficient = solve(grams(fitted).total(), fitted, 1e-4).coefficient;
+      coefficient = beside_trims(fitted);
       weigh(shooting_weights(shot_aside_, fitted, coefficient));
     }
   }
@@ -347,10 +356,7 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const bool anew = iteration % 2 == 0;
     if (anew && !shoots()) {
-      Grams now = body_grams(fitted);
-      noise.torque_trim = likeliest_trims(catalogue_, fitted, value_, now, noise.torque_trim);
-      know_beforehand(catalogue_, noise.torque_trim, value_, now);
-      coefficient = solve(now.total(), fitted, 1e-4).coefficient;
+      coefficient = beside_trims(fitted);
     }
     smoothed.assign(flights_.size(), Smoothed{});
     for_each_flight([&](std::size_t f) {
@@ -456,12 +462,7 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
 Grams Session::grams() const { return grams(all_); }
 
 Grams Session::grams(const std::vector<int>& columns) const {
-  if (shoots()) {
-    Grams grams = shooting_grams(shot_aside_, weights_, catalogue_, value_);
-    add_sensor_windows(columns, grams);
-    return grams;
-  }
-  Grams grams = body_grams(columns);
+  Grams grams = flown_grams(columns);
   know_beforehand(catalogue_, noise.torque_trim, value_, grams);
   return grams;
 }
@@ -481,17 +482,19 @@ void Session::add_sensor_windows(const std::vector<int>& columns, Grams& grams) 
   grams.rows = rows;
 }
 
-Grams Session::body_grams(const std::vector<int>& columns) const {
+Grams Session::flown_grams(const std::vector<int>& columns) const {
   const auto wanted = [&](int c) { return std::find(columns.begin(), columns.end(), c) != columns.end(); };
-  if (std::all_of(linear_.begin(), linear_.end(),
-                  [&](const LinearFlight& l) { return std::all_of(l.columns.begin(), l.columns.end(), wanted); })) {
-    Grams grams = grams_of(linear_);
-    add_sensor_windows(columns, grams);
-    return grams;
+  Grams grams;
+  if (shoots()) {
+    grams = shooting_grams(shot_aside_, weights_, catalogue_, value_);
+  } else if (std::ranges::all_of(linear_,
+                                 [&](const LinearFlight& l) { return std::ranges::all_of(l.columns, wanted); })) {
+    grams = grams_of(linear_);
+  } else {
+    std::vector<LinearFlight> parts(flights_.size());
+    for_each_flight([&](std::size_t f) { parts[f] = only(linear_[f], columns); });
+    grams = grams_of(parts);
   }
-  std::vector<LinearFlight> parts(flights_.size());
-  for_each_flight([&](std::size_t f) { parts[f] = only(linear_[f], columns); });
-  Grams grams = grams_of(parts);
   add_sensor_windows(columns, grams);
   return grams;
 }

@@ -107,8 +107,10 @@ class Session {
   Grams grams_of(const std::vector<LinearFlight>& flights) const;
   // adds what the sensors say of these columns by themselves
   void add_sensor_windows(const std::vector<int>& columns, Grams& grams) const;
-  // as grams(columns) of a session that does not shoot, but that nothing is known of torque trims beforehand
-  Grams body_grams(const std::vector<int>& columns) const;
+  // as grams(columns), but that nothing is known beforehand
+  Grams flown_grams(const std::vector<int>& columns) const;
+  // coefficients of columns (ridged) beside the likeliest torque trims, which the noise takes over
+  Eigen::VectorXd beside_trims(const std::vector<int>& columns);
   // Flights as they are shot, with the answers of the loop set aside.
   void set_answers_aside();
   // New weights, and what the answers are under them.

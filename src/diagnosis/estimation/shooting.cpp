@@ -426,8 +426,9 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
   Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
   for (int c = 0; c < catalogue_size; ++c) {
     const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    if (column.known_to > 0.0 || column.of_torque_trim()) continue;
     Eigen::Vector2d row(1.0, -(value[c] - column.nominal) / column.natural);
-    if (column.group >= 0) row *= column.known_to > 0.0 ? column.natural / column.known_to : 1.0 / loose_prior;
+    if (column.group >= 0) row /= loose_prior;
     prior(c, c) += row[0] * row[0];
     prior(c, catalogue_size) = prior(catalogue_size, c) = row[0] * row[1];
     prior(catalogue_size, catalogue_size) += row[1] * row[1];

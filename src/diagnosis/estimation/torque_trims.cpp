@@ -45,7 +45,7 @@ void know_beforehand(const Catalogue& catalogue, const TrimVariance& variance, c
 TrimVariance likeliest_trims(const Catalogue& catalogue, const std::vector<int>& columns, const Eigen::VectorXd& value,
                              const Grams& grams, TrimVariance variance) {
   const double flights = static_cast<double>(std::set<int>(grams.flight.begin(), grams.flight.end()).size());
-  if (flights < 2.0) return {};
+  if (flights < 2.0) return variance;
   const Eigen::MatrixXd total = grams.total();
   const auto size = std::ssize(columns);
   std::vector<Eigen::Index> trims;

@@ -19,7 +19,7 @@ void know_beforehand(const Catalogue& catalogue, const TrimVariance& variance, c
                      Grams& grams);
 
 // The likeliest variances beside the effects of some columns, from Gram matrices that know_beforehand has not been told of: EM, from
-// `variance`. One flight alone says nothing of them: zero.
+// `variance`. One flight alone says nothing of them.
 TrimVariance likeliest_trims(const Catalogue& catalogue, const std::vector<int>& columns, const Eigen::VectorXd& value,
                              const Grams& grams, TrimVariance variance);
 

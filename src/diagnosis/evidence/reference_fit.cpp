@@ -32,7 +32,8 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
                            const VehicleModel& vehicle, int jobs) {
   Session session(flights, vehicle, jobs, own_rate);
   Selection selection = select_effects(session, {});
-  challenge(session, selection, {}, [] { return std::nullopt; }, jobs);
+  challenge(
+      session, selection, {}, [] { return std::nullopt; }, jobs);
   const Catalogue& catalogue = session.catalogue();
   const std::vector<EffectSpec> all = effects_found(catalogue, selection);
   ReferenceFit fit{vehicle, {}, {}};

@@ -126,5 +126,31 @@ TEST(Reference, FlightsThatDifferHoldLessInformation) {
   EXPECT_NEAR(held / information(5.0 / std::sqrt(2000.0)), 26.0, 9.0);
 }
 
+// what flights have of their own in one number leaves the others as sure as they are
+TEST(Reference, FlightsThatDifferInOneNumberAreAsSureOfTheOthers) {
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1,
+                            {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const Reference alike = reference_of(catalogue, flights_that_differ(catalogue, 4, 0.0), {});
+  Grams one_differs = flights_that_differ(catalogue, 4, 0.0);
+  int first = 0;  // of the shared columns
+  while (catalogue.columns()[static_cast<std::size_t>(first)].group < 0 ||
+         catalogue.columns()[static_cast<std::size_t>(first)].flight >= 0)
+    ++first;
+  for (std::size_t f = 0; f < one_differs.block.size(); ++f) {
+    Grams flight;
+    flight.columns = one_differs.columns;
+    flight.block = {one_differs.block[f]};
+    Eigen::VectorXd own = Eigen::VectorXd::Zero(catalogue.size());
+    own[first] = f % 2 == 0 ? 1.0 : -1.0;
+    flight.shift(own);
+    one_differs.block[f] = flight.block[0];
+  }
+  const Reference differ = reference_of(catalogue, one_differs, {});
+  ASSERT_GT(alike.information(0, 0), 1000.0);
+  EXPECT_LT(differ.information(0, 0), 0.01 * alike.information(0, 0));
+  for (Eigen::Index i = 1; i < alike.information.rows(); ++i)
+    EXPECT_GT(differ.information(i, i), 0.2 * alike.information(i, i)) << i;
+}
+
 }  // namespace
 }  // namespace gustlab::diagnosis

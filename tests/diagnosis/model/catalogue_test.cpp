@@ -39,6 +39,31 @@ TEST(Catalogue, BatteryIsDescribedByItsVoltageWhereThatIsSeen) {
   EXPECT_THAT(columns(catalogue({.observable = pose}), "battery_sag"), ElementsAre("rate"));
 }
 
+TEST(Catalogue, TheHeightOfACentreOfMassIsKnownBeforehandAndMayStayOut) {
+  Catalogue all = catalogue({.observable = pose});
+  const std::vector<int> of_center = all.groups()[static_cast<std::size_t>(all.find("center_of_mass"))].columns;
+  const auto known_to = [&](std::size_t i) { return all.columns()[static_cast<std::size_t>(of_center[i])].known_to; };
+  EXPECT_EQ(known_to(0), 0.0);
+  EXPECT_NEAR(known_to(2), 0.05 * read_vehicle("crazyflie").arm_m(), 1e-12);
+  all.freeze(of_center[2]);
+  EXPECT_THAT(columns(all, "center_of_mass"), ElementsAre("x", "y"));
+}
+
+TEST(Catalogue, AGyroscopesScaleNeedsAGyroscopeAndNoTorque) {
+  const Need without = Need::attitude | Need::motion;
+  EXPECT_THAT(columns(catalogue({.observable = without}), "gyro_scale"), IsEmpty());
+  EXPECT_THAT(columns(catalogue({.observable = without | Need::gyro}), "gyro_scale"), ElementsAre("delta"));
+  EXPECT_THAT(columns(catalogue({.observable = without | Need::gyro, .trims = true}), "gyro_scale"), IsEmpty());
+}
+
+TEST(Catalogue, TorqueTrimsAreOfEveryFlightWhoseTorquesAreTold) {
+  const auto trims = [](const Catalogue& of) {
+    return std::ranges::count_if(of.columns(), [](const Column& c) { return c.of_torque_trim(); });
+  };
+  EXPECT_EQ(trims(catalogue({.observable = pose}, 3)), 9);
+  EXPECT_EQ(trims(catalogue({.observable = Need::attitude | Need::motion}, 3)), 0);
+}
+
 TEST(Catalogue, LagHasTwoTimeConstantsWhereTheMotionTellsThemApart) {
   EXPECT_THAT(columns(catalogue({.observable = pose}), "motor_lag"),
               ElementsAre("time_constant", "time_constant_down"));
@@ -73,7 +98,8 @@ TEST(Catalogue, SaysWhyAnEffectIsLeftOut) {
   const auto why = [](const Catalogue& of, std::string_view name) {
     return of.why_left_out(*find_effect(name)).value_or(NotIdentifiable{}).why;
   };
-  const Catalogue all = catalogue({.observable = pose}), filtered = catalogue({.observable = pose, .trims = true}),
+  const Catalogue all = catalogue({.observable = pose}),
+                  filtered = catalogue({.observable = pose | Need::gyro, .trims = true}),
                   forces = catalogue({.observable = Need::attitude | Need::accelerometer});
   EXPECT_THAT(why(all, "mass"), IsEmpty());
   EXPECT_THAT(why(all, "steady_wind"), IsEmpty());
