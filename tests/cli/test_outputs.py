@@ -102,7 +102,7 @@ class Models(Commands):
         self.call("diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg")
         model = self.folder / "dg" / "augmented.toml"
         self.assertEqual(tomllib.loads(model.read_text())["effect"], [])
-        self.assertIn("after", self.call("replay", "trials/nothing/fit_1.csv", "--with", str(model))[0])
+        self.assertIn("with effects", self.call("replay", "trials/nothing/fit_1.csv", "--with", str(model))[0])
 
 
 class Inputs(Commands):

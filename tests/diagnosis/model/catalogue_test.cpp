@@ -133,7 +133,7 @@ TEST(Catalogue, OfAnExactAliasOneIsFree) {
 }
 
 TEST(Catalogue, CorrectsTheSensorsOfAFlight) {
-  const Catalogue all = catalogue({.observable = pose});
+  const Catalogue all = catalogue({.observable = pose | Need::gyro});
   Eigen::VectorXd value = all.nominal();
   const auto set = [&](std::string_view label, std::size_t i, double to) {
     value[all.groups()[static_cast<std::size_t>(all.find(label))].columns[i]] = to;

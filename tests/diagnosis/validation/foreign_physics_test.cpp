@@ -76,7 +76,7 @@ TEST(SmoothedLogTrials, IsSaidAndItsDragNamed) {
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.02, 0.003);
   EXPECT_THAT(d.not_identifiable, Contains(AllOf(Field(&NotIdentifiable::effect, "steady_wind"),
                                                  Field(&NotIdentifiable::why, HasSubstr("see constant_force")))));
-  EXPECT_THAT(d.notes, Contains(HasSubstr("which the commands did not pass")));
+  EXPECT_THAT(d.notes, Contains(HasSubstr("which smoothed the motion and not the commands")));
 }
 
 TEST(SmoothedLogTrials, WithoutMissingPhysicsNamesNothing) {
