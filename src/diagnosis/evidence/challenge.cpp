@@ -39,12 +39,13 @@ double gain_of_all(const Session& session, const Selection& selection, const std
 }
 
 std::vector<std::size_t> failing(const Session& session, const Selection& selection,
-                                 const std::vector<Evidence>& records, const std::vector<int>& means) {
+                                 const std::vector<Evidence>& records, const std::vector<int>& means,
+                                 double stands_from) {
   std::vector<std::size_t> at_once, doubtful;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (selection.findings[i].calibration) continue;
     if (std::ranges::count(means, records[i].group) > 0) at_once.push_back(i);
-    else if (records[i].probability < suspected_from) doubtful.push_back(i);
+    else if (records[i].probability < stands_from) doubtful.push_back(i);
   }
   return weakest(records, std::move(at_once), std::move(doubtful),
                  [&](const std::vector<std::size_t>& some) { return gain_of_all(session, selection, some); });
@@ -120,7 +121,7 @@ std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vect
 }
 
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
-                    const std::function<std::optional<double>()>& most_pose_latency_s, int jobs) {
+                    const std::function<std::optional<double>()>& most_pose_latency_s, int jobs, double stands_from) {
   Challenge result;
   Looks looks;
   bool without_forces_per_flight = false;
@@ -134,9 +135,9 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       ask_sensors(session, selection, most_pose_latency_s, record);
       judge(record);
     }
-    const std::vector<std::size_t> failed =
-        failing(session, selection, result.records,
-                result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{});
+    const std::vector<std::size_t> failed = failing(
+        session, selection, result.records,
+        result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{}, stands_from);
     if (failed.empty()) {
       if (result.withdrawn.empty()) break;
       std::optional<Selection> next = looks.next(session, selection, named(result.records));

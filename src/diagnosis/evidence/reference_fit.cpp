@@ -5,6 +5,7 @@
 
 #include "config/toml.hpp"
 #include "diagnosis/evidence/challenge.hpp"
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/select_effects.hpp"
 
@@ -32,8 +33,9 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
                            const VehicleModel& vehicle, int jobs) {
   Session session(flights, vehicle, jobs, own_rate);
   Selection selection = select_effects(session, {});
+  // what is left out here comes back as a change: only what is hopeless goes
   challenge(
-      session, selection, {}, [] { return std::nullopt; }, jobs);
+      session, selection, {}, [] { return std::nullopt; }, jobs, decisions::hopeless);
   const Catalogue& catalogue = session.catalogue();
   const std::vector<EffectSpec> all = effects_found(catalogue, selection);
   ReferenceFit fit{vehicle, {}, {}};
