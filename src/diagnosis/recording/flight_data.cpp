@@ -460,17 +460,8 @@ FlightData sensors_alone(const FlightLog& log, const VehicleModel& vehicle, cons
   return flight;
 }
 
-}  // namespace
-
-FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
-  if (options.total_thrust) {
-    ReadingOptions as_it_is = options;
-    as_it_is.total_thrust = false;
-    FlightData flight = prepare_flight(with_total_thrust(original, vehicle), vehicle, as_it_is);
-    if (original.meta.actuator != ActuatorKind::collective_thrust && original.find("qw") != nullptr)
-      flight.each_rotor = std::make_shared<FlightData>(prepare_flight(original, vehicle, as_it_is));
-    return flight;
-  }
+// one log, as the options say; without `each_rotor` and `sensors`
+FlightData read_alone(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
   const bool filters = options.common_filter_s > 0.0, averages = !filters && options.coarse_rate_hz > 0.0;
   const FlightLog changed = filters    ? filtered_alike(original, options.common_filter_s)
                             : averages ? with_mean_poses(original, options)
@@ -494,11 +485,6 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
     throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
                                 vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));
   flight.has_voltage = log.find("vbat") != nullptr;
-  if ((options.forces_only || filters) && original.find("qw") != nullptr && original.find("wx") != nullptr)
-    flight.sensors = std::make_shared<FlightData>(sensors_alone(original, vehicle, options.late));
-  flight.inertial_unused =
-      options.forces_only && !flight.sensors && log.find("px") != nullptr && log.find("ax") != nullptr;
-
   const double log_step_s = interval_s(fastest_steps(log));
   const Groups groups = groups_read(log, log_step_s, options);
   flight.read_slower = groups.stride > 1;
@@ -509,6 +495,20 @@ FlightData prepare_flight(const FlightLog& original, const VehicleModel& vehicle
   find_segments(flight);
   find_saturation(flight);
   smooth_motion(flight, {});
+  return flight;
+}
+
+}  // namespace
+
+FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, const ReadingOptions& options) {
+  FlightData flight = read_alone(options.total_thrust ? with_total_thrust(log, vehicle) : log, vehicle, options);
+  const bool posed = log.find("qw") != nullptr;
+  if (options.total_thrust && log.meta.actuator != ActuatorKind::collective_thrust && posed)
+    flight.each_rotor = std::make_shared<FlightData>(read_alone(log, vehicle, options));
+  if ((options.forces_only || options.common_filter_s > 0.0) && posed && log.find("wx") != nullptr)
+    flight.sensors = std::make_shared<FlightData>(sensors_alone(log, vehicle, options.late));
+  flight.inertial_unused =
+      options.forces_only && !flight.sensors && log.find("px") != nullptr && log.find("ax") != nullptr;
   return flight;
 }
 
