@@ -333,18 +333,25 @@ bool anything_named(const Json& diagnosis) {
   return !part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty();
 }
 
+// rows of a table: what each number of an effect or a sensor is, with its interval
+std::string rows_of_parameters(const std::string& of, const Json& parameters) {
+  std::string rows;
+  for (const auto& [name, entry] : parameters.items()) {
+    if (name == "rotor") continue;
+    const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
+    const Display display = display_of(name, text(entry, "unit"), std::abs(value));
+    rows += fmt::format("<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>", escape(of),
+                        escape(plain_parameter(name)), with_half_width(display.factor * value, display.factor * half),
+                        escape(display.unit));
+  }
+  return rows;
+}
+
 // effects found in the reference flights: what only they show, and no change
 std::string reference_effects(const Json& diagnosis) {
   std::string rows;
   for (const Json& effect : part(diagnosis, "reference_effects"))
-    for (const auto& [name, entry] : part(effect, "parameters").items()) {
-      if (name == "rotor") continue;
-      const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
-      const Display display = display_of(name, text(entry, "unit"), std::abs(value));
-      rows += fmt::format("<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>",
-                          escape(plain_name(effect)), escape(plain_parameter(name)),
-                          with_half_width(display.factor * value, display.factor * half), escape(display.unit));
-    }
+    rows += rows_of_parameters(plain_name(effect), part(effect, "parameters"));
   if (rows.empty()) return "";
   return "<p>Against the vehicle file. It is taken as normal, and only what changed since is named above.</p>" +
          card_table({{"effect"}, {"parameter"}, {"value ± 95 %", true}, {"unit"}}, rows);
@@ -352,20 +359,10 @@ std::string reference_effects(const Json& diagnosis) {
 
 std::string calibration(const Json& diagnosis) {
   std::string rows;
-  const auto add = [&](const Json& list, bool with_name) {
-    for (const Json& effect : list)
-      for (const auto& [name, entry] : part(effect, "parameters").items()) {
-        if (name == "rotor") continue;
-        const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
-        const Display display = display_of(name, text(entry, "unit"), std::abs(value));
-        rows +=
-            fmt::format("<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>",
-                        escape(with_name ? plain_name(effect) : text(effect, "sensor")), escape(plain_parameter(name)),
-                        with_half_width(display.factor * value, display.factor * half), escape(display.unit));
-      }
-  };
-  add(part(diagnosis, "calibration"), true);
-  add(part(diagnosis, "sensor_biases"), false);
+  for (const Json& effect : part(diagnosis, "calibration"))
+    rows += rows_of_parameters(plain_name(effect), part(effect, "parameters"));
+  for (const Json& bias : part(diagnosis, "sensor_biases"))
+    rows += rows_of_parameters(text(bias, "sensor"), part(bias, "parameters"));
   if (rows.empty()) return "";
   return "<p>Small corrections below the reporting tolerances: the usual scatter of a build, not missing physics.</p>" +
          card_table({{"of"}, {"parameter"}, {"value ± 95 %", true}, {"unit"}}, rows);
