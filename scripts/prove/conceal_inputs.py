@@ -142,8 +142,16 @@ def thrusts_with(vehicle, motion, thrust, effect, values, passes=12):
     wanted = wrench(vehicle, motion, thrust) + needed_besides(vehicle, motion, effect, values)
     back, changed = np.linalg.pinv(mixer(vehicle)), thrust
     for _ in range(passes):
-        changed = np.maximum(changed + (wanted - wrench(vehicle, motion, changed, effect, values)) @ back.T, 0.0)
+        changed = np.clip(changed + (wanted - wrench(vehicle, motion, changed, effect, values)) @ back.T, 0.0, 10 * vehicle.weight)
     return changed
+
+
+def conceals(vehicle, motion, thrust, effect, values):
+    """Whether there are such thrusts: their force along z is what it must be, within 2 % of the weight in 99 of 100 samples. A curve that
+    bends down gives no more beyond its top."""
+    wanted = wrench(vehicle, motion, thrust) + needed_besides(vehicle, motion, effect, values)
+    given = wrench(vehicle, motion, thrusts_with(vehicle, motion, thrust, effect, values), effect, values)
+    return bool(np.quantile(np.abs(given - wanted)[:, 0], 0.99) < 0.02 * vehicle.weight)
 
 
 def signature(vehicle, motion, thrust, effect, values):
@@ -204,41 +212,57 @@ def remainder(vehicle, motion, thrust):
 
 
 CORRELATION_S = 0.5          # of what remains of the wrench: its samples count once in this time
+# these are seen by what is constant, too; any other effect only by what a scale of each channel (thrust, inertia) and constant torques leave
 TRIM = ("thrust_scale", "mass", "rotor_loss", "center_of_mass", "yaw_torque_ratio", "inertia")
+# channels of the wrench in which flights show by themselves how large a trim is; for inertia and yaw torque noise of the inputs hides it
+SHOWN_IN = {"thrust_scale": [0], "mass": [0], "rotor_loss": [0, 1, 2], "center_of_mass": [1, 2], "inertia": [], "yaw_torque_ratio": []}
+
+
+def beside_trims(effect, given, values):
+    """`values` (n, 4) less what a scale of each channel's own wrench and constant torques explain; those of a trim as they are."""
+    left = values.copy()
+    for k in [] if effect in TRIM else np.flatnonzero(np.isfinite(values).all(axis=0)):
+        known = given[:, :1] if k == 0 else np.column_stack([given[:, k], np.ones(len(given))])
+        left[:, k] -= known @ np.linalg.lstsq(known, values[:, k], rcond=None)[0]
+    return left
 
 
 def standard_error(vehicle, flights, effect, unit):
-    """Standard error of an effect's size, in units of `unit`, against what remains of the wrench as noise. An effect that is no
-    trim is seen only by what a scale of the thrust and constant torques do not explain. flights: [(motion, thrust)]."""
+    """Standard error of an effect's size, in units of `unit`, against what remains of the wrench as noise. flights: [(motion, thrust)]."""
     information = 0.0
     for motion, thrust in flights:
         rest = remainder(vehicle, motion, thrust)
-        shape = low_pass(motion.time_s, signature(vehicle, motion, thrust, effect, unit), 5)
-        if effect not in TRIM:
-            total = thrust.sum(axis=1)
-            shape[:, 0] -= total * (total @ shape[:, 0]) / (total @ total)
-            shape[:, 1:] -= shape[:, 1:].mean(axis=0)
+        shape, given = (low_pass(motion.time_s, values, 5) for values in (signature(vehicle, motion, thrust, effect, unit), wrench(vehicle, motion, thrust)))
+        shape = beside_trims(effect, given, shape)
         good = np.isfinite(rest).all(axis=0)
         once = CORRELATION_S / np.median(np.diff(motion.time_s))
         information += np.sum(shape[:, good] ** 2 / np.var(rest[:, good], axis=0)) / once
     return 1.0 / np.sqrt(information) if information > 0 else np.inf
 
 
-# channels of the wrench in which flights show by themselves how large a trim is; for inertia and yaw torque noise of the inputs hides it
-SHOWN_IN = {"thrust_scale": [0], "mass": [0], "rotor_loss": [0, 1, 2], "center_of_mass": [1, 2]}
-
-
 def sizes_shown(vehicle, flights, effect, unit):
-    """[size] of an effect that each flight shows by itself, in units of `unit`: least squares of what is missing of the wrench below 1 Hz,
-    every channel weighted by what remains of it; empty where no channel shows it. flights: [(motion, thrust)]."""
+    """[(size, weight)] of an effect that each flight shows by itself, in units of `unit`: least squares of what is missing of the wrench, of a
+    trim below 1 Hz, of others below 5 Hz, every channel weighted by what remains of it; empty where no channel shows it. A flight's weight is
+    the information that it has. flights: [(motion, thrust)]."""
     sizes = []
     for motion, thrust in flights:
-        shape, rest, noise = signature(vehicle, motion, thrust, effect, unit), missing(vehicle, motion, thrust), remainder(vehicle, motion, thrust)
-        channels = [k for k in SHOWN_IN.get(effect, ()) if np.isfinite(rest[:, k]).all()]
+        all_of = (signature(vehicle, motion, thrust, effect, unit), missing(vehicle, motion, thrust), wrench(vehicle, motion, thrust))
+        shape, rest, given = (low_pass(motion.time_s, values, 1 if effect in TRIM else 5) for values in all_of)
+        noise = remainder(vehicle, motion, thrust)
+        channels = [k for k in SHOWN_IN.get(effect, range(4)) if np.isfinite(rest[:, k]).all()]
         if channels:
-            shape, rest = (low_pass(motion.time_s, values[:, channels], 1) / noise[:, channels].std(axis=0) for values in (shape, rest))
-            sizes.append(np.sum(shape * rest) / np.sum(shape**2))
+            shape, rest = (beside_trims(effect, given, values)[:, channels] / noise[:, channels].std(axis=0) for values in (shape, rest))
+            sizes.append((np.sum(shape * rest) / np.sum(shape**2), np.sum(shape**2)))
     return sizes
+
+
+def spread(sizes):
+    """Standard deviation of [(size, weight)] between flights; 0 of fewer than two."""
+    if len(sizes) < 2:
+        return 0.0
+    size, weight = np.array(sizes).T
+    mean = np.average(size, weights=weight)
+    return float(np.sqrt(np.average((size - mean) ** 2, weights=weight) * len(size) / (len(size) - 1)))
 
 
 # ---- what sensors and clocks show by themselves ---------------------------------------------------------------------------

@@ -334,12 +334,17 @@ def possible(recordings):
 
 
 def shown(recordings, effect, values):
-    """Per-flight sizes of an effect that the untouched flights show by themselves, in units of `values`; empty where that is not asked."""
+    """[(size, weight)] of an effect that each untouched flight shows by itself, in units of `values`; empty where that is not asked."""
     entries = recordings.set.new + recordings.set.reference + recordings.set.holdout
     if effect in physics.SEEN_BY_SENSORS:
         axis, unit = next(iter(values.items()))
-        return [physics.SEEN_BY_SENSORS[effect](recordings.log(entry), recordings.vehicle, axis) / unit for entry in entries]
+        return [(physics.SEEN_BY_SENSORS[effect](recordings.log(entry), recordings.vehicle, axis) / unit, 1.0) for entry in entries]
     return physics.sizes_shown(recordings.vehicle, [recordings.motion(recordings.log(entry)) for entry in entries], effect, values)
+
+
+def mean_shown(recordings, effect, values):
+    """Mean of the sizes that the untouched flights show, in units of `values`; 0 where that is not asked."""
+    return np.mean([size for size, _ in shown(recordings, effect, values)] or [0.0])
 
 
 def limit_of(recordings, effect, values, asked):
@@ -353,8 +358,7 @@ def limit_of(recordings, effect, values, asked):
         return 0.05  # hovering flights without rates: what two normal flights of one vehicle differ by
     natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
     small = {name: value if name == "rotor" else natural * value for name, value in values.items()}
-    sizes = [natural * size for size in shown(recordings, effect, small)]
-    spread, variance = np.std(sizes, ddof=1) if len(sizes) > 1 else 0.0, 0.0
+    spread, variance = natural * physics.spread(shown(recordings, effect, small)), 0.0
     for entries in (recordings.set.new, recordings.set.reference)[: 1 if asked == "file" else 2]:
         variance += spread**2 / len(entries)
         if effect not in physics.SEEN_BY_SENSORS:
@@ -364,11 +368,11 @@ def limit_of(recordings, effect, values, asked):
 
 
 def in_range(log, recordings, effect, values):
-    """Whether the inputs that conceal the effect are inputs that this actuator takes."""
-    if log.meta["actuator"] != "pwm":
-        return True
+    """Whether there are inputs that conceal the effect, and this actuator takes them."""
+    if effect not in ("actuation_delay", "motor_lag") and not physics.conceals(recordings.vehicle, *recordings.motion(log), effect, values):
+        return False
     changed = recordings.inputs(change_inputs(log, recordings, effect, values))[3]
-    return bool(np.all((changed >= 0) & (changed <= 65535)))
+    return log.meta["actuator"] != "pwm" or bool(np.all((changed >= 0) & (changed <= 65535)))
 
 
 def cases_of(name, recordings):
@@ -380,10 +384,10 @@ def cases_of(name, recordings):
             number += 1
             rotor, sign = 1 + number % len(recordings.vehicle.thrust), 1.0 if number % 2 else -1.0
             unit = units(effect, recordings.vehicle, rotor, sign, voltage)
-            if effect in SIGNED and recordings.has_rates() and np.mean(shown(recordings, effect, unit) or [0.0]) < 0:
+            if effect in SIGNED and recordings.has_rates() and mean_shown(recordings, effect, unit) < 0:
                 unit = units(effect, recordings.vehicle, rotor, -sign, voltage)
             # a gyroscope that is later than the pose would take a late pose back
-            if effect == "pose_delay" and np.mean(shown(recordings, effect, unit)) < -0.5 * physics.TOLERANCE[effect]:
+            if effect == "pose_delay" and mean_shown(recordings, effect, unit) < -0.5 * physics.TOLERANCE[effect]:
                 continue
             if way == "recording" and effect == "rotor_loss":
                 unit = {"loss": -1.0, "rotor": rotor}

@@ -74,8 +74,33 @@ def test_flights_show_a_trim_by_themselves():
     motion.time_s = 0.01 * np.arange(3000)
     # the recorded force is that of a thrust 4 % larger than the file's
     motion.specific_B[:, 2] = 1.04 * thrust.sum(axis=1) / VEHICLE.mass
-    assert physics.sizes_shown(VEHICLE, [(motion, thrust)] * 2, "thrust_scale", {"delta": 0.01}) == pytest.approx([4.0, 4.0], abs=0.05)
-    assert physics.sizes_shown(VEHICLE, [(motion, thrust)], "thrust_curve", {"curvature": 0.01}) == []
+    (size, weight), again = physics.sizes_shown(VEHICLE, [(motion, thrust)] * 2, "thrust_scale", {"delta": 0.01})
+    assert size == pytest.approx(4.0, abs=0.05) and weight > 0 and again == (size, weight)
+    assert physics.sizes_shown(VEHICLE, [(motion, thrust)], "inertia", {"delta_x": 0.01, "delta_y": 0.01, "delta_z": 0.01}) == []
+
+
+def test_an_effect_is_seen_by_what_scales_of_thrust_and_torque_leave():
+    rng = np.random.default_rng(2)
+    motion, thrust = flight(3000)
+    motion.time_s = 0.01 * np.arange(3000)
+    # slow thrusts that a curve of 0.05 changes, in a vehicle whose thrust and torques are 3 % too large besides
+    thrust = VEHICLE.weight / 4 * (1 + 0.4 * physics.low_pass(motion.time_s, rng.standard_normal((3000, 4)), 2))
+    given = physics.wrench(VEHICLE, motion, thrust, "thrust_curve", {"curvature": 0.05}) * 1.03
+    motion.rate_B[:] = 0.0
+    motion.specific_B[:, 2], motion.angular_B = given[:, 0] / VEHICLE.mass, given[:, 1:] / VEHICLE.inertia
+    (size, _), = physics.sizes_shown(VEHICLE, [(motion, thrust)], "thrust_curve", {"curvature": 0.01})
+    assert size == pytest.approx(5 * 1.03, rel=0.02)
+    # a curve is a scale of thrust and torques where all four do the same small steps
+    thrust = np.repeat(thrust[:, :1], 4, axis=1)
+    small = VEHICLE.weight / 4 * (1 + 0.05 * (thrust / (VEHICLE.weight / 4) - 1))
+    error = [physics.standard_error(VEHICLE, [(motion, values)], "thrust_curve", {"curvature": 0.01}) for values in (thrust, small)]
+    assert error[1] > 10 * error[0]
+
+
+def test_a_flight_that_tells_little_counts_little_in_the_spread():
+    assert physics.spread([(1.0, 5.0)]) == 0.0
+    assert physics.spread([(1.0, 2.0), (3.0, 2.0)]) == pytest.approx(np.sqrt(2))
+    assert physics.spread([(1.0, 1.0), (1.2, 1.0), (9.0, 1e-6)]) < 0.2
 
 
 @pytest.mark.parametrize("effect, values", [("gyro_scale", {"delta": 0.03}), ("pose_delay", {"delay": 0.01}), ("yaw_offset", {"z": 0.05}),
@@ -142,6 +167,10 @@ def test_only_inputs_that_the_actuator_takes_conceal():
     log = Log("a.csv", {"actuator": "pwm"}, column)
     assert in_range(log, Flown, "thrust_scale", {"delta": 0.1})        # stronger rotors need less
     assert not in_range(log, Flown, "thrust_scale", {"delta": -0.3})
+    # a curve whose top lies below the thrusts that are needed conceals nothing
+    assert not in_range(log, Flown, "thrust_curve", {"curvature": -0.49})
+    hovering = Log("a.csv", {"actuator": "pwm"}, {**column, **{f"u{i}": np.full(100, 40000.0) for i in range(1, 5)}})
+    assert in_range(hovering, Flown, "thrust_curve", {"curvature": -0.2})
 
 
 def test_a_late_pose_and_a_turned_attitude():
