@@ -167,6 +167,9 @@ class Recordings:
         return motion, physics.thrust_of(inputs, log.meta["actuator"], self.vehicle)
 
 
+LAG_BAND_HZ = 60.0           # of measured speeds beyond it a lag would make noise alone, and no motion answers
+
+
 # ---- what is concealed in a recording -----------------------------------------------------------------------------------
 
 def felt_away(log, time_s, arm):
@@ -201,9 +204,9 @@ def change_inputs(log, recordings, effect, values):
     motion about another centre of mass: there the centre of mass keeps it, and the log is that of an origin beside it."""
     names, rows, time_s, inputs = recordings.inputs(log)
     if effect in ("actuation_delay", "motor_lag"):
-        curve = CubicSpline(time_s, inputs)
+        curve = CubicSpline(time_s, inputs) if effect == "actuation_delay" else physics.even((time_s, inputs), LAG_BAND_HZ)
         changed = curve(np.minimum(time_s + values["delay"], time_s[-1])) if effect == "actuation_delay" \
-            else inputs + values["time_constant"] * physics.even((time_s, inputs), 20).derivative()(time_s)
+            else curve(time_s) + values["time_constant"] * curve.derivative()(time_s)
     else:
         motion, thrust = recordings.motion(log)
         changed = physics.inputs_of(physics.thrusts_with(recordings.vehicle, motion, thrust, effect, values), log.meta["actuator"], recordings.vehicle)

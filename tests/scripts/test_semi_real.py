@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
 HOME = Path(__file__).resolve().parents[2]
@@ -16,7 +17,7 @@ import conceal_inputs as physics  # noqa: E402
 from falsify import VehicleFolder  # noqa: E402
 from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
 from flight_files import Log, read_vehicle  # noqa: E402
-from semi_real import Case, change_recording, combined, falsify_file, in_range, judge, seen_away  # noqa: E402
+from semi_real import Case, change_inputs, change_recording, combined, falsify_file, in_range, judge, seen_away  # noqa: E402
 
 FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
 VEHICLE = read_vehicle(FILE)
@@ -171,6 +172,23 @@ def test_only_inputs_that_the_actuator_takes_conceal():
     assert not in_range(log, Flown, "thrust_curve", {"curvature": -0.49})
     hovering = Log("a.csv", {"actuator": "pwm"}, {**column, **{f"u{i}": np.full(100, 40000.0) for i in range(1, 5)}})
     assert in_range(hovering, Flown, "thrust_curve", {"curvature": -0.2})
+
+
+def test_a_lag_of_the_inputs_that_conceal_one_gives_the_recorded_speeds():
+    class Flown:
+        @staticmethod
+        def inputs(log):
+            return ["u1"], np.ones(len(log.column["u1"]), dtype=bool), log.column["time_s"], log.stack("u1")
+
+    time_s, lag_s = 0.002 * np.arange(4000), 0.016
+    recorded = 1500 + 80 * np.sin(2 * np.pi * 6 * time_s) + 20 * np.sin(2 * np.pi * 25 * time_s) + 5 * np.random.default_rng(3).standard_normal(4000)
+    log = Log("a.csv", {}, {"time_s": time_s, "u1": recorded})
+    changed = change_inputs(log, Flown, "motor_lag", {"time_constant": lag_s, "time_constant_down": lag_s}).column["u1"]
+    follows = lfilter([1 - np.exp(-0.002 / lag_s)], [1, -np.exp(-0.002 / lag_s)], changed - 1500)
+    inner = slice(500, -500)
+    clean = (recorded - 1500)[inner]
+    # what is left is the speeds' own noise beyond the band of the motion, and half a sample of the filter
+    assert np.std(follows[inner] - clean) < 0.12 * np.std(clean)
 
 
 def test_a_late_pose_and_a_turned_attitude():
