@@ -166,7 +166,7 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
         "between them is estimated with all else, and what roll and pitch alone would show (inertia, damping) is not "
         "told");
   report_progress(options, "choosing effects", 0.1);
-  Selection selection = select_effects(session, {});
+  Selection selection = select_effects(session);
   report_progress(options, "testing them on other flights", 0.5);
   std::vector<FlightLog> proof = proof_flights(aligned);
   Challenge challenged = challenge(

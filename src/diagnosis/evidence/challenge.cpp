@@ -68,12 +68,12 @@ class Looks {
     if (over_) return std::nullopt;
     if (before_ && !std::ranges::includes(names, names_) && !explains_more(session, standing, *before_)) {
       over_ = true;  // what came back has cost a name: as it was
-      return withdraw(session, {}, *before_, {});
+      return withdraw(session, *before_, {});
     }
     // a look that brings no name back is the last
     if ((before_ && names == names_) || tried_.size() >= most_looks) return std::nullopt;
     before_ = standing, names_ = std::move(names);
-    return look_again(session, {}, standing, tried_);
+    return look_again(session, standing, tried_);
   }
 
  private:
@@ -153,7 +153,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
     }
-    selection = withdraw(session, {}, selection, groups);
+    selection = withdraw(session, selection, groups);
   }
   std::erase_if(result.withdrawn, [&](const Evidence& before) {
     return std::ranges::any_of(result.records, [&](const Evidence& r) { return r.group == before.group; });

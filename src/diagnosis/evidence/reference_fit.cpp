@@ -32,7 +32,7 @@ std::map<std::pair<std::string, int>, double> sizes_of_each_flight(const Catalog
 ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::vector<FlightData>& own_rate,
                            const VehicleModel& vehicle, int jobs) {
   Session session(flights, vehicle, jobs, own_rate);
-  Selection selection = select_effects(session, {});
+  Selection selection = select_effects(session);
   // what is left out here comes back as a change: only what is hopeless goes
   challenge(
       session, selection, {}, [] { return std::nullopt; }, jobs, decisions::hopeless);

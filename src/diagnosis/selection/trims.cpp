@@ -48,7 +48,7 @@ std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& c
 }
 
 bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen,
-                         int group, const SelectionOptions& options) {
+                         int group) {
   const Catalogue& catalogue = session.catalogue();
   const std::vector<int>& own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
   if (catalogue.columns()[static_cast<std::size_t>(own.front())].tolerance == 0.0) return false;
@@ -61,7 +61,7 @@ bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, c
   Eigen::MatrixXd soft = total;
   std::vector<int> without = firm;
   without.insert(without.end(), session.biases().begin(), session.biases().end());
-  for (const Trim& trim : trims_beside(session, firm, options.trim_share)) {
+  for (const Trim& trim : trims_beside(session, firm, decisions::trim_share)) {
     soft(trim.column, trim.column) += 1.0 / (trim.deviation * trim.deviation);
     without.push_back(trim.column);
   }
@@ -70,7 +70,7 @@ bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, c
     if (catalogue.columns()[static_cast<std::size_t>(c)].tolerance == 0.0) without.push_back(c);
     else free(c, c) = total(c, c);
   }
-  return solve(soft, without).loss - solve(free, without).loss < options.trim_cost;
+  return solve(soft, without).loss - solve(free, without).loss < decisions::trim_cost;
 }
 
 }  // namespace gustlab::diagnosis

@@ -55,7 +55,7 @@ class Stability : public ::testing::Test {
 
 TEST_F(Stability, WhatIsInEverySecondIsInEveryHalfAndWhatIsInOneInOneOfTwo) {
   const std::vector<int> chosen = {session.catalogue().find("mass"), session.catalogue().find("rotor_drag")};
-  const std::vector<double> shares = inclusion(session, grams(5.0, 6.0), chosen, {});
+  const std::vector<double> shares = inclusion(session, grams(5.0, 6.0), chosen);
   EXPECT_EQ(share(shares, "mass"), 1.0);
   EXPECT_EQ(share(shares, "rotor_drag"), 0.5);
   // chance stands in for what a half has not, and for nothing else
@@ -63,7 +63,7 @@ TEST_F(Stability, WhatIsInEverySecondIsInEveryHalfAndWhatIsInOneInOneOfTwo) {
 }
 
 TEST_F(Stability, OfNothingThatWasChosenThereIsNothingToAsk) {
-  for (const double s : inclusion(session, grams(5.0, 0.0), {}, {})) EXPECT_EQ(s, 0.0);
+  for (const double s : inclusion(session, grams(5.0, 0.0), {})) EXPECT_EQ(s, 0.0);
 }
 
 }  // namespace
