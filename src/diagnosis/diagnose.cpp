@@ -35,7 +35,7 @@ namespace {
 std::string at_its_bound(const Catalogue& catalogue, const std::vector<Evidence>& records) {
   const auto found =
       std::find_if(records.begin(), records.end(), [](const Evidence& record) { return record.at_bound; });
-  return found == records.end() ? std::string() : catalogue.groups()[static_cast<std::size_t>(found->group)].label;
+  return found == records.end() ? std::string() : catalogue.group(found->group).label;
 }
 
 std::vector<Disturbance> disturbance_of(const Selection& selection) {

@@ -21,10 +21,10 @@ constexpr std::size_t most_looks = 3;  // at what was withdrawn, each beside oth
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
                  const std::function<std::optional<double>()>& most_pose_latency_s, Evidence& record) {
-  const Group& group = session.catalogue().groups()[static_cast<std::size_t>(record.group)];
+  const Group& group = session.catalogue().group(record.group);
   if (group.row->place != Place::measurement) return;
   for (const int c : group.columns) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    const Column& column = session.catalogue().column(c);
     if (column.unit != "s") continue;
     if (const std::optional<double> shown_s = most_pose_latency_s())
       record.sensors_share = *shown_s / (selection.value[c] - column.nominal);
@@ -148,8 +148,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     std::vector<int> groups;
     for (const std::size_t i : failed) {
       groups.push_back(result.records[i].group);
-      without_forces_per_flight |=
-          session.catalogue().groups()[static_cast<std::size_t>(groups.back())].row->per_flight;
+      without_forces_per_flight |= session.catalogue().group(groups.back()).row->per_flight;
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
     }

@@ -19,7 +19,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr int kept_of_each_size = 25;     // subsets, by the search
+constexpr int kept_of_each_size = 25;    // subsets, by the search
 constexpr std::size_t most_changes = 8;  // of a set that was found, before it is taken as it is
 
 // What may happen to a set that was fitted: nothing more is tried, a group more, or one for another as well.
@@ -30,7 +30,7 @@ class Selector {
  public:
   explicit Selector(Session& session) : s_(session), catalogue_(session.catalogue()) {
     natural_.resize(catalogue_.size());
-    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.columns()[static_cast<std::size_t>(c)].natural;
+    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.column(c).natural;
   }
 
   Selection run() {
@@ -174,10 +174,9 @@ class Selector {
     // a wind that was tried with a drag of natural size means more with a smaller one
     const int wind = catalogue_.find(Airflow::wind), drag = catalogue_.find(Airflow::drag);
     if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
-      const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
+      const int d = catalogue_.group(drag).columns.front();
       if (s_.value()[d] == 0.0 && value[d] > 0.1 * natural_[d])
-        for (const int c : catalogue_.groups()[static_cast<std::size_t>(wind)].columns)
-          value[c] *= natural_[d] / value[d];
+        for (const int c : catalogue_.group(wind).columns) value[c] *= natural_[d] / value[d];
     }
     catalogue_.clamp(value);
     return value;
@@ -185,8 +184,7 @@ class Selector {
 
   bool possible(const Eigen::VectorXd& value, int group) const {
     const std::vector<int> columns = columns_of(catalogue_, {group});
-    return std::all_of(columns.begin(), columns.end(),
-                       [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].admits(value[c]); });
+    return std::all_of(columns.begin(), columns.end(), [&](int c) { return catalogue_.column(c).admits(value[c]); });
   }
 
   bool forces_alone() const { return !s_.shoots() && s_.flights().front().collective_only; }
@@ -202,7 +200,7 @@ class Selector {
       double least = std::numeric_limits<double>::infinity();
       for (const double later_s : {0.0, 0.02, 0.04, 0.08}) {
         Eigen::VectorXd trial = value;
-        for (const int c : catalogue_.groups()[static_cast<std::size_t>(late)].columns)
+        for (const int c : catalogue_.group(late).columns)
           trial[c] = later_s == 0.0 ? trial[c] : catalogue_.nominal()[c] + later_s;
         s_.linearise(trial, columns, false);
         if (const double loss = solve(s_.grams().total(), columns).loss; loss < least) least = loss, best = trial;
@@ -228,7 +226,7 @@ class Selector {
     value = refined(groups, std::move(value));
     bool ran_away = false;
     for (const int c : columns_of(catalogue_, groups)) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue_.column(c);
       if (column.known_to == 0.0 || std::abs(value[c] - column.nominal) < decisions::ran_away * column.known_to)
         continue;
       value[c] = column.nominal;
@@ -307,9 +305,7 @@ class Selector {
   // alone tells them apart only where the drag was chosen as well.
   Eigen::VectorXd likelier_wind(const Grams& grams, std::vector<int>& chosen, const Eigen::VectorXd& value) {
     const int force = force_like_wind(catalogue_), linear_drag = catalogue_.find(Airflow::drag);
-    const auto is_drag = [&](int g) {
-      return catalogue_.groups()[static_cast<std::size_t>(g)].row->air == Airflow::drag;
-    };
+    const auto is_drag = [&](int g) { return catalogue_.group(g).row->air == Airflow::drag; };
     if (linear_drag < 0 || std::find(chosen.begin(), chosen.end(), force) == chosen.end() ||
         (s_.flights().size() < 2 && std::none_of(chosen.begin(), chosen.end(), is_drag)) ||
         !winds_tried_.insert(chosen).second)
@@ -412,8 +408,7 @@ class Selector {
     const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
     result.loss_selected = fit.loss;
     std::vector<int> predicted = columns;
-    std::erase_if(predicted,
-                  [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].of_command_innovation(); });
+    std::erase_if(predicted, [&](int c) { return catalogue_.column(c).of_command_innovation(); });
     result.unpredicted_gain = solve(total, predicted).loss - fit.loss;
     result.value = value_at(columns, fit);
     result.deviation = Eigen::VectorXd::Zero(catalogue_.size());

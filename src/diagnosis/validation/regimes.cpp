@@ -68,7 +68,7 @@ Information information_of(const Session& session, const Selection& selection, c
   Eigen::VectorXd own = Eigen::VectorXd::Zero(grams.columns + 1), left = own;
   left[grams.columns] = 1.0;
   for (int c = 0; c < catalogue.size(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     const double coefficient = (selection.value[c] - column.nominal) / column.natural;
     left[c] = -coefficient;
     if (column.group == finding.group) own[c] = coefficient;

@@ -30,12 +30,11 @@ class SelectEffects : public ::testing::Test {
 
   std::vector<std::string> names(const Selection& some) const {
     std::vector<std::string> result;
-    for (const int g : some.groups())
-      result.emplace_back(session.catalogue().groups()[static_cast<std::size_t>(g)].row->name);
+    for (const int g : some.groups()) result.emplace_back(session.catalogue().group(g).row->name);
     return result;
   }
   int column(const char* effect, std::size_t parameter = 0) const {
-    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(effect))].columns[parameter];
+    return session.catalogue().group(session.catalogue().find(effect)).columns[parameter];
   }
 };
 

@@ -25,7 +25,7 @@ class Stability : public ::testing::Test {
                    vehicle, 1);
   }
   int column(const char* name) const {
-    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(name))].columns.front();
+    return session.catalogue().group(session.catalogue().find(name)).columns.front();
   }
   // all columns are chance; z is chance too, and `always` of one column in every second, `once` of another in the first
   Grams grams(double always, double once) const {

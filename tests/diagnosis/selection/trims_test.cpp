@@ -26,7 +26,7 @@ class Trims : public ::testing::Test {
     flight.hold_known = true;
     return Session({flight}, vehicle, 1);
   }
-  const Column& column(int c) const { return session_.catalogue().columns()[static_cast<std::size_t>(c)]; }
+  const Column& column(int c) const { return session_.catalogue().column(c); }
   Eigen::VectorXd nominal() const {
     Eigen::VectorXd value(session_.catalogue().size());
     for (int c = 0; c < session_.catalogue().size(); ++c) value[c] = column(c).nominal;
@@ -41,9 +41,7 @@ class Trims : public ::testing::Test {
         return static_cast<int>(g);
     return -1;
   }
-  const std::vector<int>& columns_of(int group) const {
-    return session_.catalogue().groups()[static_cast<std::size_t>(group)].columns;
-  }
+  const std::vector<int>& columns_of(int group) const { return session_.catalogue().group(group).columns; }
   Session session_ = make();
 };
 
@@ -75,7 +73,7 @@ TEST_F(Trims, WithoutAToleranceNothingIsATrim) {
 
 TEST_F(Trims, BesideFlightsThatHaveForcesOfTheirOwnAForceMustBeLarger) {
   const int group = force_like_wind(session_.catalogue());
-  const std::string label = session_.catalogue().groups()[static_cast<std::size_t>(group)].label;
+  const std::string label = session_.catalogue().group(group).label;
   Eigen::VectorXd value = nominal();
   value[columns_of(group).front()] = 0.06;
   EXPECT_TRUE(std::isinf(size_in_tolerances(session_, value, group)));
