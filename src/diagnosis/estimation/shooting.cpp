@@ -6,7 +6,7 @@
 
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/propagation.hpp"
-#include "diagnosis/recording/row_intervals.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 

@@ -5,8 +5,8 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
-#include "diagnosis/recording/row_intervals.hpp"
 #include "diagnosis/result/decisions.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "diagnosis/result/decisions.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -102,9 +103,7 @@ double deviation_in(const Grams& grams, const Information& known, const std::vec
 // the finding's size where one variable is low, middling and high, each part with as much information
 Regimes regimes_along(const std::string& variable, const std::vector<double>& value, const Grams& grams,
                       const Information& known) {
-  std::vector<std::size_t> order(grams.block.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return value[a] < value[b]; });
+  const std::vector<std::size_t> order = ascending(value);
   Regimes regimes;
   regimes.variable = variable;
   std::array<double, thirds> info{}, score{};
