@@ -20,6 +20,7 @@
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
 #include "util/parallel.hpp"
+#include "util/quantiles.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
@@ -49,9 +50,7 @@ void check_out(const std::filesystem::path& out) {
 // means of a residual and their 95 % intervals in ten bins of equal count
 void bin(const std::vector<double>& x, const std::vector<double>& y, std::vector<double>* middle,
          std::vector<double>& mean, std::vector<double>& low, std::vector<double>& high) {
-  std::vector<std::size_t> order(x.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return x[a] < x[b]; });
+  const std::vector<std::size_t> order = ascending(x);
   const std::size_t bins = std::min<std::size_t>(10, order.size() / 5);
   for (std::size_t b = 0; b < bins; ++b) {
     const std::size_t first = b * order.size() / bins, last = (b + 1) * order.size() / bins;

@@ -35,7 +35,7 @@ namespace {
 std::string at_its_bound(const Catalogue& catalogue, const std::vector<Evidence>& records) {
   const auto found =
       std::find_if(records.begin(), records.end(), [](const Evidence& record) { return record.at_bound; });
-  return found == records.end() ? std::string() : catalogue.groups()[static_cast<std::size_t>(found->group)].label;
+  return found == records.end() ? std::string() : catalogue.group(found->group).label;
 }
 
 std::vector<Disturbance> disturbance_of(const Selection& selection) {
@@ -166,7 +166,7 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
         "between them is estimated with all else, and what roll and pitch alone would show (inertia, damping) is not "
         "told");
   report_progress(options, "choosing effects", 0.1);
-  Selection selection = select_effects(session, {});
+  Selection selection = select_effects(session);
   report_progress(options, "testing them on other flights", 0.5);
   std::vector<FlightLog> proof = proof_flights(aligned);
   Challenge challenged = challenge(

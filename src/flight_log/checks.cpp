@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gustlab/types.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab {
 
@@ -59,9 +60,7 @@ Samples samples_of(const std::vector<double>& time_s, const std::vector<double>*
   for (std::size_t i = 1; i < samples.rows.size(); ++i)
     steps.push_back(time_s[samples.rows[i]] - time_s[samples.rows[i - 1]]);
   if (steps.empty()) return {};
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  samples.step_s = *middle;
+  samples.step_s = median(std::move(steps));
   return samples;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "gustlab/errors.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab {
 namespace {
@@ -44,9 +45,7 @@ std::vector<std::vector<std::size_t>> unbroken(const std::vector<double>& time_s
   std::vector<double> steps;
   for (std::size_t i = 1; i < rows.size(); ++i) steps.push_back(time_s[rows[i]] - time_s[rows[i - 1]]);
   if (steps.empty()) return {};
-  std::vector<double> sorted = steps;
-  std::sort(sorted.begin(), sorted.end());
-  const double longest_s = 1.6 * sorted[sorted.size() / 2];
+  const double longest_s = 1.6 * median(steps);
   std::vector<std::vector<std::size_t>> parts = {{rows[0]}};
   for (std::size_t i = 1; i < rows.size(); ++i) {
     if (steps[i - 1] > longest_s) parts.emplace_back();

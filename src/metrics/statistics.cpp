@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "metrics/tracking_error.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab {
 
@@ -36,7 +36,7 @@ Summary summarize(std::span<const double> values) {
   summary.mean = sum / n;
   for (const double value : known) squares += (value - summary.mean) * (value - summary.mean);
   if (known.size() > 1) summary.sd = std::sqrt(squares / (n - 1.0));
-  summary.median = quantile(known, 0.5);
+  summary.median = quantile(std::move(known), 0.5);
   return summary;
 }
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "util/quantiles.hpp"
 
 namespace gustlab {
 
@@ -25,7 +28,7 @@ ErrorFigures error_figures(const std::vector<double>& squares) {
   figures.rmse_m = root_mean(squares);
   figures.mae_m = sum / static_cast<double>(norms.size());
   figures.max_m = *std::max_element(norms.begin(), norms.end());
-  figures.p95_m = quantile(norms, 0.95);
+  figures.p95_m = quantile(std::move(norms), 0.95);
   return figures;
 }
 
@@ -46,20 +49,6 @@ TrackingFigures TrackingError::figures() const {
   figures.spatial = error_figures(spatial_m2);
   figures.rmse_z_m = root_mean(vertical_m2_);
   return figures;
-}
-
-double quantile(std::vector<double>& values, double q) {
-  if (values.empty()) return nothing;
-  const double place = q * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::ptrdiff_t>(place);
-  const double part = place - static_cast<double>(below);
-  const auto middle = values.begin() + below;
-  std::nth_element(values.begin(), middle, values.end());
-  const double low = *middle;
-  if (part == 0.0) return low;
-  const double high = *std::min_element(middle + 1, values.end());
-  // from the nearer end, as numpy does, so that both ends are exact
-  return part < 0.5 ? low + part * (high - low) : high - (1.0 - part) * (high - low);
 }
 
 }  // namespace gustlab

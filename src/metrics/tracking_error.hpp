@@ -42,8 +42,4 @@ class TrackingError {
   std::vector<double> planar_m2_, vertical_m2_;
 };
 
-// The q-quantile of values by linear interpolation between order statistics, numpy's default. Reorders the values;
-// NaN when there are none. q in [0, 1].
-double quantile(std::vector<double>& values, double q);
-
 }  // namespace gustlab

@@ -9,6 +9,7 @@
 #include "gustlab/random.hpp"
 #include "report/claims.hpp"
 #include "report/svg.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab {
 
@@ -21,12 +22,8 @@ nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-DrawnTables::Count count_of(std::vector<double> within) {
-  std::sort(within.begin(), within.end());
-  const auto quantile = [&](double share) {
-    return within[static_cast<std::size_t>(share * static_cast<double>(within.size() - 1))];
-  };
-  return {summarize(within).mean, quantile(0.1), quantile(0.9)};
+DrawnTables::Count count_of(const std::vector<double>& within) {
+  return {summarize(within).mean, quantile(within, 0.1), quantile(within, 0.9)};
 }
 
 // with replacement, one draw of gusts for all cells. runs: of each cell, by replicate

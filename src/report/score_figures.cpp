@@ -7,7 +7,7 @@
 #include <map>
 
 #include "metrics/statistics.hpp"
-#include "metrics/tracking_error.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab {
 

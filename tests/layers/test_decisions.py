@@ -42,7 +42,9 @@ METHOD = {
     "rollout/replay.cpp": "windows_per_task",
     "rollout/verify.cpp": "restart_s most_noises window_s",
     "selection/pendulum.cpp": "widest_swing least_damping most_damping shared own",  # bounds of the scan
-    "selection/select_effects.cpp": "most_changes",
+    "selection/select_effects.cpp": "kept_of_each_size most_changes",
+    "selection/selection.hpp": "most_effects",
+    "selection/stability.cpp": "half_samples",
     "selection/swing_fit.cpp": "bin_s longest_step_s shared own correlated",
     "validation/dependence.cpp": "ridge",
     "validation/generic_bases.hpp": "near_ground",

@@ -47,13 +47,5 @@ TEST(TrackingError, NoSampleIsNotANumber) {
   EXPECT_TRUE(std::isnan(figures.rmse_z_m));
 }
 
-TEST(Quantile, EndsAreExactAndTheMiddleIsLinear) {
-  std::vector<double> values{4.0, 1.0, 3.0, 2.0};
-  EXPECT_DOUBLE_EQ(quantile(values, 0.0), 1.0);
-  EXPECT_DOUBLE_EQ(quantile(values, 1.0), 4.0);
-  EXPECT_DOUBLE_EQ(quantile(values, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile(values, 0.25), 1.75);
-}
-
 }  // namespace
 }  // namespace gustlab

@@ -31,7 +31,7 @@ struct Unexplained {
     session.learn_noise(6, session.biases());
   }
   const diagnosis::Group& group(ColumnFrom column) const {
-    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(column))];
+    return session.catalogue().group(session.catalogue().find(column));
   }
   diagnosis::Recordings recordings;
   diagnosis::Session session = session_of(recordings);

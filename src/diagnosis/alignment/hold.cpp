@@ -17,10 +17,8 @@ bool linear_is_likelier(const VehicleModel& vehicle, int jobs,
     // no vehicle answers before it is asked
     std::vector<int> causal;
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      const Column& column = session.catalogue().columns()[static_cast<std::size_t>(columns[i])];
-      const bool way =
-          column.group >= 0 &&
-          session.catalogue().groups()[static_cast<std::size_t>(column.group)].row->place == Place::actuation;
+      const Column& column = session.catalogue().column(columns[i]);
+      const bool way = column.group >= 0 && session.catalogue().group(column.group).row->place == Place::actuation;
       if (!way || column.admits(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural))
         causal.push_back(columns[i]);
     }

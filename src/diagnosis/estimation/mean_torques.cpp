@@ -39,8 +39,8 @@ void take_damping_out(const std::vector<Vector3>& rates, LinearFlight& flight) {
 std::vector<int> that_shift_torques(const Catalogue& catalogue, const std::vector<int>& columns) {
   std::vector<int> some;
   std::ranges::copy_if(columns, std::back_inserter(some), [&](int c) {
-    const int g = catalogue.columns()[static_cast<std::size_t>(c)].group;
-    return g >= 0 && shifts_torques(*catalogue.groups()[static_cast<std::size_t>(g)].row);
+    const int g = catalogue.column(c).group;
+    return g >= 0 && shifts_torques(*catalogue.group(g).row);
   });
   return some;
 }

@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "diagnosis/recording/row_intervals.hpp"
 #include "diagnosis/result/decisions.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -14,12 +14,11 @@ constexpr double of_all = 3.0;  // flights
 
 // numbers that a vehicle has: not those of one flight, and no history that a scan of these flights found
 bool is_shared(const Catalogue& catalogue, const Column& column) {
-  return column.group >= 0 && column.flight < 0 &&
-         !catalogue.groups()[static_cast<std::size_t>(column.group)].row->is_history();
+  return column.group >= 0 && column.flight < 0 && !catalogue.group(column.group).row->is_history();
 }
 
 std::pair<std::string, int> name_of(const Catalogue& catalogue, const Column& column) {
-  return {catalogue.groups()[static_cast<std::size_t>(column.group)].label, column.parameter};
+  return {catalogue.group(column.group).label, column.parameter};
 }
 
 // Gram matrices of each flight; of one alone, of its thirds
@@ -58,7 +57,7 @@ Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std
   std::vector<int> shared;
   Reference reference;
   for (int c = 0; c < catalogue.size(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (!is_shared(catalogue, column)) continue;
     shared.push_back(c);
     reference.column.push_back(name_of(catalogue, column));
@@ -77,7 +76,7 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
   std::vector<int> known;
   std::vector<Eigen::Index> at;
   for (int c = 0; c < catalogue.size(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (!is_shared(catalogue, column)) continue;
     const auto found = std::find(reference.column.begin(), reference.column.end(), name_of(catalogue, column));
     if (found == reference.column.end()) continue;

@@ -25,11 +25,10 @@ bool is_lever(const EffectRow& row) { return row.place == Place::measurement && 
 SensorState state_of(const Catalogue& catalogue, const Eigen::VectorXd& value, int flight) {
   SensorState state{catalogue.sensor_correction(value, flight)};
   for (int c = 0; c < catalogue.size(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (column.group < 0 && column.flight == flight && column.parameter >= force_bias && column.parameter < torque_trim)
       state.force_bias_B_mps2[column.parameter - force_bias] = value[c];
-    if (column.group >= 0 && is_lever(*catalogue.groups()[static_cast<std::size_t>(column.group)].row))
-      state.lever_B_m[column.parameter] = value[c];
+    if (column.group >= 0 && is_lever(*catalogue.group(column.group).row)) state.lever_B_m[column.parameter] = value[c];
   }
   return state;
 }
@@ -37,7 +36,7 @@ SensorState state_of(const Catalogue& catalogue, const Eigen::VectorXd& value, i
 bool is_of_sensors(const Catalogue& catalogue, const Column& column, int flight) {
   if (column.flight >= 0 && column.flight != flight) return false;
   if (column.group < 0) return column.parameter < torque_trim;
-  const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
+  const EffectRow& row = *catalogue.group(column.group).row;
   return row.place == Place::measurement &&
          (row.corrects != Corrects::nothing || row.latency == Latency::delay || is_lever(row));
 }
@@ -187,7 +186,7 @@ void compare(const Comparison& comparison, const std::vector<Window>& windows, B
   constexpr double share = 0.1;  // of a natural size
   for (const int c : out.columns) {
     Eigen::VectorXd value = nominal;
-    value[c] += share * catalogue.columns()[static_cast<std::size_t>(c)].natural;
+    value[c] += share * catalogue.column(c).natural;
     moved.push_back(state_of(catalogue, value, flight));
   }
   for (const Window& w : windows) {
@@ -203,7 +202,7 @@ Vector3 at_value(const SensorWindows& windows, const SensorWindow& window, const
   Vector3 y = window.y;
   for (std::size_t j = 0; j < windows.columns.size(); ++j) {
     const int c = windows.columns[j];
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     y -= window.by.col(static_cast<Eigen::Index>(j)) * ((value[c] - column.nominal) / column.natural);
   }
   return y;
@@ -215,8 +214,7 @@ SensorWindows sensor_windows(const FlightData& flight, int flight_index, const C
   SensorWindows out;
   if (!flight.sensors) return out;
   for (int c = 0; c < catalogue.size(); ++c)
-    if (is_of_sensors(catalogue, catalogue.columns()[static_cast<std::size_t>(c)], flight_index))
-      out.columns.push_back(c);
+    if (is_of_sensors(catalogue, catalogue.column(c), flight_index)) out.columns.push_back(c);
   const Comparison comparison(*flight.sensors);
   compare(comparison, comparison.turns(), Beside::gyro, catalogue, flight_index, out);
   compare(comparison, comparison.ways(), Beside::accelerometer, catalogue, flight_index, out);

@@ -132,7 +132,7 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
   });
   for (int c = 0; c < catalogue_.size(); ++c) {
     all_.push_back(c);
-    if (catalogue_.columns()[static_cast<std::size_t>(c)].group < 0) biases_.push_back(c);
+    if (catalogue_.column(c).group < 0) biases_.push_back(c);
   }
 }
 
@@ -162,7 +162,7 @@ void Session::read_at(const Eigen::VectorXd& value, std::size_t f) {
 void Session::take_biases_out(std::size_t f) {
   for (std::size_t k = 0; k < linear_[f].size(); ++k)
     for (const int c : biases_) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue_.column(c);
       if (column.flight == static_cast<int>(f) && column.parameter < torque_trim)
         linear_[f].y[k][6 + column.parameter] -= value_[c];
     }
@@ -235,9 +235,9 @@ void Session::weigh(ShootingWeights weights) {
   if (!answered_axes_->empty()) {
     catalogue_.hide_torque_gains();
     std::erase_if(all_, [&](int c) {
-      const int g = catalogue_.columns()[static_cast<std::size_t>(c)].group;
+      const int g = catalogue_.column(c).group;
       if (g < 0) return false;
-      const Group& group = catalogue_.groups()[static_cast<std::size_t>(g)];
+      const Group& group = catalogue_.group(g);
       return !group.candidate && !group.nominal;
     });
     answers_ = answers_of(shot_nominal_, torque_, weights_, catalogue_, *answered_axes_);
@@ -333,8 +333,7 @@ Eigen::VectorXd Session::beside_trims(const std::vector<int>& columns) {
 Eigen::VectorXd Session::value_with(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const {
   Eigen::VectorXd value = value_;
   for (std::size_t i = 0; i < columns.size(); ++i)
-    value[columns[i]] +=
-        coefficient[static_cast<Eigen::Index>(i)] * catalogue_.columns()[static_cast<std::size_t>(columns[i])].natural;
+    value[columns[i]] += coefficient[static_cast<Eigen::Index>(i)] * catalogue_.column(columns[i]).natural;
   return value;
 }
 
@@ -597,7 +596,7 @@ void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value
   const int delay = catalogue_.find(Place::actuation, Latency::delay);
   if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().predicted.empty())
     return;
-  const int c = catalogue_.groups()[static_cast<std::size_t>(delay)].columns.front();
+  const int c = catalogue_.group(delay).columns.front();
   const double start_s = value_[c] + speed_latency_s(flights_, linear_);
   if (std::abs(value[c] - start_s) > sample_s()) value[c] = start_s;
 }
@@ -622,9 +621,7 @@ void Session::start_latency(Eigen::VectorXd& value) const {
 bool Session::seen_in_speeds(int group) const {
   for (const LinearFlight& flight : linear_)
     for (std::size_t j = 0; j < flight.columns.size(); ++j)
-      if (!flight.predicted_by[j].empty() &&
-          catalogue_.columns()[static_cast<std::size_t>(flight.columns[j])].group == group)
-        return true;
+      if (!flight.predicted_by[j].empty() && catalogue_.column(flight.columns[j]).group == group) return true;
   return false;
 }
 

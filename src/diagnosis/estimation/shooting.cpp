@@ -6,7 +6,7 @@
 
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/propagation.hpp"
-#include "diagnosis/recording/row_intervals.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -72,7 +72,7 @@ struct Reading {
   void trim(int index, const Catalogue& catalogue, const Eigen::VectorXd& value) {
     double clock_s = 0.0, smoothing_s2 = 0.0;
     for (int c = 0; c < catalogue.size(); ++c) {
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue.column(c);
       if (column.group >= 0 || column.flight != index || column.parameter < torque_trim) continue;
       if (column.parameter == command_clock) clock_s = value[c];
       else if (column.parameter == command_smoothing) smoothing_s2 = value[c];
@@ -153,7 +153,7 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
   ShotFlight shot;
   const auto [windows, base, forces, rotors, r0] = Shot(flight, flight_index, catalogue, value, spacing_s);
   for (const int c : wanted) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (column.flight < 0 || column.flight == flight_index) shot.columns.push_back(c);
   }
   const auto width = static_cast<Eigen::Index>(shot.columns.size()) + 1;
@@ -166,7 +166,7 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
   }
   for (Eigen::Index j = 0; j + 1 < width; ++j) {
     const int c = shot.columns[static_cast<std::size_t>(j)];
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     Eigen::VectorXd to = value;
     const double step = 1e-3 * column.natural;
     to[c] += step;
@@ -177,7 +177,7 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
       moved = residuals(reading, forces,
                         column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
     } else {
-      const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
+      const EffectRow& row = *catalogue.group(column.group).row;
       if (has_no_prediction(row)) continue;
       if (row.place == Place::measurement) {
         moved = residuals(Reading(base, flight, flight_index, catalogue, to), forces, rotors, windows);
@@ -232,9 +232,8 @@ std::vector<Eigen::MatrixXd> commanded_torque(const FlightData& flight, const Sh
 namespace {
 
 bool scales_with_commands(const Catalogue& catalogue, int c) {
-  const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-  return column.group < 0 ? column.parameter >= command_clock
-                          : catalogue.groups()[static_cast<std::size_t>(column.group)].row->commanded;
+  const Column& column = catalogue.column(c);
+  return column.group < 0 ? column.parameter >= command_clock : catalogue.group(column.group).row->commanded;
 }
 
 // Sums over all windows of products of whitened rows: left(flight, window)ᵀ right(flight, window).
@@ -425,7 +424,7 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
   // what is small unless the data say otherwise: one more measurement of each
   Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
   for (int c = 0; c < catalogue_size; ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (column.known_to > 0.0 || column.of_torque_trim()) continue;
     Eigen::Vector2d row(1.0, -(value[c] - column.nominal) / column.natural);
     if (column.group >= 0) row /= loose_prior;

@@ -30,7 +30,7 @@ void know_beforehand(const Catalogue& catalogue, const TrimVariance& variance, c
                      Grams& grams) {
   const Eigen::Index z = catalogue.size();
   for (Eigen::Index c = 0; c < z; ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     const double sd = known_to(column, variance);
     const auto first = std::ranges::find(grams.flight, std::max(column.flight, 0));
     if (sd == 0.0 || first == grams.flight.end()) continue;
@@ -50,14 +50,13 @@ TrimVariance likeliest_trims(const Catalogue& catalogue, const std::vector<int>&
   const auto size = std::ssize(columns);
   std::vector<Eigen::Index> trims;
   for (Eigen::Index i = 0; i < size; ++i)
-    if (catalogue.columns()[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])].of_torque_trim())
-      trims.push_back(i);
+    if (catalogue.column(columns[static_cast<std::size_t>(i)]).of_torque_trim()) trims.push_back(i);
   for (int step = 0; step < steps; ++step) {
     Eigen::MatrixXd A = total(columns, columns), right = Eigen::MatrixXd::Zero(size, 1 + std::ssize(trims));
     right.col(0) = total(columns, total.cols() - 1);
     for (Eigen::Index i = 0; i < size; ++i) {
       const int c = columns[static_cast<std::size_t>(i)];
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue.column(c);
       const double sd = known_to(column, variance);
       if (sd == 0.0) continue;
       const Eigen::Vector2d row = file_row(column, sd, value[c]);
@@ -69,7 +68,7 @@ TrimVariance likeliest_trims(const Catalogue& catalogue, const std::vector<int>&
     TrimVariance next{};
     for (std::size_t t = 0; t < trims.size(); ++t) {
       const int c = columns[static_cast<std::size_t>(trims[t])];
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue.column(c);
       const double mean = value[c] + column.natural * solution(trims[t], 0),
                    own = column.natural * column.natural * solution(trims[t], static_cast<Eigen::Index>(t) + 1);
       next[static_cast<std::size_t>(column.parameter - torque_trim)] += (mean * mean + own) / flights;

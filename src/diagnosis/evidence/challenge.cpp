@@ -21,10 +21,10 @@ constexpr std::size_t most_looks = 3;  // at what was withdrawn, each beside oth
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
                  const std::function<std::optional<double>()>& most_pose_latency_s, Evidence& record) {
-  const Group& group = session.catalogue().groups()[static_cast<std::size_t>(record.group)];
+  const Group& group = session.catalogue().group(record.group);
   if (group.row->place != Place::measurement) return;
   for (const int c : group.columns) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    const Column& column = session.catalogue().column(c);
     if (column.unit != "s") continue;
     if (const std::optional<double> shown_s = most_pose_latency_s())
       record.sensors_share = *shown_s / (selection.value[c] - column.nominal);
@@ -68,12 +68,12 @@ class Looks {
     if (over_) return std::nullopt;
     if (before_ && !std::ranges::includes(names, names_) && !explains_more(session, standing, *before_)) {
       over_ = true;  // what came back has cost a name: as it was
-      return withdraw(session, {}, *before_, {});
+      return withdraw(session, *before_, {});
     }
     // a look that brings no name back is the last
     if ((before_ && names == names_) || tried_.size() >= most_looks) return std::nullopt;
     before_ = standing, names_ = std::move(names);
-    return look_again(session, {}, standing, tried_);
+    return look_again(session, standing, tried_);
   }
 
  private:
@@ -148,12 +148,11 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     std::vector<int> groups;
     for (const std::size_t i : failed) {
       groups.push_back(result.records[i].group);
-      without_forces_per_flight |=
-          session.catalogue().groups()[static_cast<std::size_t>(groups.back())].row->per_flight;
+      without_forces_per_flight |= session.catalogue().group(groups.back()).row->per_flight;
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
     }
-    selection = withdraw(session, {}, selection, groups);
+    selection = withdraw(session, selection, groups);
   }
   std::erase_if(result.withdrawn, [&](const Evidence& before) {
     return std::ranges::any_of(result.records, [&](const Evidence& r) { return r.group == before.group; });

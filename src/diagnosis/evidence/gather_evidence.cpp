@@ -35,7 +35,7 @@ std::vector<int> clusters_of(const Session& session, const Grams& grams) {
 Eigen::VectorXd own_weights(const Catalogue& catalogue, const Selection& selection, const Finding& finding) {
   Eigen::VectorXd weights = Eigen::VectorXd::Zero(catalogue.size() + 1);
   for (const int c : own_columns(catalogue, selection.groups(), finding.group)) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     weights[c] = (selection.value[c] - column.nominal) / column.natural;
   }
   return weights;
@@ -60,7 +60,7 @@ Weights weights_of(const Session& session, const Selection& selection, const Eig
   Weights w{own_weights(catalogue, selection, finding), Eigen::VectorXd::Zero(size)};
   w.left[size - 1] = 1.0;
   for (int c = 0; c < catalogue.size(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     w.left[c] = -(selection.value[c] - column.nominal) / column.natural;
   }
   Eigen::MatrixXd target = total;
@@ -77,7 +77,7 @@ double share_of_innovations(const Session& session, const Selection& selection, 
   const Catalogue& catalogue = session.catalogue();
   std::vector<int> known, innovations;
   for (const int c : session.with_biases(groups_beside(selection, finding)))
-    (catalogue.columns()[static_cast<std::size_t>(c)].of_command_innovation() ? innovations : known).push_back(c);
+    (catalogue.column(c).of_command_innovation() ? innovations : known).push_back(c);
   return share_done_by(total, own_weights(catalogue, selection, finding), known, innovations);
 }
 
@@ -149,7 +149,7 @@ FittedRows fitted_rows(const Session& session, const Selection& selection) {
   rows.coefficient.resize(size);
   for (Eigen::Index i = 0; i < size; ++i) {
     const int c = rows.columns[static_cast<std::size_t>(i)];
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    const Column& column = session.catalogue().column(c);
     shift[i] = (session.value()[c] - column.nominal) / column.natural;
     rows.coefficient[i] = (selection.value[c] - column.nominal) / column.natural;
   }
@@ -179,9 +179,9 @@ bool headings_are_kept(const Session& session) {
 }
 
 bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
-  const auto& columns = catalogue.groups()[static_cast<std::size_t>(group)].columns;
+  const auto& columns = catalogue.group(group).columns;
   return std::any_of(columns.begin(), columns.end(), [&](int c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     const double value = selection.value[c];
     return value != column.nominal && value != 0.0 && (value <= column.min || value >= column.max);
   });
@@ -190,10 +190,10 @@ bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int gr
 // Other findings of the same effect, of another rotor. By means of torques alone a rotor is told from the one across, and from a centre
 // of mass, by the total thrust, which reference flights know and no file.
 int alike(const Session& session, const Selection& selection, const Finding& finding) {
-  const Group& group = session.catalogue().groups()[static_cast<std::size_t>(finding.group)];
+  const Group& group = session.catalogue().group(finding.group);
   const auto others = std::ranges::count_if(selection.findings, [&](const Finding& other) {
     return other.group != finding.group && !other.calibration &&
-           session.catalogue().groups()[static_cast<std::size_t>(other.group)].row == group.row;
+           session.catalogue().group(other.group).row == group.row;
   });
   const bool by_means = session.catalogue().mean_torques_alone() && !session.reference() && group.rotor > 0;
   return static_cast<int>(others) + (by_means ? 1 : 0);
@@ -248,7 +248,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
   parallel_for(std::ssize(records), session.jobs(), [&](std::int64_t at) {
     const auto i = static_cast<std::size_t>(at);
     const Finding& finding = selection.findings[i];
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
+    const Group& group = catalogue.group(finding.group);
     Evidence& record = records[i];
     record.effect = group.row->name;
     record.group = finding.group;

@@ -18,9 +18,9 @@ std::map<std::pair<std::string, int>, double> sizes_of_each_flight(const Catalog
                                                                    const Selection& selection, std::size_t flights) {
   std::map<std::pair<std::string, int>, double> sizes;
   for (const Finding& finding : selection.findings) {
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
+    const Group& group = catalogue.group(finding.group);
     for (const int c : group.columns)
-      if (const Column& column = catalogue.columns()[static_cast<std::size_t>(c)]; column.flight >= 0)
+      if (const Column& column = catalogue.column(c); column.flight >= 0)
         sizes[{group.label, column.parameter}] += std::pow(selection.value[c], 2) / static_cast<double>(flights);
   }
   for (auto& [name, size] : sizes) size = std::sqrt(size);
@@ -32,7 +32,7 @@ std::map<std::pair<std::string, int>, double> sizes_of_each_flight(const Catalog
 ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::vector<FlightData>& own_rate,
                            const VehicleModel& vehicle, int jobs) {
   Session session(flights, vehicle, jobs, own_rate);
-  Selection selection = select_effects(session, {});
+  Selection selection = select_effects(session);
   // what is left out here comes back as a change: only what is hopeless goes
   challenge(
       session, selection, {}, [] { return std::nullopt; }, jobs, decisions::hopeless);
@@ -41,7 +41,7 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
   ReferenceFit fit{vehicle, {}, {}};
   std::vector<EffectSpec> shared;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(selection.findings[i].group)];
+    const Group& group = catalogue.group(selection.findings[i].group);
     if (group.row->per_flight || group.row->is_history()) continue;
     shared.push_back(all[i]);
     EffectFinding& effect = fit.effects.emplace_back();
@@ -65,10 +65,10 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
   about.take_weights(session);
   std::vector<int> free = about.biases();
   for (const Finding& finding : selection.findings) {
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
+    const Group& group = catalogue.group(finding.group);
     const int same = about.catalogue().find(group.label);
     if (group.row->per_flight && same >= 0) {
-      const auto& own = about.catalogue().groups()[static_cast<std::size_t>(same)].columns;
+      const auto& own = about.catalogue().group(same).columns;
       free.insert(free.end(), own.begin(), own.end());
     }
   }

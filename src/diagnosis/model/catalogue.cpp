@@ -385,15 +385,15 @@ void Catalogue::clamp(Eigen::VectorXd& value) const {
 }
 
 std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>& groups, int group) {
-  std::vector<int> own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
+  std::vector<int> own = catalogue.group(group).columns;
   // only c_τ k_f / J_z is visible: with another torque ratio the moment of inertia in yaw stays as it is, unless a drag at the
   // hubs or the rotors' own inertia turns against it
   const auto in = [&](std::string_view label) {
     return std::find(groups.begin(), groups.end(), catalogue.find(label)) != groups.end();
   };
-  const std::string_view name = catalogue.groups()[static_cast<std::size_t>(group)].row->name;
+  const std::string_view name = catalogue.group(group).row->name;
   for (const int g : groups) {
-    const ExactAlias& alias = catalogue.groups()[static_cast<std::size_t>(g)].row->alias;
+    const ExactAlias& alias = catalogue.group(g).row->alias;
     if (alias.effect == name && std::none_of(alias.unless.begin(), alias.unless.end(), in)) own.pop_back();
   }
   return own;

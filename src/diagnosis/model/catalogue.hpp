@@ -101,6 +101,8 @@ class Catalogue {
 
   const std::vector<Group>& groups() const { return groups_; }
   const std::vector<Column>& columns() const { return columns_; }
+  const Group& group(int index) const { return groups_[static_cast<std::size_t>(index)]; }
+  const Column& column(int index) const { return columns_[static_cast<std::size_t>(index)]; }
   // lags and delays up to decisions::filter_lag_s may be a filter's
   bool filter_looks_like_lag() const { return seen_.smoothing; }
   // the torque per command was taken out of all columns

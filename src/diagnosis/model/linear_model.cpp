@@ -240,7 +240,7 @@ class Lineariser {
                          std::function<SpatialAcceleration(std::size_t)> acceleration) {
       const int g = catalogue_.find(column);
       if (!suspected || g < 0) return;
-      histories_.push_back({catalogue_.groups()[static_cast<std::size_t>(g)].columns.front(), std::move(acceleration)});
+      histories_.push_back({catalogue_.group(g).columns.front(), std::move(acceleration)});
     };
     add(ColumnFrom::swing, !flight_.load_force_W_mps2.empty(), [&](std::size_t k) {
       SpatialAcceleration acceleration;
@@ -249,14 +249,14 @@ class Lineariser {
     });
     add(ColumnFrom::speed_limit, !flight_.limit_change.empty(), [&](std::size_t k) { return flight_.limit_change[k]; });
     for (int c = 0; c < catalogue_.size() && out_.torque_known; ++c) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue_.column(c);
       if (column.flight != index_ || !column.of_torque_trim()) continue;
       histories_.push_back({c, [axis = column.parameter - torque_trim](std::size_t) {
                               return SpatialAcceleration(SpatialAcceleration::Unit(3 + axis));
                             }});
     }
     for (int c = 0; c < catalogue_.size() && !flight_.command_innovation.empty(); ++c) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue_.column(c);
       if (!column.of_command_innovation() && !column.of_loop_between()) continue;
       const int p = column.parameter - command_innovation_of;
       histories_.push_back({c, [&, p, between = column.of_loop_between()](std::size_t k) {
@@ -342,7 +342,7 @@ class Lineariser {
     const std::size_t n = x_.size();
     out_.columns.clear();
     for (const int c : wanted) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue_.column(c);
       if (column.flight < 0 || column.flight == index_) out_.columns.push_back(c);
     }
     const auto width = static_cast<Eigen::Index>(out_.columns.size());
@@ -353,7 +353,7 @@ class Lineariser {
     base_ = evaluate(forces_, rotors_, means_, true);
     for (Eigen::Index j = 0; j < width; ++j) {
       const int c = out_.columns[static_cast<std::size_t>(j)];
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue_.column(c);
       const auto history =
           std::find_if(histories_.begin(), histories_.end(), [c](const History& h) { return h.column == c; });
       if (history != histories_.end()) push_column(j, column, *history);
@@ -362,7 +362,7 @@ class Lineariser {
           out_.D[k](6 + column.parameter, j) = column.natural;
         continue;
       }
-      if (!catalogue_.groups()[static_cast<std::size_t>(column.group)].row->is_history()) perturb(j, c);
+      if (!catalogue_.group(column.group).row->is_history()) perturb(j, c);
     }
   }
 
@@ -376,8 +376,8 @@ class Lineariser {
 
   // column j by perturbing the forward model in parameter c
   void perturb(Eigen::Index j, int c) {
-    const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
-    const EffectRow& row = *catalogue_.groups()[static_cast<std::size_t>(column.group)].row;
+    const Column& column = catalogue_.column(c);
+    const EffectRow& row = *catalogue_.group(column.group).row;
     Eigen::VectorXd to = value_;
     // forces alone see rotors at the samples (where no mean of rows is taken), and quick ones are there already: a lag as long as a
     // substep is tried
@@ -389,9 +389,9 @@ class Lineariser {
     Evaluation companion;
     if (const int drag = catalogue_.find(Airflow::drag); row.air == Airflow::wind && drag >= 0 && !dragged()) {
       // a wind is felt only with a drag: at no drag it is tried with one of natural size
-      const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
+      const int d = catalogue_.group(drag).columns.front();
       Eigen::VectorXd from = value_;
-      from[d] = to[d] = catalogue_.columns()[static_cast<std::size_t>(d)].natural;
+      from[d] = to[d] = catalogue_.column(d).natural;
       companion = evaluate(force_model(flight_, catalogue_, from, index_, -1), rotors_, means_, true);
       reference = &companion;
     }

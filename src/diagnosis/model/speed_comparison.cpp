@@ -41,9 +41,9 @@ void compare_speeds(const FlightData& flight, int flight_index, const Catalogue&
   if (out.predicted.empty()) return;
   for (std::size_t j = 0; j < out.columns.size(); ++j) {
     const int c = out.columns[j];
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (column.group < 0) continue;
-    const EffectRow& row = *catalogue.groups()[static_cast<std::size_t>(column.group)].row;
+    const EffectRow& row = *catalogue.group(column.group).row;
     if (!row.on_command || row.is_history()) continue;
     Eigen::VectorXd to = value;
     const double step = 1e-3 * column.natural;

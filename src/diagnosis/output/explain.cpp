@@ -24,7 +24,7 @@ std::string catalogue_name(const Group& group) { return std::string(group.row->n
 
 // why a group is hardly identifiable in these flights; no value when it is
 std::optional<NotIdentifiable> why_not_identifiable(const Session& session, const Selection& selection, int g) {
-  const Group& group = session.catalogue().groups()[static_cast<std::size_t>(g)];
+  const Group& group = session.catalogue().group(g);
   if (session.catalogue().filter_looks_like_lag() && group.row->place == Place::actuation &&
       group.row->latency != Latency::none && !selection.find(g))
     return NotIdentifiable{
@@ -81,9 +81,7 @@ void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis
                   fmt::join(sizes, ", ")));
 }
 
-const Group& group_of(const Session& session, int group) {
-  return session.catalogue().groups()[static_cast<std::size_t>(group)];
-}
+const Group& group_of(const Session& session, int group) { return session.catalogue().group(group); }
 
 // values of the effect, as changes where there are reference flights, and of every flight's own
 void fill_values(const Session& session, const Selection& selection, const Group& group, EffectFinding& effect) {
@@ -211,7 +209,7 @@ void list_not_identifiable(const Session& session, const Selection& selection, D
       out.not_identifiable.push_back(*lacking);
   std::string last;
   for (int g = 0; g < std::ssize(catalogue.groups()); ++g) {
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(g)];
+    const Group& group = catalogue.group(g);
     if (!group.candidate || group.row->name == last) continue;
     last = group.row->name;
     if (catalogue.why_left_out(*group.row)) continue;

@@ -227,7 +227,7 @@ Questions questions_of(const Catalogue& here, const Catalogue& there, const Sele
   };
   Questions asked;
   for (const Finding& finding : selection.findings) {
-    const Group& group = here.groups()[static_cast<std::size_t>(finding.group)];
+    const Group& group = here.group(finding.group);
     const int g = there.find(group.label);
     if (g < 0) continue;
     asked.chosen.push_back(g);
@@ -274,7 +274,7 @@ Worth worth_of(const Eigen::MatrixXd& gram, const Questions& asked, const Sessio
     const std::vector<int> own = columns_of(there, {p.group});
     Eigen::VectorXd size(static_cast<Eigen::Index>(own.size()));
     for (std::size_t i = 0; i < own.size(); ++i) {
-      const Column& column = there.columns()[static_cast<std::size_t>(own[i])];
+      const Column& column = there.column(own[i]);
       size[static_cast<Eigen::Index>(i)] = (value[own[i]] - column.nominal) / column.natural;
     }
     const double worse = unmatched(gram, own, size, join(columns_of(there, others), next.biases()));

@@ -164,7 +164,7 @@ std::vector<int> linearise_beside(const Diagnosis& out, const Selection& selecti
   Eigen::VectorXd value = catalogue.nominal();
   std::vector<int> beside = session.biases();
   for (const Finding& finding : selection.findings) {
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
+    const Group& group = catalogue.group(finding.group);
     if (!kept.contains(std::string(group.row->name))) continue;
     for (const int c : group.columns) {
       value[c] = selection.value[c];

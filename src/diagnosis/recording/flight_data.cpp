@@ -10,6 +10,7 @@
 #include "diagnosis/recording/row_intervals.hpp"
 #include "diagnosis/recording/total_thrust.hpp"
 #include "gustlab/errors.hpp"
+#include "util/quantiles.hpp"
 #include "util/rotations.hpp"
 #include "vehicle/rotor_speed.hpp"
 

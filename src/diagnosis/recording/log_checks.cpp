@@ -10,6 +10,7 @@
 #include "diagnosis/recording/flight_data.hpp"
 #include "diagnosis/recording/force_checks.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "diagnosis/recording/flight_data.hpp"
-#include "diagnosis/recording/row_intervals.hpp"
 #include "gustlab/errors.hpp"
+#include "util/quantiles.hpp"
 #include "util/rotations.hpp"
 
 namespace gustlab::diagnosis {

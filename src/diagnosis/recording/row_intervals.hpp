@@ -3,23 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
+
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 
-// The value below which about this share (0 to 1) of the values lies, one of them; 0 of none.
-inline double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
-
 // what is longer is a gap: of sensors with rows of their own, most intervals are parts of one
 inline double longest_interval_s(const std::vector<double>& steps_s) {
-  return 1.6 * std::max(median(steps_s), quantile(steps_s, 0.75));
+  return 1.6 * std::max(median(steps_s), order_statistic(steps_s, 0.75));
 }
 
 // from row to row; the mean where rows are not even

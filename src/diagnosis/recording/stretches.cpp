@@ -8,6 +8,7 @@
 
 #include "flight_log/csv.hpp"
 #include "gustlab/vehicle.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -87,10 +88,7 @@ std::vector<bool> flying(const std::vector<Block>& blocks) {
       if (const Sums& sums = block.signals[s]; sums.count > 0.0) sum += sums.sum / sums.count, count += 1.0;
     command.push_back(count > 0.0 ? sum / count : 0.0);
   }
-  std::vector<double> sorted = command;
-  const auto rank = static_cast<std::ptrdiff_t>(usual * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
-  const double least = far_below * sorted[static_cast<std::size_t>(rank)];
+  const double least = far_below * quantile(command, usual);
   std::vector<bool> result;
   for (const double c : command) result.push_back(c >= least);
   return result;

@@ -30,7 +30,7 @@ std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& s
   // mean over flights of values per flight
   std::vector<std::pair<int, std::vector<int>>> by_parameter;
   for (const int c : group.columns) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (flight >= 0 && column.flight != flight) continue;
     auto at = std::find_if(by_parameter.begin(), by_parameter.end(),
                            [&](const auto& p) { return p.first == column.parameter; });
@@ -41,7 +41,7 @@ std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& s
     NamedValue value;
     double variance = 0.0;
     for (const int c : columns) {
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue.column(c);
       value.name = column.name;
       value.unit = column.unit;
       value.value += selection.value[c] / static_cast<double>(columns.size());
@@ -57,7 +57,7 @@ std::vector<NamedValue> values_of(const Catalogue& catalogue, const Selection& s
 std::vector<EffectSpec> effects_found(const Catalogue& catalogue, const Selection& selection) {
   std::vector<EffectSpec> specs;
   for (const Finding& finding : selection.findings) {
-    const Group& group = catalogue.groups()[static_cast<std::size_t>(finding.group)];
+    const Group& group = catalogue.group(finding.group);
     EffectSpec& spec = specs.emplace_back();
     spec.type = group.row->name;
     for (const NamedValue& value : values_of(catalogue, selection, group, -1))

@@ -19,6 +19,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
+constexpr int kept_of_each_size = 25;    // subsets, by the search
 constexpr std::size_t most_changes = 8;  // of a set that was found, before it is taken as it is
 
 // What may happen to a set that was fitted: nothing more is tried, a group more, or one for another as well.
@@ -27,10 +28,9 @@ enum class Improve { no, by_more, freely };
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
  public:
-  Selector(Session& session, const SelectionOptions& options)
-      : s_(session), options_(options), catalogue_(session.catalogue()) {
+  explicit Selector(Session& session) : s_(session), catalogue_(session.catalogue()) {
     natural_.resize(catalogue_.size());
-    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.columns()[static_cast<std::size_t>(c)].natural;
+    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.column(c).natural;
   }
 
   Selection run() {
@@ -140,23 +140,23 @@ class Selector {
   // what a further effect must gain; where the model was linearised anew about what was found, a large effect leaves no
   // second-order error that could be taken for another
   double material(double rows, double total_gain) const {
-    const double relative = options_.relative_materiality * total_gain;
-    return std::max(options_.materiality * rows,
-                    anew_ && !s_.shoots() ? std::min(relative, options_.most_materiality * rows) : relative);
+    const double relative = decisions::relative_materiality * total_gain;
+    return std::max(decisions::materiality * rows,
+                    anew_ && !s_.shoots() ? std::min(relative, decisions::most_materiality * rows) : relative);
   }
 
   std::vector<int> search(const Grams& grams) const {
     const Eigen::MatrixXd projected = project_out(grams.total(), s_.biases());
     const SubsetSearch search(catalogue_, s_.vehicle(), std::log(grams.rows));
-    for (int most = options_.most_effects;; most += 3) {
-      const auto by_size = search.run(projected, most, options_.beam);
+    for (int most = most_effects;; most += 3) {
+      const auto by_size = search.run(projected, most, kept_of_each_size);
       double least = by_size[0].front().loss;
       for (const auto& subsets : by_size)
         for (const Subset& subset : subsets) least = std::min(least, subset.loss);
       const std::vector<int> groups =
           SubsetSearch::choose(by_size, material(grams.rows, by_size[0].front().loss - least)).groups;
       // real vehicles may differ in more ways than a search begins with
-      if (static_cast<int>(groups.size()) < most || most > options_.most_effects) return groups;
+      if (static_cast<int>(groups.size()) < most || most > most_effects) return groups;
     }
   }
 
@@ -174,10 +174,9 @@ class Selector {
     // a wind that was tried with a drag of natural size means more with a smaller one
     const int wind = catalogue_.find(Airflow::wind), drag = catalogue_.find(Airflow::drag);
     if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
-      const int d = catalogue_.groups()[static_cast<std::size_t>(drag)].columns.front();
+      const int d = catalogue_.group(drag).columns.front();
       if (s_.value()[d] == 0.0 && value[d] > 0.1 * natural_[d])
-        for (const int c : catalogue_.groups()[static_cast<std::size_t>(wind)].columns)
-          value[c] *= natural_[d] / value[d];
+        for (const int c : catalogue_.group(wind).columns) value[c] *= natural_[d] / value[d];
     }
     catalogue_.clamp(value);
     return value;
@@ -185,8 +184,7 @@ class Selector {
 
   bool possible(const Eigen::VectorXd& value, int group) const {
     const std::vector<int> columns = columns_of(catalogue_, {group});
-    return std::all_of(columns.begin(), columns.end(),
-                       [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].admits(value[c]); });
+    return std::all_of(columns.begin(), columns.end(), [&](int c) { return catalogue_.column(c).admits(value[c]); });
   }
 
   bool forces_alone() const { return !s_.shoots() && s_.flights().front().collective_only; }
@@ -202,7 +200,7 @@ class Selector {
       double least = std::numeric_limits<double>::infinity();
       for (const double later_s : {0.0, 0.02, 0.04, 0.08}) {
         Eigen::VectorXd trial = value;
-        for (const int c : catalogue_.groups()[static_cast<std::size_t>(late)].columns)
+        for (const int c : catalogue_.group(late).columns)
           trial[c] = later_s == 0.0 ? trial[c] : catalogue_.nominal()[c] + later_s;
         s_.linearise(trial, columns, false);
         if (const double loss = solve(s_.grams().total(), columns).loss; loss < least) least = loss, best = trial;
@@ -228,7 +226,7 @@ class Selector {
     value = refined(groups, std::move(value));
     bool ran_away = false;
     for (const int c : columns_of(catalogue_, groups)) {
-      const Column& column = catalogue_.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue_.column(c);
       if (column.known_to == 0.0 || std::abs(value[c] - column.nominal) < decisions::ran_away * column.known_to)
         continue;
       value[c] = column.nominal;
@@ -265,7 +263,7 @@ class Selector {
       const Grams grams = s_.grams();
       const double loss = solve(grams.total(), s_.with_biases(groups)).loss;
       const double score = loss + std::log(grams.rows) * static_cast<double>(columns_of(catalogue_, groups).size()) +
-                           options_.materiality * grams.rows * static_cast<double>(groups.size());
+                           decisions::materiality * grams.rows * static_cast<double>(groups.size());
       if (score < best) {
         best = score;
         value = refined;
@@ -307,9 +305,7 @@ class Selector {
   // alone tells them apart only where the drag was chosen as well.
   Eigen::VectorXd likelier_wind(const Grams& grams, std::vector<int>& chosen, const Eigen::VectorXd& value) {
     const int force = force_like_wind(catalogue_), linear_drag = catalogue_.find(Airflow::drag);
-    const auto is_drag = [&](int g) {
-      return catalogue_.groups()[static_cast<std::size_t>(g)].row->air == Airflow::drag;
-    };
+    const auto is_drag = [&](int g) { return catalogue_.group(g).row->air == Airflow::drag; };
     if (linear_drag < 0 || std::find(chosen.begin(), chosen.end(), force) == chosen.end() ||
         (s_.flights().size() < 2 && std::none_of(chosen.begin(), chosen.end(), is_drag)) ||
         !winds_tried_.insert(chosen).second)
@@ -353,7 +349,7 @@ class Selector {
     const Fit fit = say_values(result, chosen, total);
     for (const int g : chosen) result.findings.push_back(finding_of(result, chosen, total, fit, g));
     rivals(result, chosen, fit);
-    const std::vector<double> included = inclusion(s_, result.grams, chosen, options_);
+    const std::vector<double> included = inclusion(s_, result.grams, chosen);
     for (Finding& finding : result.findings) finding.inclusion = included[static_cast<std::size_t>(finding.group)];
     for (const int g : SubsetSearch(catalogue_, s_.vehicle(), 0.0).candidates) {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
@@ -412,8 +408,7 @@ class Selector {
     const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
     result.loss_selected = fit.loss;
     std::vector<int> predicted = columns;
-    std::erase_if(predicted,
-                  [&](int c) { return catalogue_.columns()[static_cast<std::size_t>(c)].of_command_innovation(); });
+    std::erase_if(predicted, [&](int c) { return catalogue_.column(c).of_command_innovation(); });
     result.unpredicted_gain = solve(total, predicted).loss - fit.loss;
     result.value = value_at(columns, fit);
     result.deviation = Eigen::VectorXd::Zero(catalogue_.size());
@@ -438,7 +433,7 @@ class Selector {
       const double gain = solve(total, s_.with_biases(search.without(rest, partner))).loss - fit.loss;
       finding.gain_with_partner = std::min(finding.gain_with_partner, gain_of(g, gain));
     }
-    finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g, options_);
+    finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g);
     return finding;
   }
 
@@ -480,7 +475,7 @@ class Selector {
     for (std::size_t i = 0; i < chosen.size(); ++i)
       for (const int other : search.candidates) {
         const std::optional<Exchange> e = exchange(total, search, chosen, fit, chosen[i], other);
-        if (!e || e->fit.loss - e->kept_fit.loss > options_.trim_cost) continue;
+        if (!e || e->fit.loss - e->kept_fit.loss > decisions::trim_cost) continue;
         if (const double sum = said(e->groups, e->fit); sum < least) best = e->groups, least = sum;
       }
     std::sort(best.begin(), best.end());
@@ -537,7 +532,7 @@ class Selector {
         const double p = boost::math::cdf(
             boost::math::complement(boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
         const bool bad = gain < needed || !(s_.shoots() || possible(value, g)) ||
-                         !(p < options_.wald_p / static_cast<double>(catalogue_.groups().size()));
+                         !(p < decisions::wald_p / static_cast<double>(catalogue_.groups().size()));
         if (bad && (worst < 0 || gain < worst_gain)) worst = g, worst_gain = gain;
         at += size;
       }
@@ -577,7 +572,6 @@ class Selector {
   }
 
   Session& s_;
-  const SelectionOptions& options_;
   const Catalogue& catalogue_;
   Eigen::VectorXd natural_;
   std::set<std::vector<int>> winds_tried_;
@@ -588,16 +582,14 @@ class Selector {
 
 }  // namespace
 
-Selection select_effects(Session& session, const SelectionOptions& options) { return Selector(session, options).run(); }
+Selection select_effects(Session& session) { return Selector(session).run(); }
 
-Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
-                   const std::vector<int>& groups) {
-  return Selector(session, options).without(before, groups);
+Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups) {
+  return Selector(session).without(before, groups);
 }
 
-std::optional<Selection> look_again(Session& session, const SelectionOptions& options, const Selection& before,
-                                    std::set<std::vector<int>>& tried) {
-  return Selector(session, options).with_more(before, tried);
+std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried) {
+  return Selector(session).with_more(before, tried);
 }
 
 }  // namespace gustlab::diagnosis

@@ -9,13 +9,11 @@
 
 namespace gustlab::diagnosis {
 
-Selection select_effects(Session& session, const SelectionOptions& options);
+Selection select_effects(Session& session);
 // The same without some groups that did not prove themselves, fitted anew.
-Selection withdraw(Session& session, const SelectionOptions& options, const Selection& before,
-                   const std::vector<int>& groups);
+Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups);
 // The same with what pays beside it now, because others have gone since; nothing when nothing does. A set of groups that was `tried` is
 // not tried again.
-std::optional<Selection> look_again(Session& session, const SelectionOptions& options, const Selection& before,
-                                    std::set<std::vector<int>>& tried);
+std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried);
 
 }  // namespace gustlab::diagnosis

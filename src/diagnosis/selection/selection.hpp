@@ -5,21 +5,11 @@
 #include <vector>
 
 #include "diagnosis/estimation/session.hpp"
-#include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
 
-struct SelectionOptions {
-  int most_effects = 8;
-  int beam = 25;
-  double materiality = decisions::materiality;
-  double relative_materiality = decisions::relative_materiality;
-  double most_materiality = decisions::most_materiality;
-  double wald_p = decisions::wald_p;
-  int half_samples = 40;
-  double trim_share = decisions::trim_share;
-  double trim_cost = decisions::trim_cost;
-};
+// Sets of up to so many effects are searched first, and larger ones where so many are chosen.
+inline constexpr int most_effects = 8;
 
 // Another name for a selected effect, and how much worse it does.
 struct Rival {

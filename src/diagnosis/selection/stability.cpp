@@ -3,19 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/subset_search.hpp"
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
 
-std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen,
-                              const SelectionOptions& options) {
+namespace {
+
+constexpr int half_samples = 40;
+
+}  // namespace
+
+std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen) {
   std::vector<double> share(session.catalogue().groups().size(), 0.0);
   if (chosen.empty()) return share;
   const SubsetSearch search(session.catalogue(), session.vehicle(), std::log(grams.rows));
   const RandomStream random(20261121, 0, "half_samples");
-  const int most = std::min(static_cast<int>(chosen.size()) + 1, options.most_effects);
-  for (int draw = 0; draw < options.half_samples / 2; ++draw) {
+  const int most = std::min(static_cast<int>(chosen.size()) + 1, most_effects);
+  for (int draw = 0; draw < half_samples / 2; ++draw) {
     std::vector<bool> first(static_cast<std::size_t>(grams.clusters));
     for (std::size_t i = 0; i < first.size(); ++i)
       first[i] = random.uniform4(static_cast<std::uint64_t>(draw) * 100000 + i)[0] < 0.5;
@@ -28,11 +34,11 @@ std::vector<double> inclusion(const Session& session, const Grams& grams, const 
           blocks += 1.0 / static_cast<double>(grams.block.size());
         }
       const auto by_size = search.run(project_out(gram, session.biases()), most, 5);
-      for (const int g : SubsetSearch::choose(by_size, options.materiality * grams.rows * blocks).groups)
+      for (const int g : SubsetSearch::choose(by_size, decisions::materiality * grams.rows * blocks).groups)
         ++share[static_cast<std::size_t>(g)];
     }
   }
-  for (double& s : share) s /= options.half_samples;
+  for (double& s : share) s /= half_samples;
   return share;
 }
 

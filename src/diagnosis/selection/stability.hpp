@@ -8,7 +8,6 @@
 namespace gustlab::diagnosis {
 
 // Complementary halves of the clusters, each searched for sets of up to one more than was chosen; a share per catalogue group.
-std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen,
-                              const SelectionOptions& options);
+std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen);
 
 }  // namespace gustlab::diagnosis

@@ -47,15 +47,14 @@ Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int
   const Fit fit = solve(gram, columns);
   subset.loss = fit.loss;
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(columns[i])];
+    const Column& column = catalogue.column(columns[i]);
     if (!column.admits(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural))
       subset.loss = std::numeric_limits<double>::infinity();
   }
   subset.score = subset.loss + penalty * static_cast<double>(columns.size());
   // a cable's length and its swing in every flight were fitted beforehand
   for (const int g : groups)
-    if (const ColumnFrom column = catalogue.groups()[static_cast<std::size_t>(g)].row->column;
-        column == ColumnFrom::swing)
+    if (const ColumnFrom column = catalogue.group(g).row->column; column == ColumnFrom::swing)
       subset.score += decisions::swing_costs * penalty;
     else if (column == ColumnFrom::speed_limit) subset.score += decisions::limit_costs * penalty;
   return subset;

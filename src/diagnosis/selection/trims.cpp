@@ -12,9 +12,9 @@ double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, 
   const auto& flights = session.flights();
   const bool told = std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.hold_known; });
   double largest = 0.0;
-  const Group& of = session.catalogue().groups()[static_cast<std::size_t>(group)];
+  const Group& of = session.catalogue().group(group);
   for (const int c : of.columns) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    const Column& column = session.catalogue().column(c);
     double tolerance = column.tolerance;
     // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
     if (column.unit == "s" && tolerance > 0.0 && !told)
@@ -40,7 +40,7 @@ bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int g
 std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& columns, double share) {
   std::vector<Trim> trims;
   for (int c = 0; c < session.catalogue().size(); ++c) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    const Column& column = session.catalogue().column(c);
     if (column.tolerance > 0.0 && std::find(columns.begin(), columns.end(), c) == columns.end())
       trims.push_back({c, share * column.tolerance / column.natural});
   }
@@ -48,29 +48,29 @@ std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& c
 }
 
 bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen,
-                         int group, const SelectionOptions& options) {
+                         int group) {
   const Catalogue& catalogue = session.catalogue();
-  const std::vector<int>& own = catalogue.groups()[static_cast<std::size_t>(group)].columns;
-  if (catalogue.columns()[static_cast<std::size_t>(own.front())].tolerance == 0.0) return false;
+  const std::vector<int>& own = catalogue.group(group).columns;
+  if (catalogue.column(own.front()).tolerance == 0.0) return false;
   std::vector<int> firm;
   for (const int g : chosen)
     if (g != group) {
-      const auto& columns = catalogue.groups()[static_cast<std::size_t>(g)].columns;
+      const auto& columns = catalogue.group(g).columns;
       firm.insert(firm.end(), columns.begin(), columns.end());
     }
   Eigen::MatrixXd soft = total;
   std::vector<int> without = firm;
   without.insert(without.end(), session.biases().begin(), session.biases().end());
-  for (const Trim& trim : trims_beside(session, firm, options.trim_share)) {
+  for (const Trim& trim : trims_beside(session, firm, decisions::trim_share)) {
     soft(trim.column, trim.column) += 1.0 / (trim.deviation * trim.deviation);
     without.push_back(trim.column);
   }
   Eigen::MatrixXd free = soft;
   for (const int c : own) {
-    if (catalogue.columns()[static_cast<std::size_t>(c)].tolerance == 0.0) without.push_back(c);
+    if (catalogue.column(c).tolerance == 0.0) without.push_back(c);
     else free(c, c) = total(c, c);
   }
-  return solve(soft, without).loss - solve(free, without).loss < options.trim_cost;
+  return solve(soft, without).loss - solve(free, without).loss < decisions::trim_cost;
 }
 
 }  // namespace gustlab::diagnosis

@@ -15,7 +15,7 @@ bool below_tolerance(const Session& session, const Eigen::VectorXd& value, int g
 // Could trims of everything beside the chosen groups, small beforehand, look like this one of them? `total`: Gram matrix with
 // coefficients counted from the nominal vehicle.
 bool imitated_by_scatter(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& chosen,
-                         int group, const SelectionOptions& options);
+                         int group);
 
 // Every column with a reporting tolerance but those given, with this share of it as standard deviation.
 std::vector<Trim> trims_beside(const Session& session, const std::vector<int>& columns, double share);

@@ -8,14 +8,14 @@ namespace gustlab::diagnosis {
 
 int force_like_wind(const Catalogue& catalogue) {
   const int wind = catalogue.find(Airflow::wind);
-  return wind < 0 ? -1 : catalogue.find(catalogue.groups()[static_cast<std::size_t>(wind)].row->stand_in);
+  return wind < 0 ? -1 : catalogue.find(catalogue.group(wind).row->stand_in);
 }
 
 std::vector<StartedSet> winds_instead(const Catalogue& catalogue, const std::vector<int>& groups,
                                       const Eigen::VectorXd& value) {
   std::vector<StartedSet> sets;
   const auto& all = catalogue.groups();
-  const auto column = [&](int c) -> const Column& { return catalogue.columns()[static_cast<std::size_t>(c)]; };
+  const auto column = [&](int c) -> const Column& { return catalogue.column(c); };
   const int wind = catalogue.find(Airflow::wind), force = force_like_wind(catalogue),
             linear = catalogue.find(Airflow::drag);
   if (force < 0 || linear < 0) return sets;

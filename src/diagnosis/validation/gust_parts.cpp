@@ -5,8 +5,8 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
-#include "diagnosis/recording/row_intervals.hpp"
 #include "diagnosis/result/decisions.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -153,11 +153,11 @@ GustParts gust_parts(const Session& session, const std::vector<Smoothed>& left) 
 std::vector<int> means_of_gust(const Session& session, const Selection& selection, const GustParts& gust) {
   std::vector<int> groups;
   for (const Finding& finding : selection.findings) {
-    const Group& group = session.catalogue().groups()[static_cast<std::size_t>(finding.group)];
+    const Group& group = session.catalogue().group(finding.group);
     if (!group.row->external) continue;
     double chi_squared = 0.0;
     for (const int c : group.columns) {
-      const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+      const Column& column = session.catalogue().column(c);
       // variance of the mean of an exponentially correlated series
       const double duration_s = session.flights()[static_cast<std::size_t>(column.flight)].duration_s(),
                    x = gust.time_s / duration_s;

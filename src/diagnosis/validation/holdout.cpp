@@ -13,17 +13,17 @@ Eigen::VectorXd carry_over(const Catalogue& from, const Eigen::VectorXd& value, 
   // (group, parameter) → mean over flights
   std::map<std::pair<std::string, int>, std::pair<double, int>> mean;
   for (int c = 0; c < from.size(); ++c) {
-    const Column& column = from.columns()[static_cast<std::size_t>(c)];
+    const Column& column = from.column(c);
     if (column.group < 0) continue;
-    auto& [sum, count] = mean[{from.groups()[static_cast<std::size_t>(column.group)].label, column.parameter}];
+    auto& [sum, count] = mean[{from.group(column.group).label, column.parameter}];
     sum += value[c];
     ++count;
   }
   Eigen::VectorXd result = to.nominal();
   for (int c = 0; c < to.size(); ++c) {
-    const Column& column = to.columns()[static_cast<std::size_t>(c)];
+    const Column& column = to.column(c);
     if (column.group < 0) continue;
-    const auto found = mean.find({to.groups()[static_cast<std::size_t>(column.group)].label, column.parameter});
+    const auto found = mean.find({to.group(column.group).label, column.parameter});
     if (found != mean.end()) result[c] = found->second.first / found->second.second;
   }
   return result;
@@ -35,7 +35,7 @@ namespace {
 void suspect_what_was_found(const Session& fitted, const Selection& selection, Session& session) {
   const int load = fitted.catalogue().find(ColumnFrom::swing);
   if (load >= 0 && selection.find(load)) {
-    const Group& group = fitted.catalogue().groups()[static_cast<std::size_t>(load)];
+    const Group& group = fitted.catalogue().group(load);
     session.linearise(session.catalogue().nominal(), {});
     session.learn_noise(1, {});
     session.noise = selection.noise_selected;
@@ -46,8 +46,7 @@ void suspect_what_was_found(const Session& fitted, const Selection& selection, S
     session.suspect_load(group.swing, std::move(force));
   }
   const int limit = fitted.catalogue().find(ColumnFrom::speed_limit);
-  if (limit >= 0 && selection.find(limit))
-    session.suspect_limit(fitted.catalogue().groups()[static_cast<std::size_t>(limit)].limit_radps);
+  if (limit >= 0 && selection.find(limit)) session.suspect_limit(fitted.catalogue().group(limit).limit_radps);
 }
 
 // The findings on the held-out flights: shared coefficients as they were fitted, values per flight free.
@@ -61,11 +60,10 @@ class OnHeldOut {
         natural_(catalogue_.size()),
         value_(carry_over(fitted.catalogue(), selection.value, catalogue_)),
         wanted_(session.biases()) {
-    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.columns()[static_cast<std::size_t>(c)].natural;
+    for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.column(c).natural;
     for (const Finding& finding : selection.findings) {
-      groups_.push_back(catalogue_.find(fitted.catalogue().groups()[static_cast<std::size_t>(finding.group)].label));
-      used_.push_back(groups_.back() < 0 ? std::vector<int>{}
-                                         : catalogue_.groups()[static_cast<std::size_t>(groups_.back())].columns);
+      groups_.push_back(catalogue_.find(fitted.catalogue().group(finding.group).label));
+      used_.push_back(groups_.back() < 0 ? std::vector<int>{} : catalogue_.group(groups_.back()).columns);
       wanted_.insert(wanted_.end(), used_.back().begin(), used_.back().end());
     }
     std::sort(wanted_.begin(), wanted_.end());
@@ -110,7 +108,7 @@ class OnHeldOut {
     for (std::size_t i = 0; i < used_.size(); ++i) {
       if (std::find(kept.begin(), kept.end(), groups_[i]) == kept.end()) continue;
       for (const int c : used_[i]) {
-        if (catalogue_.columns()[static_cast<std::size_t>(c)].flight < 0) fixed[c] = coefficient[c];
+        if (catalogue_.column(c).flight < 0) fixed[c] = coefficient[c];
         else free.push_back(c);
       }
     }
@@ -122,7 +120,7 @@ class OnHeldOut {
   void follow_own_values() {
     const auto [free, fit] = fit_without(-1);
     for (std::size_t i = 0; i < free.size(); ++i)
-      if (const int c = free[i]; catalogue_.columns()[static_cast<std::size_t>(c)].group >= 0)
+      if (const int c = free[i]; catalogue_.column(c).group >= 0)
         value_[c] = catalogue_.nominal()[c] + fit.coefficient[static_cast<Eigen::Index>(i)] * natural_[c];
     catalogue_.clamp(value_);
     linearise();

@@ -197,14 +197,14 @@ Mismatch latency_mismatch(const Session& session, const Eigen::MatrixXd& total, 
   for (const Latency kind : kinds) {
     const int g = catalogue.find(place, kind);
     if (g < 0) continue;
-    std::vector<int> columns = catalogue.groups()[static_cast<std::size_t>(g)].columns;
+    std::vector<int> columns = catalogue.group(g).columns;
     const int c = columns.front();
     const int size = static_cast<int>(columns.size());
     columns.insert(columns.end(), session.biases().begin(), session.biases().end());
     const Fit fit = solve(total, columns);
     if (alone - fit.loss <= best) continue;
     best = alone - fit.loss;
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     m.p_value = chi_squared_tail(best, size);
     m.rms = std::abs(fit.coefficient[0] * column.natural);
     m.noise_rms = column.tolerance;

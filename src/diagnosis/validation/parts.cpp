@@ -30,7 +30,7 @@ LinearFlight with_forces(const LinearFlight& flight, const Session& session, con
     B.conservativeResize(Eigen::NoChange, own + forces), D.conservativeResize(Eigen::NoChange, own + forces);
     B.rightCols(forces).setZero(), D.rightCols(forces).setZero();
     for (std::size_t j = 0; j < flight.columns.size(); ++j) {
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])];
+      const Column& column = catalogue.column(flight.columns[j]);
       const auto at = static_cast<Eigen::Index>(j);
       for (Eigen::Index i = 0; i < tested; ++i) {
         if (column.group != selection.findings[static_cast<std::size_t>(i)].group) continue;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "diagnosis/result/decisions.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -68,7 +69,7 @@ Information information_of(const Session& session, const Selection& selection, c
   Eigen::VectorXd own = Eigen::VectorXd::Zero(grams.columns + 1), left = own;
   left[grams.columns] = 1.0;
   for (int c = 0; c < catalogue.size(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     const double coefficient = (selection.value[c] - column.nominal) / column.natural;
     left[c] = -coefficient;
     if (column.group == finding.group) own[c] = coefficient;
@@ -102,9 +103,7 @@ double deviation_in(const Grams& grams, const Information& known, const std::vec
 // the finding's size where one variable is low, middling and high, each part with as much information
 Regimes regimes_along(const std::string& variable, const std::vector<double>& value, const Grams& grams,
                       const Information& known) {
-  std::vector<std::size_t> order(grams.block.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return value[a] < value[b]; });
+  const std::vector<std::size_t> order = ascending(value);
   Regimes regimes;
   regimes.variable = variable;
   std::array<double, thirds> info{}, score{};

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/trims.hpp"
 #include "diagnosis/validation/dependence.hpp"
 #include "diagnosis/validation/generic_bases.hpp"
+#include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -35,27 +35,6 @@ constexpr std::array<const char*, disturbance_groups> group_name = {"horizontal 
                                                                     "roll/pitch torque", "yaw torque"};
 const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
     {{"force_x", "force_y"}, {"force_z"}, {"torque_x", "torque_y"}, {"torque_z"}}};
-
-std::vector<double> ranks(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-  std::vector<double> rank(values.size());
-  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<double>(i);
-  return rank;
-}
-
-double correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const double n = static_cast<double>(a.size());
-  const double ma = std::accumulate(a.begin(), a.end(), 0.0) / n, mb = std::accumulate(b.begin(), b.end(), 0.0) / n;
-  double ab = 0.0, aa = 0.0, bb = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ab += (a[i] - ma) * (b[i] - mb);
-    aa += (a[i] - ma) * (a[i] - ma);
-    bb += (b[i] - mb) * (b[i] - mb);
-  }
-  return ab / std::sqrt(aa * bb + 1e-300);
-}
 
 // A gust lasts longer than the air of a calm room, or has a line; it does not depend on where the vehicle is. Says whether it has a line.
 bool find_gust(const Session& session, const Selection& selection, bool force_withdrawn, Remainder& result) {
@@ -201,10 +180,7 @@ void ask_growth(const Session& session, const Selection& selection, Remainder& r
           {"speed", &stretches.speed},
           {"low height", &stretches.depth}}) {
       const double r = correlation(ranks(energy), ranks(*x));
-      std::vector<std::size_t> order(x->size());
-      std::iota(order.begin(), order.end(), std::size_t{0});
-      std::stable_sort(order.begin(), order.end(),
-                       [values = x](std::size_t a, std::size_t b) { return (*values)[a] < (*values)[b]; });
+      const std::vector<std::size_t> order = ascending(*x);
       const std::size_t quarter = order.size() / 4;
       double low = 1e-300, high = 0.0;
       for (std::size_t i = 0; i < quarter; ++i) {

@@ -83,7 +83,7 @@ TEST(MeanTorques, TellAShiftedCentreOfMassAndNoScale) {
   const auto seen = [&](const char* effect) {
     double squares = 0.0;
     for (std::size_t j = 0; j < flight.columns.size(); ++j) {
-      const int g = catalogue.columns()[static_cast<std::size_t>(flight.columns[j])].group;
+      const int g = catalogue.column(flight.columns[j]).group;
       if (g != catalogue.find(effect)) continue;
       for (const auto& by : flight.turning_by) squares += by.col(static_cast<Eigen::Index>(j)).squaredNorm();
     }
@@ -99,10 +99,9 @@ TEST(MeanTorques, TellAShiftedCentreOfMassAndNoScale) {
   const int group = catalogue.find("center_of_mass");
   const Fit fit = solve(session.grams().total(), session.with_biases({group}));
   const Vector3 arm = vehicle.rotors[0].position_B_m;
-  const auto& columns = catalogue.groups()[static_cast<std::size_t>(group)].columns;
+  const auto& columns = catalogue.group(group).columns;
   for (int axis = 0; axis < 2; ++axis) {
-    const double natural =
-        catalogue.columns()[static_cast<std::size_t>(columns[static_cast<std::size_t>(axis)])].natural;
+    const double natural = catalogue.column(columns[static_cast<std::size_t>(axis)]).natural;
     EXPECT_NEAR(fit.coefficient[axis] * natural, 2.0 * 0.02 * arm[axis] / 4.0, 0.05 * 0.02 * std::abs(arm[axis]))
         << axis;
   }

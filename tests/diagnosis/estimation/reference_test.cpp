@@ -43,9 +43,9 @@ TEST(Reference, ChangesAreThoseOfTheJointSolution) {
   std::vector<int> shared;
   for (int c = 0; c < size; ++c)
     if (std::any_of(reference.column.begin(), reference.column.end(), [&](const auto& known) {
-          const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+          const Column& column = catalogue.column(c);
           return column.group >= 0 && column.flight < 0 && known.second == column.parameter &&
-                 known.first == catalogue.groups()[static_cast<std::size_t>(column.group)].label;
+                 known.first == catalogue.group(column.group).label;
         }))
       shared.push_back(c);
   ASSERT_EQ(shared.size(), reference.column.size());
@@ -118,8 +118,7 @@ TEST(Reference, FlightsThatDifferHoldLessInformation) {
   const Reference alike = reference_of(catalogue, flights_that_differ(catalogue, 4, 0.0), {});
   double held = 0.0;
   for (int c = 0; c < catalogue.size(); ++c)
-    if (const Column& column = catalogue.columns()[static_cast<std::size_t>(c)]; column.group >= 0 && column.flight < 0)
-      held += shared_of_all[c];
+    if (const Column& column = catalogue.column(c); column.group >= 0 && column.flight < 0) held += shared_of_all[c];
   // the same numbers in all: noise alone, a mean of 1 with an error of √(2 / scores)
   EXPECT_NEAR(alike.information.trace(), held, 0.25 * held);
   // 2000 rows hold a number to 1 / √2000; those of flights differ by five times as much: 1 + 25, of four flights
@@ -133,9 +132,7 @@ TEST(Reference, FlightsThatDifferInOneNumberAreAsSureOfTheOthers) {
   const Reference alike = reference_of(catalogue, flights_that_differ(catalogue, 4, 0.0), {});
   Grams one_differs = flights_that_differ(catalogue, 4, 0.0);
   int first = 0;  // of the shared columns
-  while (catalogue.columns()[static_cast<std::size_t>(first)].group < 0 ||
-         catalogue.columns()[static_cast<std::size_t>(first)].flight >= 0)
-    ++first;
+  while (catalogue.column(first).group < 0 || catalogue.column(first).flight >= 0) ++first;
   for (std::size_t f = 0; f < one_differs.block.size(); ++f) {
     Grams flight;
     flight.columns = one_differs.columns;

@@ -73,9 +73,8 @@ class SensorWindowsTest : public ::testing::Test {
     const SensorWindows windows = sensor_windows(recorded_with(vehicle, fault), 0, catalogue);
     std::vector<int> columns;
     for (const int c : windows.columns) {
-      const int g = catalogue.columns()[static_cast<std::size_t>(c)].group;
-      if (g < 0 || std::ranges::count(effects, catalogue.groups()[static_cast<std::size_t>(g)].row->name))
-        columns.push_back(c);
+      const int g = catalogue.column(c).group;
+      if (g < 0 || std::ranges::count(effects, catalogue.group(g).row->name)) columns.push_back(c);
     }
     const Eigen::VectorXd nominal = catalogue.nominal();
     Grams grams;
@@ -84,12 +83,11 @@ class SensorWindowsTest : public ::testing::Test {
     const Eigen::VectorXd coefficient = solve(grams.total(), columns).coefficient;
     Eigen::VectorXd value = nominal;
     for (std::size_t i = 0; i < columns.size(); ++i)
-      value[columns[i]] +=
-          coefficient[static_cast<Eigen::Index>(i)] * catalogue.columns()[static_cast<std::size_t>(columns[i])].natural;
+      value[columns[i]] += coefficient[static_cast<Eigen::Index>(i)] * catalogue.column(columns[i]).natural;
     return value;
   }
   double value_of(const Eigen::VectorXd& value, std::string_view effect, std::size_t parameter = 0) const {
-    return value[catalogue.groups()[static_cast<std::size_t>(catalogue.find(effect))].columns[parameter]];
+    return value[catalogue.group(catalogue.find(effect)).columns[parameter]];
   }
 };
 

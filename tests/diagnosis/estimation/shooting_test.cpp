@@ -39,9 +39,7 @@ FlightData climb() {
       [](double) { return test::all_at(vehicle().hover_speed_radps()); });
 }
 
-int mass_column(const Catalogue& all) {
-  return all.groups()[static_cast<std::size_t>(all.find("mass"))].columns.front();
-}
+int mass_column(const Catalogue& all) { return all.group(all.find("mass")).columns.front(); }
 
 // what is missed grows with the horizon as a t, and what a mass changes as −g t
 TEST(Shooting, MissesWhatNobodyExpectsAndKnowsWhatAMassWouldDo) {
@@ -50,7 +48,7 @@ TEST(Shooting, MissesWhatNobodyExpectsAndKnowsWhatAMassWouldDo) {
   const ShotFlight shot = shoot(climb(), 0, all, all.nominal(), {mass}, 0.5);
   ASSERT_GE(shot.window.size(), 5u);
   ASSERT_EQ(shot.columns, std::vector<int>{mass});
-  const double natural = all.columns()[static_cast<std::size_t>(mass)].natural;
+  const double natural = all.column(mass).natural;
   for (const Eigen::MatrixXd& window : shot.window) {
     ASSERT_EQ(window.rows(), window_rows);
     for (std::size_t h = 0; h < shooting_horizon_s.size(); ++h)
@@ -176,7 +174,7 @@ TEST(ShootingGrams, AreSquaresOfRowsAndAPriorAndHoldLostWindowsDown) {
   errors.flights[0].window[0].col(1) = Eigen::VectorXd::Constant(window_rows, 2.0);
   errors.flights[0].window[1].col(1) = Eigen::VectorXd::Constant(window_rows, 30.0);
   Eigen::VectorXd value = all.nominal();
-  const Column& column = all.columns()[static_cast<std::size_t>(mass)];
+  const Column& column = all.column(mass);
   value[mass] += 0.5 * column.natural;
   const Grams grams = shooting_grams(errors.flights, Eigen::MatrixXd::Identity(window_rows, window_rows), all, value);
   ASSERT_EQ(grams.block.size(), 3u);
@@ -192,7 +190,7 @@ TEST(ShootingGrams, AreSquaresOfRowsAndAPriorAndHoldLostWindowsDown) {
   EXPECT_NEAR(grams.block[2](mass, n), -0.5 / 400.0, 1e-12);
   EXPECT_NEAR(grams.block[2](n, n), 0.25 / 400.0, 1e-12);
   for (int c = 0; c < n; ++c)
-    if (const Column& nuisance = all.columns()[static_cast<std::size_t>(c)]; nuisance.group < 0) {
+    if (const Column& nuisance = all.column(c); nuisance.group < 0) {
       EXPECT_EQ(grams.block[2](c, c), nuisance.of_torque_trim() ? 0.0 : 1.0) << c;  // trims: see torque_trims.hpp
     }
 }
@@ -281,7 +279,7 @@ TEST(Answers, ThatAreSetAsideLeaveNoTorquePerCommandAndNoAnswer) {
     return std::sqrt(sum);
   };
   const auto column_of = [&](const char* effect) {
-    return static_cast<Eigen::Index>(all.groups()[static_cast<std::size_t>(all.find(effect))].columns.front());
+    return static_cast<Eigen::Index>(all.group(all.find(effect)).columns.front());
   };
   const auto answered = [&](const ShotFlight& flight) {
     double sum = 0.0;

@@ -16,7 +16,7 @@ Catalogue catalogue_of(int flights) {
 
 int trim_of(const Catalogue& catalogue, int flight, int axis) {
   for (int c = 0; c < catalogue.size(); ++c) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (column.of_torque_trim() && column.flight == flight && column.parameter == torque_trim + axis) return c;
   }
   return -1;
@@ -59,7 +59,7 @@ TEST(TorqueTrims, AreAsLargeAsFlightsSay) {
 
 TEST(TorqueTrims, AboutWhatAllFlightsShareAreAsFlightsScatter) {
   const Catalogue catalogue = catalogue_of(4);
-  const int shared = catalogue.groups()[static_cast<std::size_t>(catalogue.find("center_of_mass"))].columns.front();
+  const int shared = catalogue.group(catalogue.find("center_of_mass")).columns.front();
   const Grams grams = flights_that_say(catalogue, {14.0, 8.0, 11.0, 13.0}, shared, 1e4);
   std::vector<int> columns = trims_of(catalogue, 4);
   columns.push_back(shared);

@@ -188,7 +188,7 @@ Latencies start_of(const Latencies& flown) {
   session.start_latency(value);
   const auto later_s = [&](Latency kind) {
     const int group = session.catalogue().find(Place::actuation, kind);
-    const int c = session.catalogue().groups()[static_cast<std::size_t>(group)].columns.front();
+    const int c = session.catalogue().group(group).columns.front();
     return value[c] - session.catalogue().nominal()[c];
   };
   return {later_s(Latency::lag), later_s(Latency::delay)};

@@ -24,7 +24,7 @@ Challenge challenged(const std::string& held_out, Selection& selection) {
   const Recordings flown = test::short_flights(center, {"multisine"}),
                    other = test::short_flights(held_out, {"multisine"});
   Session session = test::session_of(flown);
-  selection = select_effects(session, {});
+  selection = select_effects(session);
   return challenge(
       session, selection, {prepare(other.holdout, flown.vehicle, {}), {}, other.holdout}, [] { return std::nullopt; },
       1);
@@ -53,10 +53,10 @@ TEST(Challenge, WhatItHasNotIsNotNamed) {
 
 TEST(ExplainsMore, IsTheSetWithWhatWasConcealed) {
   Session session = test::session_of(test::short_flights(center, {"multisine"}));
-  const Selection found = select_effects(session, {});
+  const Selection found = select_effects(session);
   const int group = session.catalogue().find("center_of_mass");
   ASSERT_NE(found.find(group), nullptr);
-  const Selection rest = withdraw(session, {}, found, {group});
+  const Selection rest = withdraw(session, found, {group});
   EXPECT_TRUE(explains_more(session, found, rest));
   EXPECT_FALSE(explains_more(session, rest, found));
   EXPECT_FALSE(explains_more(session, found, found));

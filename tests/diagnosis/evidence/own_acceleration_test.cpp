@@ -26,8 +26,8 @@ TEST(OwnAcceleration, OfAForcePerFlightIsItsRootMeanSquareOverBothFlights) {
   finding.group = session.catalogue().find("constant_force");
   selection.findings.push_back(finding);
   selection.value = session.value();
-  for (const int c : session.catalogue().groups()[static_cast<std::size_t>(finding.group)].columns) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+  for (const int c : session.catalogue().group(finding.group).columns) {
+    const Column& column = session.catalogue().column(c);
     if (column.name == "x") selection.value[c] = column.flight == 0 ? 0.01 : 0.0;
     if (column.name == "z") selection.value[c] = column.flight == 0 ? 0.0 : -0.02;
   }

@@ -20,8 +20,7 @@ std::vector<std::string> columns(const Catalogue& of, std::string_view label) {
   std::vector<std::string> names;
   const int g = of.find(label);
   if (g < 0) return names;
-  for (const int c : of.groups()[static_cast<std::size_t>(g)].columns)
-    names.push_back(of.columns()[static_cast<std::size_t>(c)].name);
+  for (const int c : of.group(g).columns) names.push_back(of.column(c).name);
   return names;
 }
 
@@ -41,8 +40,8 @@ TEST(Catalogue, BatteryIsDescribedByItsVoltageWhereThatIsSeen) {
 
 TEST(Catalogue, TheHeightOfACentreOfMassIsKnownBeforehandAndMayStayOut) {
   Catalogue all = catalogue({.observable = pose});
-  const std::vector<int> of_center = all.groups()[static_cast<std::size_t>(all.find("center_of_mass"))].columns;
-  const auto known_to = [&](std::size_t i) { return all.columns()[static_cast<std::size_t>(of_center[i])].known_to; };
+  const std::vector<int> of_center = all.group(all.find("center_of_mass")).columns;
+  const auto known_to = [&](std::size_t i) { return all.column(of_center[i]).known_to; };
   EXPECT_EQ(known_to(0), 0.0);
   EXPECT_NEAR(known_to(2), 0.05 * read_vehicle("crazyflie").arm_m(), 1e-12);
   all.freeze(of_center[2]);
@@ -81,8 +80,7 @@ TEST(Catalogue, HistoriesHaveOneColumnAndTheirScanTheRest) {
   EXPECT_EQ(all.find(ColumnFrom::speed_limit), all.find("saturation"));
   // which never fly in the linearised model
   Eigen::VectorXd value = all.nominal();
-  for (const char* name : {"slung_load", "saturation"})
-    value[all.groups()[static_cast<std::size_t>(all.find(name))].columns.front()] = 1.0;
+  for (const char* name : {"slung_load", "saturation"}) value[all.group(all.find(name)).columns.front()] = 1.0;
   for (const NamedEffect& effect : all.effects(value, 0)) EXPECT_FALSE(effect.row->is_history()) << effect.row->name;
 }
 
@@ -136,7 +134,7 @@ TEST(Catalogue, CorrectsTheSensorsOfAFlight) {
   const Catalogue all = catalogue({.observable = pose | Need::gyro});
   Eigen::VectorXd value = all.nominal();
   const auto set = [&](std::string_view label, std::size_t i, double to) {
-    value[all.groups()[static_cast<std::size_t>(all.find(label))].columns[i]] = to;
+    value[all.group(all.find(label)).columns[i]] = to;
   };
   set("attitude_offset", 0, 0.01), set("attitude_offset", 1, -0.02), set("yaw_offset", 0, 0.03);
   set("pose_delay", 0, 0.015), set("gyro_scale", 0, 0.02);

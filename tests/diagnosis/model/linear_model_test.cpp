@@ -32,7 +32,7 @@ TEST(LinearModel, ForcesAloneSeeALag) {
   ASSERT_GE(lag, 0);
   double largest = 0.0;
   for (std::size_t j = 0; j < flight.columns.size(); ++j)
-    if (session.catalogue().columns()[static_cast<std::size_t>(flight.columns[j])].group == lag)
+    if (session.catalogue().column(flight.columns[j]).group == lag)
       for (const auto& D : flight.D)
         largest = std::max(largest, D.col(static_cast<Eigen::Index>(j)).tail<3>().cwiseAbs().maxCoeff());
   EXPECT_GT(largest, 0.005);  // m/s² per natural size
@@ -50,8 +50,7 @@ TEST(LinearModel, ALateAccelerometerShowsALoadLate) {
   for (const Sample& sample : late.samples) force.emplace_back(std::sin(20.0 * sample.time_s), 0.0, 0.0);
   Session session({late}, vehicle, 1);
   session.suspect_load({}, {force});
-  const std::vector<int>& column =
-      session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(ColumnFrom::swing))].columns;
+  const std::vector<int>& column = session.catalogue().group(session.catalogue().find(ColumnFrom::swing)).columns;
   session.linearise(session.value(), column);
   const LinearFlight& flight = session.linear().front();
   ASSERT_EQ(flight.columns, column);
@@ -71,7 +70,7 @@ TEST(LinearModel, PredictsAtAnotherValueWithTheColumnsItHas) {
   Eigen::VectorXd value = one.value();
   one.linearise(value, columns);
   const LinearFlight before = one.linear().front();
-  for (const int c : columns) value[c] += 0.5 * one.catalogue().columns()[static_cast<std::size_t>(c)].natural;
+  for (const int c : columns) value[c] += 0.5 * one.catalogue().column(c).natural;
   one.predict_at(value);
   other.linearise(other.value(), columns);
   other.linearise(value, columns);

@@ -27,9 +27,7 @@ class SpeedComparison : public ::testing::Test {
     flight.measured_at_sample = measured_beside_commands(flight);
     compare_speeds(flight, 0, catalogue, catalogue.nominal(), linear);
   }
-  int lag_column() const {
-    return catalogue.groups()[static_cast<std::size_t>(catalogue.find("motor_lag"))].columns[0];
-  }
+  int lag_column() const { return catalogue.group(catalogue.find("motor_lag")).columns[0]; }
 
   const VehicleModel vehicle = test::crazyflie();
   const double hover = vehicle.hover_speed_radps();
@@ -41,7 +39,7 @@ class SpeedComparison : public ::testing::Test {
 TEST_F(SpeedComparison, IsTheLagsClosedForm) {
   compare();
   ASSERT_EQ(linear.predicted.size(), flight.samples.size());
-  const double natural = catalogue.columns()[static_cast<std::size_t>(lag_column())].natural;
+  const double natural = catalogue.column(lag_column()).natural;
   const auto& by = linear.predicted_by[static_cast<std::size_t>(lag_column())];
   ASSERT_EQ(by.size(), flight.samples.size());
   for (std::size_t k = 0; k < flight.samples.size(); ++k) {
@@ -57,7 +55,7 @@ TEST_F(SpeedComparison, IsTheLagsClosedForm) {
 TEST_F(SpeedComparison, WhatMovesTheBodyAloneChangesNoSpeed) {
   compare();
   for (const char* name : {"mass", "rotor_drag", "center_of_mass", "thrust_curve"})
-    for (const int c : catalogue.groups()[static_cast<std::size_t>(catalogue.find(name))].columns)
+    for (const int c : catalogue.group(catalogue.find(name)).columns)
       EXPECT_TRUE(linear.predicted_by[static_cast<std::size_t>(c)].empty()) << name;
 }
 

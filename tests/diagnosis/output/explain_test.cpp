@@ -75,7 +75,7 @@ class Explained : public ::testing::Test {
     selection.grams.clusters = 1, selection.grams.rows = 1e4;
   }
   int column(const char* group) const {
-    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(group))].columns.front();
+    return session.catalogue().group(session.catalogue().find(group)).columns.front();
   }
   void found(const char* group, double change, double probability) {
     Finding& f = selection.findings.emplace_back();

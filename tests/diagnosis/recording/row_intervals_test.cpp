@@ -13,14 +13,6 @@ using ::testing::IsEmpty;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Quantile, IsAValueOfTheSample) {
-  EXPECT_EQ(median({}), 0.0);
-  EXPECT_EQ(median({4.0}), 4.0);
-  EXPECT_EQ(median({9.0, 1.0, 5.0}), 5.0);
-  EXPECT_EQ(quantile({4.0, 3.0, 2.0, 1.0}, 0.75), 4.0);
-  EXPECT_EQ(quantile({4.0, 3.0, 2.0, 1.0}, 0.0), 1.0);
-}
-
 TEST(Interval, OfEvenRowsIsTheirStepWhateverGapsThereAre) {
   std::vector<double> steps(99, 0.01);
   steps[30] = 2.0;

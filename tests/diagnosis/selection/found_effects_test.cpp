@@ -17,9 +17,7 @@ class FoundEffects : public ::testing::Test {
     selection.value = catalogue.nominal();
     selection.deviation = Eigen::VectorXd::Zero(catalogue.size());
   }
-  const Group& group(const std::string& label) const {
-    return catalogue.groups()[static_cast<std::size_t>(catalogue.find(label))];
-  }
+  const Group& group(const std::string& label) const { return catalogue.group(catalogue.find(label)); }
   void found(const std::string& label) { selection.findings.emplace_back().group = catalogue.find(label); }
 
   Catalogue catalogue{test::crazyflie(), 2, {.observable = Need::attitude | Need::motion | Need::torque}};
@@ -31,7 +29,7 @@ double error(double deviation, double change) { return std::hypot(deviation, dec
 
 TEST_F(FoundEffects, OfEveryFlightsOwnValuesTheMeanCounts) {
   for (const int c : group("constant_force").columns) {
-    const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+    const Column& column = catalogue.column(c);
     if (column.name != "x") continue;
     selection.value[c] = column.flight == 0 ? 0.04 : 0.02;
     selection.deviation[c] = column.flight == 0 ? 0.003 : 0.001;

@@ -17,7 +17,7 @@ class SelectEffects : public ::testing::Test {
     Recordings recordings = test::short_flights(
         R"({type = "mass", delta = 0.1}, {type = "center_of_mass", x = 6e-4, y = -4e-4})", {"multisine"});
     Session session = test::session_of(recordings);
-    Selection selection = select_effects(session, {});
+    Selection selection = select_effects(session);
   };
   static const Found& found() {
     static const Found once;
@@ -30,12 +30,11 @@ class SelectEffects : public ::testing::Test {
 
   std::vector<std::string> names(const Selection& some) const {
     std::vector<std::string> result;
-    for (const int g : some.groups())
-      result.emplace_back(session.catalogue().groups()[static_cast<std::size_t>(g)].row->name);
+    for (const int g : some.groups()) result.emplace_back(session.catalogue().group(g).row->name);
     return result;
   }
   int column(const char* effect, std::size_t parameter = 0) const {
-    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(effect))].columns[parameter];
+    return session.catalogue().group(session.catalogue().find(effect)).columns[parameter];
   }
 };
 
@@ -69,15 +68,15 @@ TEST_F(SelectEffects, GainsAreLossesWithoutOrWithOne) {
 
 TEST_F(SelectEffects, WhatIsWithdrawnComesBackWhenItStillPays) {
   std::set<std::vector<int>> tried;
-  if (const std::optional<Selection> more = look_again(session, {}, selection, tried)) {
+  if (const std::optional<Selection> more = look_again(session, selection, tried)) {
     EXPECT_THAT(more->groups(), IsSupersetOf(selection.groups()));
   }
   const int mass = session.catalogue().find("mass");
-  const Selection rest = withdraw(session, {}, selection, {mass});
+  const Selection rest = withdraw(session, selection, {mass});
   EXPECT_EQ(rest.find(mass), nullptr);
   EXPECT_NE(rest.find(session.catalogue().find("center_of_mass")), nullptr);
   EXPECT_EQ(rest.value[column("mass")], session.catalogue().nominal()[column("mass")]);
-  const std::optional<Selection> again = look_again(session, {}, rest, tried);
+  const std::optional<Selection> again = look_again(session, rest, tried);
   ASSERT_TRUE(again);
   ASSERT_FALSE(tried.empty());
   EXPECT_THAT(again->groups(), IsSupersetOf(rest.groups()));
@@ -86,7 +85,7 @@ TEST_F(SelectEffects, WhatIsWithdrawnComesBackWhenItStillPays) {
 }
 
 TEST_F(SelectEffects, WhatWasTriedIsNotTriedAgainAndTheNoiseIsPutBack) {
-  const Selection rest = withdraw(session, {}, selection, {session.catalogue().find("mass")});
+  const Selection rest = withdraw(session, selection, {session.catalogue().find("mass")});
   std::set<std::vector<int>> tried;
   for (int g = 0; g < std::ssize(session.catalogue().groups()); ++g) {
     std::vector<int> more = rest.groups();
@@ -96,7 +95,7 @@ TEST_F(SelectEffects, WhatWasTriedIsNotTriedAgainAndTheNoiseIsPutBack) {
   }
   const NoiseModel noise = session.noise;
   const double misfit = session.misfit({}, {});
-  EXPECT_FALSE(look_again(session, {}, rest, tried));
+  EXPECT_FALSE(look_again(session, rest, tried));
   EXPECT_EQ(session.noise.variance, noise.variance);
   EXPECT_EQ(session.noise.time_s, noise.time_s);
   EXPECT_EQ(session.misfit({}, {}), misfit);

@@ -25,7 +25,7 @@ class Stability : public ::testing::Test {
                    vehicle, 1);
   }
   int column(const char* name) const {
-    return session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find(name))].columns.front();
+    return session.catalogue().group(session.catalogue().find(name)).columns.front();
   }
   // all columns are chance; z is chance too, and `always` of one column in every second, `once` of another in the first
   Grams grams(double always, double once) const {
@@ -55,7 +55,7 @@ class Stability : public ::testing::Test {
 
 TEST_F(Stability, WhatIsInEverySecondIsInEveryHalfAndWhatIsInOneInOneOfTwo) {
   const std::vector<int> chosen = {session.catalogue().find("mass"), session.catalogue().find("rotor_drag")};
-  const std::vector<double> shares = inclusion(session, grams(5.0, 6.0), chosen, {});
+  const std::vector<double> shares = inclusion(session, grams(5.0, 6.0), chosen);
   EXPECT_EQ(share(shares, "mass"), 1.0);
   EXPECT_EQ(share(shares, "rotor_drag"), 0.5);
   // chance stands in for what a half has not, and for nothing else
@@ -63,7 +63,7 @@ TEST_F(Stability, WhatIsInEverySecondIsInEveryHalfAndWhatIsInOneInOneOfTwo) {
 }
 
 TEST_F(Stability, OfNothingThatWasChosenThereIsNothingToAsk) {
-  for (const double s : inclusion(session, grams(5.0, 0.0), {}, {})) EXPECT_EQ(s, 0.0);
+  for (const double s : inclusion(session, grams(5.0, 0.0), {})) EXPECT_EQ(s, 0.0);
 }
 
 }  // namespace

@@ -36,9 +36,7 @@ Eigen::MatrixXd some_gram() {
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
     for (Eigen::Index j = 0; j < rows.cols(); ++j)
       rows(i, j) = random.normal4(static_cast<std::uint64_t>(i * rows.cols() + j))[0];
-  const auto column = [](const char* name) {
-    return catalogue().groups()[static_cast<std::size_t>(catalogue().find(name))].columns.front();
-  };
+  const auto column = [](const char* name) { return catalogue().group(catalogue().find(name)).columns.front(); };
   rows.col(column("translational_lift")) += 0.8 * rows.col(column("thrust_curve"));
   rows.col(size) += 0.6 * rows.col(column("rotor_drag")) + 0.5 * rows.col(column("thrust_curve")) +
                     0.4 * rows.col(column("rotor_tilt"));
@@ -132,7 +130,7 @@ TEST(SubsetSearch, KnowsWhatNeedsAnotherAndWhatExcludesIt) {
 TEST(SubsetSearch, WhatLeavesItsBoundsIsNotPossible) {
   Eigen::MatrixXd gram = some_gram();
   const int drag = catalogue().find("rotor_drag");
-  const int c = catalogue().groups()[static_cast<std::size_t>(drag)].columns.front();
+  const int c = catalogue().group(drag).columns.front();
   const Eigen::Index z = gram.cols() - 1;
   // a drag that pushes
   gram(c, z) = gram(z, c) = -std::abs(gram(c, z));

@@ -1,6 +1,8 @@
 // Sizes in reporting tolerances by hand, and scatter that imitates an effect: on the catalogue of a flight that is a formula.
 #include "diagnosis/selection/trims.hpp"
 
+#include "diagnosis/result/decisions.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +26,7 @@ class Trims : public ::testing::Test {
     flight.hold_known = true;
     return Session({flight}, vehicle, 1);
   }
-  const Column& column(int c) const { return session_.catalogue().columns()[static_cast<std::size_t>(c)]; }
+  const Column& column(int c) const { return session_.catalogue().column(c); }
   Eigen::VectorXd nominal() const {
     Eigen::VectorXd value(session_.catalogue().size());
     for (int c = 0; c < session_.catalogue().size(); ++c) value[c] = column(c).nominal;
@@ -39,9 +41,7 @@ class Trims : public ::testing::Test {
         return static_cast<int>(g);
     return -1;
   }
-  const std::vector<int>& columns_of(int group) const {
-    return session_.catalogue().groups()[static_cast<std::size_t>(group)].columns;
-  }
+  const std::vector<int>& columns_of(int group) const { return session_.catalogue().group(group).columns; }
   Session session_ = make();
 };
 
@@ -73,7 +73,7 @@ TEST_F(Trims, WithoutAToleranceNothingIsATrim) {
 
 TEST_F(Trims, BesideFlightsThatHaveForcesOfTheirOwnAForceMustBeLarger) {
   const int group = force_like_wind(session_.catalogue());
-  const std::string label = session_.catalogue().groups()[static_cast<std::size_t>(group)].label;
+  const std::string label = session_.catalogue().group(group).label;
   Eigen::VectorXd value = nominal();
   value[columns_of(group).front()] = 0.06;
   EXPECT_TRUE(std::isinf(size_in_tolerances(session_, value, group)));
@@ -106,19 +106,18 @@ TEST_F(Trims, ASignatureThatScatterHasTooIsImitated) {
   for (const Trim& trim : trims_beside(session_, {own}, 1.0))
     if (column(trim.column).group >= 0 && column(trim.column).group != group) other = trim.column;
   ASSERT_GE(other, 0);
-  SelectionOptions options;
-  const double share = options.trim_share * column(own).tolerance / column(own).natural;
+  const double share = decisions::trim_share * column(own).tolerance / column(own).natural;
   // strength: what the scatter's own deviation leaves of the value, 20 times it, in units of the cost
-  const double value = 20.0 * share, scale = 10.0 * options.trim_cost / (value * value);
+  const double value = 20.0 * share, scale = 10.0 * decisions::trim_cost / (value * value);
   const auto gram = [&](double of_other) {
     Eigen::VectorXd row = Eigen::VectorXd::Zero(size + 1);
     row[own] = 1.0, row[other] = of_other, row[size] = value;
     return Eigen::MatrixXd(scale * row * row.transpose());
   };
-  EXPECT_FALSE(imitated_by_scatter(session_, gram(0.0), {group}, group, options));
+  EXPECT_FALSE(imitated_by_scatter(session_, gram(0.0), {group}, group));
   // its deviation times this signature is a hundred times the value
-  const double loud = 100.0 * value / (options.trim_share * column(other).tolerance / column(other).natural);
-  EXPECT_TRUE(imitated_by_scatter(session_, gram(loud), {group}, group, options));
+  const double loud = 100.0 * value / (decisions::trim_share * column(other).tolerance / column(other).natural);
+  EXPECT_TRUE(imitated_by_scatter(session_, gram(loud), {group}, group));
 }
 
 }  // namespace

@@ -20,15 +20,13 @@ class WindStart : public ::testing::Test {
       test::crazyflie(), 2, {.observable = Need::attitude | Need::motion | Need::torque | Need::accelerometer}};
   const int force = catalogue.find("constant_force"), wind = catalogue.find("steady_wind"),
             linear = catalogue.find("rotor_drag"), quadratic = catalogue.find("quadratic_drag");
-  const std::vector<int>& columns(int group) const {
-    return catalogue.groups()[static_cast<std::size_t>(group)].columns;
-  }
+  const std::vector<int>& columns(int group) const { return catalogue.group(group).columns; }
   // a drag of 0.02 N s/m, and 0.04 N toward x in the first flight, 0.01 N toward y in the second
   Eigen::VectorXd fitted() const {
     Eigen::VectorXd value = catalogue.nominal();
     value[columns(linear).front()] = 0.02;
     for (const int c : columns(force)) {
-      const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
+      const Column& column = catalogue.column(c);
       if (column.flight == 0 && column.name == "x") value[c] = 0.04;
       if (column.flight == 1 && column.name == "y") value[c] = 0.01;
     }
@@ -36,9 +34,7 @@ class WindStart : public ::testing::Test {
   }
   double wind_of(const Eigen::VectorXd& value, int flight, const std::string& axis) const {
     for (const int c : columns(wind))
-      if (const Column& column = catalogue.columns()[static_cast<std::size_t>(c)];
-          column.flight == flight && column.name == axis)
-        return value[c];
+      if (const Column& column = catalogue.column(c); column.flight == flight && column.name == axis) return value[c];
     return std::numeric_limits<double>::quiet_NaN();
   }
 };

@@ -134,8 +134,7 @@ TEST_F(GenericBases, GramsAreThoseOfTheRows) {
 
 TEST_F(GenericBases, GainsAreWhatDenseLeastSquaresSaves) {
   const std::vector<int> columns = session.with_biases({session.catalogue().find("mass")});
-  const int scatter =
-      session.catalogue().groups()[static_cast<std::size_t>(session.catalogue().find("inertia"))].columns[0];
+  const int scatter = session.catalogue().group(session.catalogue().find("inertia")).columns[0];
   const std::vector<Trim> trims = {{scatter, 0.03}};
   std::vector<int> beside = columns;
   beside.push_back(scatter);

@@ -99,17 +99,16 @@ TEST(MeansOfGust, AreForcesThatAGustLeavesAndNotLargerOnes) {
   selection.deviation = Eigen::VectorXd::Zero(session.catalogue().size());
   for (const double times : {1.0, 4.0}) {
     selection.value = session.catalogue().nominal();
-    for (const int c : session.catalogue().groups()[static_cast<std::size_t>(force)].columns)
-      selection.value[c] = times * sd_N;
+    for (const int c : session.catalogue().group(force).columns) selection.value[c] = times * sd_N;
     EXPECT_EQ(means_of_gust(session, selection, gust), times < 2.0 ? std::vector<int>{force} : std::vector<int>{});
   }
   // a gust that hardly blows up and down leaves no such force along z
   gust.vertical_mps2 = 0.05;
   selection.value = session.catalogue().nominal();
-  for (const int c : session.catalogue().groups()[static_cast<std::size_t>(force)].columns)
-    selection.value[c] = session.catalogue().columns()[static_cast<std::size_t>(c)].parameter < 2 ? sd_N : 0.1 * sd_N;
+  for (const int c : session.catalogue().group(force).columns)
+    selection.value[c] = session.catalogue().column(c).parameter < 2 ? sd_N : 0.1 * sd_N;
   EXPECT_EQ(means_of_gust(session, selection, gust), std::vector<int>{force});
-  for (const int c : session.catalogue().groups()[static_cast<std::size_t>(force)].columns) selection.value[c] = sd_N;
+  for (const int c : session.catalogue().group(force).columns) selection.value[c] = sd_N;
   EXPECT_EQ(means_of_gust(session, selection, gust), std::vector<int>{});
 }
 

@@ -12,7 +12,7 @@ Catalogue catalogue(int flights) {
   return {test::crazyflie(), flights, {.observable = Need::attitude | Need::motion | Need::torque}};
 }
 
-const Column& column(const Catalogue& of, int c) { return of.columns()[static_cast<std::size_t>(c)]; }
+const Column& column(const Catalogue& of, int c) { return of.column(c); }
 
 TEST(CarryOver, TakesSharedValuesAsTheyAreAndThoseOfFlightsAtTheirMean) {
   const Catalogue from = catalogue(3), to = catalogue(2);

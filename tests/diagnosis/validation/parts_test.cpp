@@ -51,8 +51,8 @@ Parts parts_of(const std::vector<std::string>& effects, const std::string& conce
     session.learn_noise(3, columns);
     const Fit fit = solve(session.grams(columns).total(), columns);
     for (std::size_t i = 0; i < columns.size(); ++i)
-      selection.value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] *
-                                     session.catalogue().columns()[static_cast<std::size_t>(columns[i])].natural;
+      selection.value[columns[i]] +=
+          fit.coefficient[static_cast<Eigen::Index>(i)] * session.catalogue().column(columns[i]).natural;
   }
   session.linearise(selection.value, session.all_columns());
   for (Finding& finding : selection.findings) finding.gain = gain;

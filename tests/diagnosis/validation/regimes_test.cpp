@@ -34,12 +34,12 @@ class RegimesOf : public ::testing::Test {
   template <class Size>
   std::vector<Regimes> along(const Size& size) const {
     const int mass = session.catalogue().find("mass"), z = session.catalogue().size();
-    const int c = session.catalogue().groups()[static_cast<std::size_t>(mass)].columns.front();
+    const int c = session.catalogue().group(mass).columns.front();
     Selection selection;
     selection.findings.resize(1);
     selection.findings[0].group = mass;
     selection.value = session.catalogue().nominal();
-    selection.value[c] += session.catalogue().columns()[static_cast<std::size_t>(c)].natural;
+    selection.value[c] += session.catalogue().column(c).natural;
     selection.grams.columns = z;
     selection.grams.clusters = blocks;
     for (int b = 0; b < blocks; ++b) {
