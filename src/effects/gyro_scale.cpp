@@ -14,8 +14,8 @@ class GyroScale final : public Effect {
     visitor.number("delta", delta_,
                    {.unit = "-",
                     .help = "relative error of the measured body rate",
-                    .min = -0.1,
-                    .max = 0.1,
+                    .min = -0.25,
+                    .max = 0.25,
                     .natural = 0.01,
                     .tolerance = 0.005,
                     .estimate_tolerance = 0.01});

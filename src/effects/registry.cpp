@@ -333,7 +333,6 @@ constexpr EffectRow rows[] = {
      .order = 30,
      .corrects = Corrects::rate_scale,
      .needs = Need::attitude | Need::gyro,
-     .hidden_by_filter = "the logs were low-pass filtered, each column differently",
      .says = "the gyroscope reads a little too much (or too little)",
      .shows_in = "rotation about all axes",
      .confused_with = "inertia: gyro against attitude",

@@ -120,8 +120,11 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
   return out;
 }
 
-// histories come from scans; a lever shows in an accelerometer only
-bool has_no_prediction(const EffectRow& row) { return row.is_history() || row.asks(Need::accelerometer); }
+// Histories come from scans; a lever shows in an accelerometer only. A gyroscope's scale is told by the attitude (sensor_windows): predictions
+// would be best if it read nothing at all.
+bool has_no_prediction(const EffectRow& row) {
+  return row.is_history() || row.asks(Need::accelerometer) || row.corrects == Corrects::rate_scale;
+}
 
 // a flight at one value, and what every window of it misses there
 struct Shot {
@@ -392,7 +395,10 @@ ShootingWeights shooting_weights(const std::vector<ShotFlight>& flights, const s
   if (count == 0.0) correlation.setIdentity();
   const Eigen::MatrixXd inverse =
       correlation.llt().matrixL().solve(Eigen::MatrixXd::Identity(window_rows, window_rows));
-  return inverse * sd.cwiseInverse().asDiagonal();
+  // a fit of k numbers leaves n - k of n rows
+  const double rows = std::max(1.0, count * window_rows);
+  const double left_share = std::max(0.5, 1.0 - static_cast<double>(columns.size()) / rows);
+  return std::sqrt(left_share) * inverse * sd.cwiseInverse().asDiagonal();
 }
 
 Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeights& weights, const Catalogue& catalogue,

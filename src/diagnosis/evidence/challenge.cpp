@@ -64,22 +64,24 @@ std::vector<int> named(const std::vector<Evidence>& records) {
 class Looks {
  public:
   // The set to be judged next; nothing: what stands is the answer.
-  std::optional<Selection> next(Session& session, const Selection& standing, std::vector<int> names) {
+  std::optional<Selection> next(Session& session, const Selection& standing, std::vector<int> names,
+                                const std::set<int>& left_out) {
     if (over_) return std::nullopt;
     if (before_ && !std::ranges::includes(names, names_) && !explains_more(session, standing, *before_)) {
       over_ = true;  // what came back has cost a name: as it was
-      return withdraw(session, *before_, {});
+      return withdraw(session, *before_, {}, left_out);
     }
-    // a look that brings no name back is the last
-    if ((before_ && names == names_) || tried_.size() >= most_looks) return std::nullopt;
-    before_ = standing, names_ = std::move(names);
-    return look_again(session, standing, tried_);
+    // a look that brings no name back is the last, but for what it leaves room for
+    if ((before_ && names == names_ && left_out == left_out_) || tried_.size() >= most_looks) return std::nullopt;
+    before_ = standing, names_ = std::move(names), left_out_ = left_out;
+    return look_again(session, standing, tried_, left_out_);
   }
 
  private:
   std::set<std::vector<int>> tried_;
   std::optional<Selection> before_;  // the last look, and which of its names
   std::vector<int> names_;
+  std::set<int> left_out_;  // withdrawn twice
   bool over_ = false;
 };
 
@@ -124,6 +126,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs, double stands_from) {
   Challenge result;
   Looks looks;
+  std::set<int> went, left_out;  // withdrawn once, and again
   bool without_forces_per_flight = false;
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
@@ -140,7 +143,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
         result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{}, stands_from);
     if (failed.empty()) {
       if (result.withdrawn.empty()) break;
-      std::optional<Selection> next = looks.next(session, selection, named(result.records));
+      std::optional<Selection> next = looks.next(session, selection, named(result.records), left_out);
       if (!next) break;
       selection = std::move(*next);
       continue;
@@ -148,11 +151,12 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     std::vector<int> groups;
     for (const std::size_t i : failed) {
       groups.push_back(result.records[i].group);
+      if (!went.insert(groups.back()).second) left_out.insert(groups.back());
       without_forces_per_flight |= session.catalogue().group(groups.back()).row->per_flight;
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
     }
-    selection = withdraw(session, selection, groups);
+    selection = withdraw(session, selection, groups, left_out);
   }
   std::erase_if(result.withdrawn, [&](const Evidence& before) {
     return std::ranges::any_of(result.records, [&](const Evidence& r) { return r.group == before.group; });

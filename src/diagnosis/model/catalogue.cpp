@@ -191,6 +191,9 @@ Column Catalogue::column_of(const EffectRow& row, const Number& number) const {
   // how late and how smooth rotors answer, a filter looks like
   if (seen_.smoothing && row.place == Place::actuation && column.unit == "s")
     column.tolerance = std::max(column.tolerance, decisions::filter_lag_s);
+  // and what a filter of the attitude takes of a turn, another one of the gyroscope leaves
+  if (seen_.trims && row.corrects == Corrects::rate_scale)
+    column.tolerance = std::max(column.tolerance, decisions::filter_rate_share);
   column.min = number.info.min;
   column.max = number.info.max;
   column.nominal = *number.value;

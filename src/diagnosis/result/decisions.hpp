@@ -88,6 +88,10 @@ inline constexpr double unknown_hold_samples = 0.7;
 // A lag or delay up to here may be a filter's, in logs that were low-pass filtered while their commands were not.
 // Statistic: difference from the vehicle file, s. From: up to 30 ms were named on filtered flights without any. Costs: lags up to there on such logs.
 inline constexpr double filter_lag_s = 0.03;
+// A gyroscope's scale up to here may be the filters', in logs that were low-pass filtered, each column differently.
+// Statistic: difference from the vehicle file. From: Butterworth filters of second order, forward and back, of 12 Hz (attitude) and 18 Hz (rates) differ so much
+// at 6 Hz; untouched flights of NeuroBEM show .027. Costs: scales up to there on such logs.
+inline constexpr double filter_rate_share = 0.05;
 // Where rotor speeds are measured, the search begins at a lag or a delay with which commands predict them so much better.
 // Statistic: rms of what is not predicted, over that without. From: 0.3 for a lag of 67 ms (imrc, brushed); no derivation. Costs: it is a beginning only.
 inline constexpr double latency_shows = 0.8;

@@ -28,7 +28,8 @@ enum class Improve { no, by_more, freely };
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
  public:
-  explicit Selector(Session& session) : s_(session), catalogue_(session.catalogue()) {
+  explicit Selector(Session& session, std::set<int> left_out = {})
+      : s_(session), catalogue_(session.catalogue()), left_out_(std::move(left_out)) {
     natural_.resize(catalogue_.size());
     for (int c = 0; c < catalogue_.size(); ++c) natural_[c] = catalogue_.column(c).natural;
   }
@@ -113,7 +114,7 @@ class Selector {
     s_.learn_noise(4, s_.all_columns());
     const Grams grams = absolute(s_.value());
     const double loss_nominal = solve(grams.total(), s_.biases()).loss;
-    const std::vector<int> more = better_than(before.groups(), grams, loss_nominal, tried);
+    const std::vector<int> more = better_than(before.groups(), grams, loss_nominal, tried, left_out_);
     if (more.empty()) {
       s_.put_back(std::move(kept));
       return std::nullopt;
@@ -340,6 +341,19 @@ class Selector {
                            improve_ == Improve::freely);
   }
 
+  // The same, of which nothing would go at once.
+  std::vector<int> lasting(const std::vector<int>& chosen, const Grams& grams, double loss_nominal,
+                           std::set<std::vector<int>> visited, const std::set<int>& left_out) const {
+    const Eigen::MatrixXd total = grams.total();
+    while (true) {
+      const std::vector<int> better = better_than(chosen, grams, loss_nominal, visited, left_out);
+      std::vector<int> stays = better;
+      prune(grams, stays, total, loss_nominal);
+      if (stays == better) return better;
+      visited.insert(better);
+    }
+  }
+
   // a set that settles, and what is said of it
   void finish(Selection& result, std::vector<int> chosen, Eigen::VectorXd value) {
     const Eigen::MatrixXd total = settle(result, chosen, std::move(value));
@@ -349,7 +363,7 @@ class Selector {
     const Fit fit = say_values(result, chosen, total);
     for (const int g : chosen) result.findings.push_back(finding_of(result, chosen, total, fit, g));
     rivals(result, chosen, fit);
-    const std::vector<double> included = inclusion(s_, result.grams, chosen);
+    const std::vector<double> included = inclusion(s_, result.grams, chosen, left_out_);
     for (Finding& finding : result.findings) finding.inclusion = included[static_cast<std::size_t>(finding.group)];
     for (const int g : SubsetSearch(catalogue_, s_.vehicle(), 0.0).candidates) {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
@@ -365,7 +379,7 @@ class Selector {
   Eigen::MatrixXd settle(Selection& result, std::vector<int>& chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
-    std::set<int> went;  // pruned once: not tried again in this set
+    std::set<int> went = left_out_;  // pruned once: not tried again in this set
     bool simplified = false;
     int noise_steps = 6;
     anew_ = true;
@@ -373,20 +387,21 @@ class Selector {
     for (bool settled = false; !settled;) {
       measure_latency(chosen, value);
       s_.linearise(value, s_.all_columns());
-      s_.learn_noise(noise_steps, s_.with_biases(chosen));
+      // predictions half a second ahead count what nobody named as noise: it is learned beside all
+      s_.learn_noise(noise_steps, s_.shoots() ? s_.all_columns() : s_.with_biases(chosen));
       noise_steps = 2;  // one effect more or less changes it little
       result.grams = absolute(value);
       total = result.grams.total();
       result.loss_nominal = solve(total, s_.biases()).loss;
       const std::vector<int> before = chosen;
-      prune(result, chosen, total, result.loss_nominal);
+      prune(result.grams, chosen, total, result.loss_nominal);
       settled = chosen == before || chosen.empty();  // what stays takes over what went
       std::ranges::set_difference(before, chosen, std::inserter(went, went.end()));
       // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
       // tried again, whatever it was pruned to
       if (settled && improve_ != Improve::no && visited.size() < 2 * most_changes) {
         visited.insert(chosen);
-        const std::vector<int> better = better_than(chosen, result.grams, result.loss_nominal, visited, went);
+        const std::vector<int> better = lasting(chosen, result.grams, result.loss_nominal, visited, went);
         settled = better.empty();
         if (!settled) visited.insert(chosen = better);
       }
@@ -511,14 +526,14 @@ class Selector {
   }
 
   // backward: what is not material, not significant or not possible goes, the weakest first
-  void prune(const Selection& result, std::vector<int>& chosen, const Eigen::MatrixXd& total, double loss_none) const {
+  void prune(const Grams& grams, std::vector<int>& chosen, const Eigen::MatrixXd& total, double loss_none) const {
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     while (!chosen.empty()) {
       const std::vector<int> columns = s_.with_biases(chosen);
       const Fit fit = solve(total, columns);
       const Eigen::VectorXd value = value_at(columns, fit);
-      const Eigen::MatrixXd covariance = clustered_covariance(result.grams, columns, fit.coefficient);
-      const double needed = material(result.grams.rows, std::max(0.0, loss_none - fit.loss));
+      const Eigen::MatrixXd covariance = clustered_covariance(grams, columns, fit.coefficient);
+      const double needed = material(grams.rows, std::max(0.0, loss_none - fit.loss));
       int worst = -1;
       double worst_gain = 0.0;
       Eigen::Index at = 0;
@@ -573,6 +588,7 @@ class Selector {
 
   Session& s_;
   const Catalogue& catalogue_;
+  std::set<int> left_out_;  // groups that are not asked
   Eigen::VectorXd natural_;
   std::set<std::vector<int>> winds_tried_;
   std::map<int, double> latency_gain_;
@@ -584,12 +600,14 @@ class Selector {
 
 Selection select_effects(Session& session) { return Selector(session).run(); }
 
-Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups) {
-  return Selector(session).without(before, groups);
+Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups,
+                   const std::set<int>& left_out) {
+  return Selector(session, left_out).without(before, groups);
 }
 
-std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried) {
-  return Selector(session).with_more(before, tried);
+std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
+                                    const std::set<int>& left_out) {
+  return Selector(session, left_out).with_more(before, tried);
 }
 
 }  // namespace gustlab::diagnosis

@@ -10,10 +10,12 @@
 namespace gustlab::diagnosis {
 
 Selection select_effects(Session& session);
-// The same without some groups that did not prove themselves, fitted anew.
-Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups);
-// The same with what pays beside it now, because others have gone since; nothing when nothing does. A set of groups that was `tried` is
-// not tried again.
-std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried);
+// The same without some groups that did not prove themselves, fitted anew. Groups that are `left_out` are not asked from here on.
+Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups,
+                   const std::set<int>& left_out = {});
+// The same with what pays beside it now, because others have gone since; nothing when nothing does. A set of groups that
+// was `tried` is not tried again.
+std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
+                                    const std::set<int>& left_out = {});
 
 }  // namespace gustlab::diagnosis

@@ -15,10 +15,12 @@ constexpr int half_samples = 40;
 
 }  // namespace
 
-std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen) {
+std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen,
+                              const std::set<int>& left_out) {
   std::vector<double> share(session.catalogue().groups().size(), 0.0);
   if (chosen.empty()) return share;
-  const SubsetSearch search(session.catalogue(), session.vehicle(), std::log(grams.rows));
+  SubsetSearch search(session.catalogue(), session.vehicle(), std::log(grams.rows));
+  std::erase_if(search.candidates, [&](int g) { return left_out.contains(g); });
   const RandomStream random(20261121, 0, "half_samples");
   const int most = std::min(static_cast<int>(chosen.size()) + 1, most_effects);
   for (int draw = 0; draw < half_samples / 2; ++draw) {

@@ -61,6 +61,17 @@ TEST(Shooting, MissesWhatNobodyExpectsAndKnowsWhatAMassWouldDo) {
   }
 }
 
+// a gyroscope that read nothing would be predicted best of all
+TEST(Shooting, SaysNothingOfAGyroscopesScale) {
+  const Catalogue all(vehicle(), 1,
+                      {.observable = Need::attitude | Need::motion | Need::torque | Need::gyro, .trims = true});
+  const int scale = all.group(all.find("gyro_scale")).columns.front();
+  FlightData turning = climb();
+  for (Sample& sample : turning.samples) sample.body_rate_B_radps = {0.0, 0.0, 1.0};
+  for (const Eigen::MatrixXd& window : shoot(turning, 0, all, all.nominal(), {scale}, 0.5).window)
+    EXPECT_TRUE(window.col(0).isZero());
+}
+
 TEST(Shooting, MissesAtAnotherValueWhatANewShotWouldMiss) {
   const Catalogue all = catalogue();
   const int mass = mass_column(all);
@@ -126,6 +137,16 @@ TEST(ShootingWeights, WhitenWhatTheColumnsLeave) {
   EXPECT_NEAR(white.trace() / window_rows, 1.0, 0.1);
   EXPECT_LT((white - Eigen::MatrixXd(white.diagonal().asDiagonal())).cwiseAbs().maxCoeff(), 0.25);
   EXPECT_TRUE(shooting_weights({}, {}, {}).isIdentity());
+}
+
+// a fit of k numbers to n rows leaves n − k of them
+TEST(ShootingWeights, CountWhatTheFitTookOfTheNoise) {
+  Errors errors(40);
+  const ShootingWeights known = shooting_weights(errors.flights, {}, {});
+  const std::vector<int> columns(300, -1);  // of none of these flights
+  const ShootingWeights fitted = shooting_weights(errors.flights, columns, Eigen::VectorXd::Zero(300));
+  const double rows = 40.0 * window_rows;
+  EXPECT_LT((known * std::sqrt((rows - 300.0) / rows) - fitted).norm(), 1e-9 * known.norm());
 }
 
 double size_of_white(const ShootingWeights& weights, const Errors& errors) {

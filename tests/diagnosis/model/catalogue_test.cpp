@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "diagnosis/result/decisions.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
@@ -52,7 +53,6 @@ TEST(Catalogue, AGyroscopesScaleNeedsAGyroscopeAndNoTorque) {
   const Need without = Need::attitude | Need::motion;
   EXPECT_THAT(columns(catalogue({.observable = without}), "gyro_scale"), IsEmpty());
   EXPECT_THAT(columns(catalogue({.observable = without | Need::gyro}), "gyro_scale"), ElementsAre("delta"));
-  EXPECT_THAT(columns(catalogue({.observable = without | Need::gyro, .trims = true}), "gyro_scale"), IsEmpty());
 }
 
 TEST(Catalogue, TorqueTrimsAreOfEveryFlightWhoseTorquesAreTold) {
@@ -103,7 +103,7 @@ TEST(Catalogue, SaysWhyAnEffectIsLeftOut) {
   EXPECT_THAT(why(all, "steady_wind"), IsEmpty());
   EXPECT_THAT(why(all, "imu_lever"), HasSubstr("no accelerometer"));
   EXPECT_THAT(why(filtered, "steady_wind"), HasSubstr("see constant_force"));
-  EXPECT_THAT(why(filtered, "gyro_scale"), HasSubstr("each column differently"));
+  EXPECT_THAT(why(filtered, "gyro_scale"), IsEmpty());
   EXPECT_THAT(why(forces, "mass"), HasSubstr("see thrust_scale"));
   EXPECT_EQ(filtered.find("steady_wind"), -1);
   // what would tell it, as a value
@@ -111,6 +111,15 @@ TEST(Catalogue, SaysWhyAnEffectIsLeftOut) {
   EXPECT_EQ(filtered.why_left_out(*find_effect("steady_wind"))->lack, Lack::raw_sensors);
   EXPECT_EQ(forces.why_left_out(*find_effect("inertia"))->lack, Lack::torque);
   EXPECT_EQ(forces.why_left_out(*find_effect("ground_effect"))->lack, Lack::motion);
+}
+
+TEST(Catalogue, WhatFiltersMayBeIsNoGyroscope) {
+  const auto tolerance = [](bool filtered) {
+    const Catalogue all = catalogue({.observable = pose | Need::gyro, .trims = filtered});
+    return all.column(all.group(all.find("gyro_scale")).columns.front()).tolerance;
+  };
+  EXPECT_EQ(tolerance(false), 0.005);
+  EXPECT_EQ(tolerance(true), decisions::filter_rate_share);
 }
 
 TEST(Catalogue, FindsLatencyAndAirByWhatTheyDo) {

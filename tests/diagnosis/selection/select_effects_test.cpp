@@ -84,6 +84,29 @@ TEST_F(SelectEffects, WhatIsWithdrawnComesBackWhenItStillPays) {
   EXPECT_NEAR(again->value[column("mass")], selection.value[column("mass")], 5e-3);
 }
 
+TEST_F(SelectEffects, WhatIsLeftOutIsNotAskedAgain) {
+  const int mass = session.catalogue().find("mass");
+  const Selection rest = withdraw(session, selection, {mass}, {mass});
+  std::set<std::vector<int>> tried;
+  if (const std::optional<Selection> again = look_again(session, rest, tried, {mass})) {
+    EXPECT_EQ(again->find(mass), nullptr);
+  }
+}
+
+// what nobody names any more is no noise of the predictions: it would gain as much as before
+TEST(SelectEffectsOfFilteredLogs, WhatWasWithdrawnIsNoNoise) {
+  const Recordings flown = test::short_flights(R"({type = "mass", delta = 0.1})", {"multisine"}, 12.0, 100.0);
+  const std::vector<FlightData> flights = prepare(flown.fit, flown.vehicle, {});
+  Session session(flights, flown.vehicle, 1, flights);
+  ASSERT_TRUE(session.shoots());
+  const Selection found = select_effects(session);
+  ASSERT_FALSE(found.findings.empty());
+  const double gained = found.loss_nominal - found.loss_selected;
+  const Selection rest = withdraw(session, found, found.groups());
+  ASSERT_TRUE(rest.findings.empty());
+  EXPECT_GT(std::ranges::max(rest.alone, {}, &std::pair<int, double>::second).second, 0.1 * gained);
+}
+
 TEST_F(SelectEffects, WhatWasTriedIsNotTriedAgainAndTheNoiseIsPutBack) {
   const Selection rest = withdraw(session, selection, {session.catalogue().find("mass")});
   std::set<std::vector<int>> tried;

@@ -62,6 +62,13 @@ TEST_F(Stability, WhatIsInEverySecondIsInEveryHalfAndWhatIsInOneInOneOfTwo) {
   EXPECT_LE(std::accumulate(shares.begin(), shares.end(), 0.0), 2.0);
 }
 
+TEST_F(Stability, WhatIsLeftOutIsInNoHalf) {
+  const int mass = session.catalogue().find("mass"), drag = session.catalogue().find("rotor_drag");
+  const std::vector<double> shares = inclusion(session, grams(5.0, 6.0), {mass, drag}, {mass});
+  EXPECT_EQ(share(shares, "mass"), 0.0);
+  EXPECT_NEAR(share(shares, "rotor_drag"), 0.5, 0.05);
+}
+
 TEST_F(Stability, OfNothingThatWasChosenThereIsNothingToAsk) {
   for (const double s : inclusion(session, grams(5.0, 0.0), {})) EXPECT_EQ(s, 0.0);
 }
