@@ -299,7 +299,7 @@ def units(effect, vehicle, rotor, sign, has_voltage):
 
 # sensors' faults without a reporting tolerance, and bounds beyond which a size is no longer this effect
 SENSOR_LIMIT = {"attitude_offset": 0.01, "yaw_offset": 0.02, "imu_lever": 0.005}
-MOST = {"mass": 0.25, "thrust_scale": 0.25, "rotor_loss": 0.35, "thrust_curve": 0.5, "inertia": 0.5, "yaw_torque_ratio": 0.6, "battery_sag": 4.0,
+MOST = {"mass": 0.25, "thrust_scale": 0.25, "rotor_loss": 0.35, "thrust_curve": 0.4, "inertia": 0.5, "yaw_torque_ratio": 0.6, "battery_sag": 4.0,
         "motor_lag": 0.04, "actuation_delay": 0.04, "pose_delay": 0.04, "gyro_scale": 0.2, "ground_effect": 20.0,
         "attitude_offset": 0.2, "yaw_offset": 0.35, "imu_lever": 0.1}
 MOST_PER_KG = {"axial_inflow": 2.0, "translational_lift": 0.1}

@@ -2,6 +2,7 @@
 //
 // f (1 + curvature (f / f_h − 1)), reaction torque alike; f_h the thrust of one rotor at hover. Maps that are
 // quadratic only near hover: Bangura, Lim, Kim, Mahony, ICRA 2014. Tolerance: 1.2 % of the thrust (that of a thrust scale) at 1.5 of hover.
+// Plausible: with −0.4 no input gives more than 1.2 of the weight.
 #include "effects/effects.hpp"
 
 namespace gustlab {
@@ -17,7 +18,8 @@ class ThrustCurve final : public Effect {
                     .min = -0.9,
                     .max = 5.0,
                     .natural = 0.05,
-                    .tolerance = 0.024});
+                    .tolerance = 0.024,
+                    .plausible = 0.4});
   }
 
   void on_rotor(Flow& flow, RotorSet& rotors) const override {

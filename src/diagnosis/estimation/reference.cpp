@@ -72,24 +72,44 @@ Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std
   return reference;
 }
 
-Grams beside_reference(const Catalogue& catalogue, const Reference& reference, Grams grams) {
-  std::vector<int> known;
-  std::vector<Eigen::Index> at;
+KnownColumns known_columns(const Catalogue& catalogue, const Reference& reference) {
+  KnownColumns known;
   for (int c = 0; c < catalogue.size(); ++c) {
     const Column& column = catalogue.column(c);
     if (!is_shared(catalogue, column)) continue;
     const auto found = std::find(reference.column.begin(), reference.column.end(), name_of(catalogue, column));
     if (found == reference.column.end()) continue;
-    known.push_back(c);
-    at.push_back(found - reference.column.begin());
+    known.column.push_back(c);
+    known.at.push_back(found - reference.column.begin());
   }
+  return known;
+}
+
+namespace {
+
+Eigen::MatrixXd held_beforehand(const Reference& reference, const KnownColumns& known) {
+  Eigen::MatrixXd H = reference.information(known.at, known.at);
+  H.diagonal().array() += decisions::reference_prior;
+  return H;
+}
+
+}  // namespace
+
+Eigen::VectorXd known_errors(const Reference& reference, const KnownColumns& known, const Eigen::MatrixXd& information,
+                             const Eigen::VectorXd& score) {
+  const Eigen::MatrixXd H = held_beforehand(reference, known);
+  return solve_ridged(information + H, score + H * reference.estimate(known.at), 1e-10);
+}
+
+Grams beside_reference(const Catalogue& catalogue, const Reference& reference, Grams grams) {
+  const KnownColumns columns = known_columns(catalogue, reference);
+  const std::vector<int>& known = columns.column;
   if (known.empty()) return grams;
   Eigen::VectorXd estimate = Eigen::VectorXd::Zero(catalogue.size());
-  estimate(known) = reference.estimate(at);
+  estimate(known) = reference.estimate(columns.at);
   grams.shift(-estimate);
   const Eigen::MatrixXd total = grams.total();
-  Eigen::MatrixXd H = reference.information(at, at);
-  H.diagonal().array() += decisions::reference_prior;
+  const Eigen::MatrixXd H = held_beforehand(reference, columns);
   const Eigen::MatrixXd error = solve_ridged(total(known, known) + H, total(known, Eigen::all), 1e-10);
   // rows less what the errors of the known numbers explain of them, and the rows of the reference that these errors cost
   Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(total.cols(), total.cols());

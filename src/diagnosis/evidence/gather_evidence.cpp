@@ -137,6 +137,27 @@ struct FittedRows {
   Eigen::VectorXd coefficient;
 };
 
+// Takes out of the rows what the likeliest errors of the numbers that reference flights show do in them.
+void take_out_known_errors(const Session& session, FittedRows& rows) {
+  if (!session.reference()) return;
+  const KnownColumns known = known_columns(session.catalogue(), *session.reference());
+  const RowSeries errors = session.row_series(known.column);
+  const auto size = std::ssize(known.column), fitted = std::ssize(rows.columns);
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd score = Eigen::VectorXd::Zero(size);
+  for (std::size_t f = 0; f < errors.size(); ++f)
+    for (std::size_t c = 0; c < errors[f].size(); ++c) {
+      const auto own = errors[f][c].leftCols(size);
+      const Eigen::MatrixXd& row = rows.series[f][c];
+      information += own.transpose() * own;
+      score += own.transpose() * (row.col(fitted) - row.leftCols(fitted) * rows.coefficient);
+    }
+  const Eigen::VectorXd likeliest = known_errors(*session.reference(), known, information, score);
+  for (std::size_t f = 0; f < errors.size(); ++f)
+    for (std::size_t c = 0; c < errors[f].size(); ++c)
+      rows.series[f][c].col(fitted) -= errors[f][c].leftCols(size) * likeliest;
+}
+
 FittedRows fitted_rows(const Session& session, const Selection& selection) {
   FittedRows rows{session.with_biases(selection.groups()), {}, {}};
   // beside fewer effects an alias has more columns of its own
@@ -156,6 +177,7 @@ FittedRows fitted_rows(const Session& session, const Selection& selection) {
   for (auto& flight : rows.series)
     for (Eigen::MatrixXd& of_channel : flight)
       of_channel.col(of_channel.cols() - 1) += of_channel.leftCols(size) * shift;
+  take_out_known_errors(session, rows);
   return rows;
 }
 

@@ -97,6 +97,8 @@ class OnHeldOut {
     s_.take_weights(fitted_);
     grams_ = s_.grams();
     grams_.shift(coefficients());
+    // what the reference flights leave open they leave open here too
+    if (fitted_.reference()) grams_ = beside_reference(catalogue_, *fitted_.reference(), std::move(grams_));
   }
 
   // (free columns, their fit) when one group, and what only it lets feel, is not there

@@ -59,7 +59,16 @@ TEST(Reference, ChangesAreThoseOfTheJointSolution) {
   joint.bottomRightCorner(known, known) += reference.information + Eigen::MatrixXd::Identity(known, known);
   EXPECT_GT(reference.estimate.norm(), 0.01);
   right = columns.transpose() * (here.col(size) - here(Eigen::all, shared) * reference.estimate);
-  EXPECT_NEAR(solve(changed.total(), {chosen}).coefficient[0], joint.ldlt().solve(right)[0], 1e-6);
+  const Eigen::VectorXd solution = joint.ldlt().solve(right);
+  EXPECT_NEAR(solve(changed.total(), {chosen}).coefficient[0], solution[0], 1e-6);
+
+  // the errors themselves, once the change is known
+  const KnownColumns columns_known = known_columns(catalogue, reference);
+  EXPECT_EQ(columns_known.column, shared);
+  const Eigen::MatrixXd own = here(Eigen::all, shared);
+  const Eigen::VectorXd left = here.col(size) - here.col(chosen) * solution[0],
+                        errors = known_errors(reference, columns_known, own.transpose() * own, own.transpose() * left);
+  EXPECT_LT((errors - reference.estimate - solution.tail(known)).norm(), 1e-6 * errors.norm());
 }
 
 TEST(Reference, MuchInformationLeavesTheMatricesAsTheyAre) {
