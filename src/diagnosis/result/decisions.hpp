@@ -61,7 +61,7 @@ inline constexpr double wald_p = 0.001;
 // A history is tried: a load that explains so much, a speed limit that gains so much and is so near to what its column says.
 // Statistic: share of the horizontal disturbance; Δχ²; coefficient of the column (1: exactly that limit); samples at the limit. From: no derivation.
 // Costs: lighter loads and limits that are seldom reached are not looked at.
-inline constexpr double least_load_share = 0.01, least_limit_gain = 30.0, least_limit_strength = 0.2,
+inline constexpr double least_load_share = 0.01, least_limit_delta_chi2 = 30.0, least_limit_strength = 0.2,
                         fewest_limited_samples = 10.0;
 // What a history costs in the search, beyond its column: numbers that were fitted to it beforehand.
 // Statistic: parameters. From: length, damping and the swing of some flights; a limit out of twenty. Costs: histories that gain less.
@@ -125,7 +125,7 @@ inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.1;
 // Of several hopeless candidates those go together that do not stand in for each other.
 // Statistic: Δχ² of all together over the sum of what each gains. From: an inertia and a rotor inertia that gained 97 and 83 went together, and 4203 with
 // them; no derivation for the value. Costs: a round more of the challenge.
-inline constexpr double most_joint_gain = 1.2;
+inline constexpr double most_joint_delta_chi2 = 1.2;
 // A moved signature is another one.
 // Statistic: mean square correlation of a signature with itself, moved. From: no derivation. Costs: effects that are alike everywhere have no
 // such null.
@@ -142,7 +142,7 @@ inline constexpr double kept_heading = 0.97, tilt_share = 0.07;
 // Force against moment: a force that would be seen.
 // Statistic: χ² of the force, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), whose moment
 // has between a fiftieth and a twentieth of its Δχ². Costs: what is not compared is not doubted.
-inline constexpr double least_push_seen = 25.0, least_push_share = 0.05;
+inline constexpr double least_force_seen = 25.0, least_force_share = 0.05;
 
 // ---- what is left
 
@@ -222,7 +222,7 @@ inline constexpr double checked_confidence = 0.95, unchecked_confidence = 0.85;
 
 // A flight distinguishes two names, or shows an effect of natural size.
 // Statistic: expected Δχ². From: three and five standard deviations. Costs: advice, no name.
-inline constexpr double told_apart = 10.0, shows = 25.0;
+inline constexpr double distinguishes = 10.0, shows = 25.0;
 // A term of the unnamed model must gain so much; the model is offered when it closes and loses so much.
 // Statistic: Δχ² as a share of the samples, and of what all terms before it gained; share of the held-out error above noise, best and worst quantity. From:
 // no derivation. Costs: no model is offered.
