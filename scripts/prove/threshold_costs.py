@@ -6,7 +6,8 @@
 The program is compiled once more, with a table (src/diagnosis/result/decisions.hpp) whose numbers the environment may replace:
 GUSTLAB_DECISION_<name>=<value>. Its trials are of two kinds. "air": the first --count trials of the independent reality's mixture
 in moving air (air_trials.py) from --seed. "hover": the flights of CrazyPAD (docs/DATA.md), each against a normal flight: normal
-ones, the defects that its authors made, and losses of each rotor, concealed in the commands of normal flights. A line says how
+ones, the defects that its authors made, and losses of each rotor, concealed in the commands of normal flights. What decides by the
+confidence alone ("confidence") is read from the diagnoses of "air" as they are. A line says how
 many trials with something there are exact, how many trials have a wrong name, and in how many trials with nothing there (or
 nothing that a catalogue holds) the verdict is another one than it should be.
 """
@@ -35,11 +36,11 @@ STEPS = {
     "number_costs": ("hover", 3.8, 10.8), "other_number_costs": ("hover", 1.0, 4.0), "often_limited": ("hover", 0.1, 0.5),
     "wald_p": ("air", 1e-5, 0.05), "materiality": ("air", 0.0003, 0.0012), "relative_materiality": ("air", 5e-5, 2e-4),
     "scatter_margin": ("air", 1.0, 1.5), "trim_cost": ("air", 4.0, 16.0), "most_lost_to_rival": ("air", 0.25, 0.75),
-    "hopeless": ("air", 0.05, 0.2), "named_from": ("air", 0.7, 0.9), "suspected_from": ("air", 0.4, 0.6), "most_joint_delta_chi2": ("air", 1.0, 1.5),
+    "hopeless": ("air", 0.05, 0.2), "named_from": ("confidence", 0.7, 0.9), "most_joint_delta_chi2": ("air", 1.0, 1.5),
     "beyond_chance_sd": ("air", 4.0, 9.0), "most_correlation": ("air", 0.1, 0.2), "most_of_floor": ("air", 1.8, 3.5),
     "explained_share": ("air", 0.05, 0.2), "lasting_correlation": ("air", 0.07, 0.15), "least_share_of_floor": ("air", 0.25, 0.5),
 }
-LOSSES = (0.05, 0.10)
+LOSSES = (0.10, 0.20, 0.30)
 # folder of CrazyPAD: (flights, what is wrong there)
 PAD = {"normal_flight": (("E8_log00", "E8_log01", "E9_log00", "E9_log03"), None), "cut_propeller_M3_3mm_3mm_41mm": (("E8_log00", "E8_log01"), "rotor_loss"),
        "add_weight_W3_near_M3": (("E9_log00", "E9_log02"), "center_of_mass")}
@@ -129,12 +130,14 @@ def hover(trials, program, out, jobs):
         return list(pool.map(one, trials))
 
 
-def air(folder, answers, program, name, jobs):
+def air(folder, answers, program, name, jobs, named_from=None):
     diagnose_sets([(folder, answers)], name, [*program, "diagnose"], ["--jobs", "1"], jobs, keep=True)
     for line in answers.read_text(encoding="utf-8").splitlines():
         answer = json.loads(line)
         path = folder / answer["trial"] / name / "diagnosis.json"
         found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+        if found and named_from is not None:
+            found["effects"] = [effect for effect in found["effects"] + found.get("suspected", []) if effect["confidence"] >= named_from]
         exact, wrong = judge(answer, found)
         kind = {"clean": "nothing", "scatter": "nothing", "outside": "outside"}.get(answer["kind"], "something")
         alarmed = found is not None and found["verdict"] not in ("consistent", "explained")
@@ -176,16 +179,19 @@ def main():
         if not options.flights:
             parser.error("hover needs --flights")
         pad = hover_trials(options.flights, work)
-    if "air" in kinds:
+    if kinds & {"air", "confidence"}:
         whole = sum(AIR_TRIALS.values())
         draw_sets([Draw("air", options.seed, air_parts(AIR_TRIALS)[:min(options.count, whole)])], options.reality, work, options.jobs)
 
     def rows(kind, name, value):
+        place = work / "air", work / "answers" / "air.jsonl"
+        if kind == "confidence":
+            return list(air(*place, [program], "as_it_is", options.jobs, value))
         moved = ["env", f"GUSTLAB_DECISION_{name}={value}", program] if name else [program]
         said = f"{name}_{value}" if name else "as_it_is"
         if kind == "hover":
             return hover(pad, moved, work / "hover" / said, options.jobs)
-        return list(air(work / "air", work / "answers" / "air.jsonl", moved, said, options.jobs))
+        return list(air(*place, moved, said, options.jobs))
 
     print("| threshold | value | exact | a wrong name | nothing there: right | outside: right | trials that change |\n" + "|" + " --- |" * 7)
     for kind in sorted(kinds):

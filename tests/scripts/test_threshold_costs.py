@@ -23,7 +23,7 @@ class Movable(unittest.TestCase):
 
     def test_steps_are_on_either_side_of_the_value(self):
         for name, (kind, down, up) in threshold_costs.STEPS.items():
-            self.assertIn(kind, ("air", "hover"))
+            self.assertIn(kind, ("air", "confidence", "hover"))
             self.assertLess(down, float(threshold_costs.value_of(name)), name)
             self.assertGreater(up, float(threshold_costs.value_of(name)), name)
 
