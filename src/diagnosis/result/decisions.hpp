@@ -1,7 +1,7 @@
 // The table of decisions: every threshold that decides a name, an alarm or a verdict. Each entry says the statistic that is compared with it,
 // what the value was derived from or measured on ("no derivation": it was chosen and not measured), and what it costs. Numbers of a
 // method (windows, steps, grids, priors of a fit) stand where they are used; tests/layers/test_decisions.py knows them. Faults of a log
-// are judged in recording/, and the weights of a name's evidence in evidence/judge.cpp, beside what they were fitted on.
+// are judged in recording/, the weights of evidence in evidence/judge.cpp. Costs are measured by scripts/prove/threshold_costs.py (docs/proof/thresholds.md).
 #pragma once
 
 #include <cstddef>
@@ -199,23 +199,23 @@ inline constexpr double least_sideways = 1.4, longest_of_rough_air_s = 1.0;
 // ---- hover without attitude and body rate
 
 // Normal flights of one vehicle differ by so much, known as well as from so many flights.
-// Statistic: share of weight (moments: of weight times lever). From: two vehicles, two flights each, CrazyPAD: 0.019, 0.006, 0.015, 0.014. Costs: changes
-// below some three times that.
+// Statistic: share of weight (moments: of weight times lever). From: two vehicles, two flights each, CrazyPAD: 0.019, 0.006, 0.015, 0.014. Costs: (thresholds.md)
+// 22 of 56 changed flights are not named exactly, none of 68 flights wrongly; at 0.013 14 and 3, at 0.03 35 and none. The second decides nothing from 2 to 8.
 inline constexpr double flight_to_flight = 0.02, flight_to_flight_counts = 4.0;
 // A flight differs from normal, and a change of the vehicle is adequate.
-// Statistic: χ². From: one false change in a thousand flights. Costs: not measured.
+// Statistic: χ². From: one false change in a thousand flights. Costs: as above; at 0.05 16 and 2, at 1e-5 28 and none.
 inline constexpr double hover_significance = 0.001;
 // A change has one number more, or is another explanation that does as well.
-// Statistic: squared standard deviations. From: p = 0.01; Akaike's two. Costs: classes instead of names.
+// Statistic: squared standard deviations. From: p = 0.01; Akaike's two. Costs: the first none from 3.8 to 10.8; the second none at 1, 2 of 68 wrong at 4.
 inline constexpr double number_costs = 6.6, other_number_costs = 2.0;
 // It holds on held-out flights.
 // Statistic: share of χ² that is left. From: no derivation. Costs: not measured.
 inline constexpr double most_left_in_hover = 0.5;
 // A rotor was asked for more than the battery gives.
-// Statistic: share of hover at the fastest command. From: no derivation. Costs: the balance of yaw is left out.
+// Statistic: share of hover at the fastest command. From: no derivation. Costs: the balance of yaw is left out; no name from 0.1 to 0.5.
 inline constexpr double often_limited = 0.25;
 // What a name by hover means is said to be worth, checked on held-out flights or not.
-// Statistic: probability. From: no derivation. Costs: not calibrated.
+// Statistic: probability. From: no derivation. Costs: not calibrated; 34 of 34 names were right.
 inline constexpr double checked_confidence = 0.95, unchecked_confidence = 0.85;
 
 // ---- what is offered beside the names
