@@ -1,4 +1,7 @@
-"""Quaternion helpers on arrays; quaternions are Hamilton, scalar first, body to world, shape (n, 4)."""
+"""Quaternion helpers on arrays; quaternions are Hamilton, scalar first, body to world, shape (n, 4).
+
+A row without a sample is NaN and stays NaN: scipy's Rotation refuses it, and to load it takes longer than most imports.
+"""
 
 import numpy as np
 

@@ -80,7 +80,7 @@ CASES = {
     "inertial_clean": (["--seed", "48", "--kind", "clean"], inertial, False),
 }
 # recorded flights: family, how the held-out ones are called, most that are fitted
-FAMILIES = {"nanodrone": ("train_*_run2", 6), "nanobench": ("*trefoil*", 3), "arpl": ("*15*", 3), "crazypad": ("*add_weight*", 3)}
+FAMILIES = {"nanodrone": ("train_*_run2*", 6), "nanobench": ("*trefoil*", 3), "arpl": ("*15*", 3), "crazypad": ("*add_weight*", 3)}
 
 
 def draw(name, work, reality):
@@ -104,7 +104,9 @@ def recorded(flights, work):
         paths = sorted(folders[family].glob("*.csv*")) if family in folders else []
         held = [p for p in paths if p.match(f"{held_out}.csv*")][:2]
         fit = [p for p in paths if p not in held][:most]
-        if fit and held:
+        if paths and not (fit and held):
+            sys.exit(f"same_diagnoses: {family}: none of its flights is called {held_out}, or all are")
+        if paths:
             cases[f"recorded_{family}"] = (fit, held)
     return cases
 

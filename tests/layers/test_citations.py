@@ -48,6 +48,11 @@ class Citations(unittest.TestCase):
         walk = re.search(r"From the command to a name in eight files: (.*?)\. Below", text, re.DOTALL)
         self.assertEqual(len(re.findall(r"`[\w./]+\.cpp`", walk[1])), 8)
 
+    def test_the_first_pages_stay_short(self):
+        self.assertLess(len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()), 120)
+        # two pages
+        self.assertLess(len((ROOT / "docs/ARCHITECTURE.md").read_text(encoding="utf-8").split()), 1250)
+
     def test_every_decision_is_listed_once(self):
         folder = ROOT / "docs/decisions"
         listed = re.findall(r"\]\((\d\d-[a-z0-9-]+\.md)\)", (folder / "README.md").read_text(encoding="utf-8"))

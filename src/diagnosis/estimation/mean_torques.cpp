@@ -14,7 +14,7 @@ namespace {
 constexpr double averaged_s = 2.0;
 constexpr double least_sd_radps2 = 0.05;
 
-using Pushed = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+using AngularAccelerations = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 // Between samples the loop answers how the body turns: what goes with its rate is projected out, axis by axis.
 void take_damping_out(const std::vector<Vector3>& rates, LinearFlight& flight) {
@@ -24,12 +24,12 @@ void take_damping_out(const std::vector<Vector3>& rates, LinearFlight& flight) {
     double along = 0.0;
     Eigen::RowVectorXd along_by = Eigen::RowVectorXd::Zero(std::ssize(flight.columns));
     for (std::size_t w = 0; w < rates.size(); ++w) {
-      along += rates[w][axis] * flight.turning[w][axis] / squares;
-      along_by += rates[w][axis] / squares * flight.turning_by[w].row(axis);
+      along += rates[w][axis] * flight.mean_acceleration[w][axis] / squares;
+      along_by += rates[w][axis] / squares * flight.mean_acceleration_by[w].row(axis);
     }
     for (std::size_t w = 0; w < rates.size(); ++w) {
-      flight.turning[w][axis] -= rates[w][axis] * along;
-      flight.turning_by[w].row(axis) -= rates[w][axis] * along_by;
+      flight.mean_acceleration[w][axis] -= rates[w][axis] * along;
+      flight.mean_acceleration_by[w].row(axis) -= rates[w][axis] * along_by;
     }
   }
 }
@@ -46,7 +46,7 @@ std::vector<int> that_shift_torques(const Catalogue& catalogue, const std::vecto
 }
 
 void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, LinearFlight& flight) {
-  flight.window_s.clear(), flight.turning.clear(), flight.turning_by.clear();
+  flight.window_s.clear(), flight.mean_acceleration.clear(), flight.mean_acceleration_by.clear();
   const std::vector<int> to = indices_of(linear.columns, flight.columns);
   std::vector<Vector3> rates;
   const std::size_t n = linear.size();
@@ -54,7 +54,7 @@ void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, L
     std::size_t last = first;
     double duration_s = 0.0;
     Vector3 missing = Vector3::Zero(), turned = Vector3::Zero();
-    Pushed by = Pushed::Zero(3, std::ssize(linear.columns));
+    AngularAccelerations by = AngularAccelerations::Zero(3, std::ssize(linear.columns));
     for (; last + 1 < n && !linear.starts[last + 1] && duration_s < averaged_s; ++last) {
       missing -= linear.b[last].tail<3>();
       by += linear.B[last].bottomRows<3>();
@@ -63,8 +63,9 @@ void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, L
     }
     if (duration_s >= averaged_s) {
       flight.window_s.push_back(each_rotor.samples[first].time_s);
-      flight.turning.emplace_back(missing / duration_s);
-      flight.turning_by.emplace_back(Pushed::Zero(3, std::ssize(flight.columns)))(Eigen::all, to) = by / duration_s;
+      flight.mean_acceleration.emplace_back(missing / duration_s);
+      flight.mean_acceleration_by.emplace_back(AngularAccelerations::Zero(3, std::ssize(flight.columns)))(
+          Eigen::all, to) = by / duration_s;
       rates.emplace_back(turned / duration_s);
     }
     first = std::max(last, first + 1);
@@ -74,15 +75,15 @@ void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, L
 
 Whitened whiten_mean_torques(const LinearFlight& flight, double variance) {
   Whitened out;
-  if (flight.turning.empty() || variance <= 0.0) return out;
+  if (flight.mean_acceleration.empty() || variance <= 0.0) return out;
   const auto own = static_cast<Eigen::Index>(flight.columns.size());
   const double sd = std::sqrt(variance);
-  out.rows.resize(2 * std::ssize(flight.turning), own + 1);
+  out.rows.resize(2 * std::ssize(flight.mean_acceleration), own + 1);
   Eigen::Index row = 0;
-  for (std::size_t w = 0; w < flight.turning.size(); ++w)
+  for (std::size_t w = 0; w < flight.mean_acceleration.size(); ++w)
     for (int axis = 0; axis < 2; ++axis, ++row) {
-      const double z = flight.turning[w][axis] / sd;
-      if (own > 0) out.rows.row(row).head(own) = flight.turning_by[w].row(axis) / sd;
+      const double z = flight.mean_acceleration[w][axis] / sd;
+      if (own > 0) out.rows.row(row).head(own) = flight.mean_acceleration_by[w].row(axis) / sd;
       out.rows(row, own) = z;
       out.minus_two_log_likelihood += std::log(variance) + z * z;
       out.time_s.push_back(flight.window_s[w]);
@@ -95,10 +96,11 @@ Whitened whiten_mean_torques(const LinearFlight& flight, double variance) {
 double mean_torque_variance(const std::vector<LinearFlight>& rest) {
   double squares = 0.0, differences = 0.0, count = 0.0, pairs = 0.0;
   for (const LinearFlight& flight : rest)
-    for (std::size_t w = 0; w < flight.turning.size(); ++w) {
-      squares += flight.turning[w].head<2>().squaredNorm(), count += 2.0;
+    for (std::size_t w = 0; w < flight.mean_acceleration.size(); ++w) {
+      squares += flight.mean_acceleration[w].head<2>().squaredNorm(), count += 2.0;
       if (w == 0) continue;
-      differences += 0.5 * (flight.turning[w] - flight.turning[w - 1]).head<2>().squaredNorm(), pairs += 2.0;
+      differences += 0.5 * (flight.mean_acceleration[w] - flight.mean_acceleration[w - 1]).head<2>().squaredNorm(),
+          pairs += 2.0;
     }
   if (count == 0.0) return 0.0;
   return std::max({squares / count, differences / std::max(1.0, pairs), least_sd_radps2 * least_sd_radps2});

@@ -15,7 +15,7 @@ namespace gustlab::diagnosis {
 // shifted centre of mass would be taken for a wrong scale: of torques as slow as this only what shifts them is asked.
 std::vector<int> that_shift_torques(const Catalogue& catalogue, const std::vector<int>& columns);
 // What the windows of a flight show of torques, from a linearisation in those columns with the commands of each rotor: `window_s`,
-// `turning` and `turning_by` of the flight whose total thrust alone is known. All other columns are zero there.
+// `mean_acceleration` and `mean_acceleration_by` of the flight whose total thrust alone is known. All other columns are zero there.
 void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, LinearFlight& flight);
 // Whitened rows, roll and pitch of every window, y last. None where nothing is observed or the variance [(rad/s²)²] is not known (0). In yaw
 // a rotor that is not quite upright turns the vehicle as much as a fault does.

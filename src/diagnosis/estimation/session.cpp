@@ -287,8 +287,8 @@ LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& colum
     for (std::size_t k = 0; k < by.size(); ++k)
       for (std::size_t r = 0; r < max_rotors; ++r)
         rest.faster[k][r] -= coefficient[static_cast<Eigen::Index>(i)] * by[k][r];
-    for (std::size_t w = 0; w < rest.turning.size(); ++w)
-      rest.turning[w] -= coefficient[static_cast<Eigen::Index>(i)] * flight.turning_by[w].col(at);
+    for (std::size_t w = 0; w < rest.mean_acceleration.size(); ++w)
+      rest.mean_acceleration[w] -= coefficient[static_cast<Eigen::Index>(i)] * flight.mean_acceleration_by[w].col(at);
   }
   return rest;
 }
@@ -306,7 +306,7 @@ LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns) {
     part.B.push_back(flight.B[k](Eigen::all, at));
     part.D.push_back(flight.D[k](Eigen::all, at));
   }
-  for (const auto& by : flight.turning_by) part.turning_by.push_back(by(Eigen::all, at));
+  for (const auto& by : flight.mean_acceleration_by) part.mean_acceleration_by.push_back(by(Eigen::all, at));
   return part;
 }
 

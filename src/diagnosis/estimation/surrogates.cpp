@@ -81,8 +81,8 @@ SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& kn
   information.diagonal().array() += 1e-12 * (information.diagonal().maxCoeff() + 1e-300);
   const Eigen::LDLT<Eigen::MatrixXd> solver(information);
   const Eigen::VectorXd fitted = coefficient.tail(width);
-  const double gain = fitted.dot(information * fitted);
-  if (!(gain > 0.0)) return test;
+  const double delta_chi2 = fitted.dot(information * fitted);
+  if (!(delta_chi2 > 0.0)) return test;
 
   // of every flight: its product with what is left, at places along it
   std::vector<Eigen::MatrixXd> products;
@@ -113,7 +113,7 @@ SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& kn
     }
     const double chance = product.dot(solver.solve(product));
     sum += chance;
-    beyond += chance >= gain ? 1 : 0;
+    beyond += chance >= delta_chi2 ? 1 : 0;
   }
   test.inflation = sum / draws / static_cast<double>(width);
   test.p_value = (1.0 + beyond) / (1.0 + draws);

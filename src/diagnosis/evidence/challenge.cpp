@@ -32,7 +32,7 @@ void ask_sensors(const Session& session, const Selection& selection,
 }
 
 // Δχ² of leaving some findings out together, all others fitted anew.
-double gain_of_all(const Session& session, const Selection& selection, const std::vector<std::size_t>& some) {
+double delta_chi2_of_all(const Session& session, const Selection& selection, const std::vector<std::size_t>& some) {
   std::vector<int> rest = selection.groups();
   for (const std::size_t i : some) std::erase(rest, selection.findings[i].group);
   return solve(selection.grams.total(), session.with_biases(rest)).loss - selection.loss_selected;
@@ -48,7 +48,7 @@ std::vector<std::size_t> failing(const Session& session, const Selection& select
     else if (records[i].probability < stands_from) doubtful.push_back(i);
   }
   return weakest(records, std::move(at_once), std::move(doubtful),
-                 [&](const std::vector<std::size_t>& some) { return gain_of_all(session, selection, some); });
+                 [&](const std::vector<std::size_t>& some) { return delta_chi2_of_all(session, selection, some); });
 }
 
 // groups that are sure enough to be named, sorted
@@ -102,20 +102,20 @@ bool explains_more(const Session& session, const Selection& one, const Selection
 
 std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vector<std::size_t> at_once,
                                  std::vector<std::size_t> doubtful,
-                                 const std::function<double(const std::vector<std::size_t>&)>& gain_of_all) {
+                                 const std::function<double(const std::vector<std::size_t>&)>& delta_chi2_of_all) {
   std::vector<std::size_t> going = std::move(at_once);
   std::ranges::stable_sort(doubtful, {}, [&](std::size_t i) { return records[i].probability; });
-  double gains = 0.0;
-  for (const std::size_t i : going) gains += records[i].gain;
+  double sum = 0.0;
+  for (const std::size_t i : going) sum += records[i].delta_chi2;
   for (const std::size_t i : doubtful) {
     if (!going.empty() && records[i].probability >= decisions::hopeless) break;
     if (records[i].alike > 0 &&
         std::ranges::any_of(going, [&](std::size_t other) { return records[other].effect == records[i].effect; }))
       continue;
     going.push_back(i);
-    gains += records[i].gain;
-    if (going.size() > 1 && gain_of_all(going) > decisions::most_joint_gain * gains) {
-      gains -= records[i].gain;
+    sum += records[i].delta_chi2;
+    if (going.size() > 1 && delta_chi2_of_all(going) > decisions::most_joint_delta_chi2 * sum) {
+      sum -= records[i].delta_chi2;
       going.pop_back();
     }
   }

@@ -26,12 +26,12 @@ struct Challenge {
 };
 
 // Candidates that go now, as indices of `records`: those `at_once`, and of the `doubtful` the weakest, with it those that are as hopeless
-// and do not stand in for each other (`gain_of_all`: Δχ² of leaving some out together). Two names of one thing gain little each beside
+// and do not stand in for each other (`delta_chi2_of_all`: Δχ² of leaving some out together). Two names of one thing gain little each beside
 // the other, and much when the other goes. Of one effect of several rotors one goes at a time: they speak against each other, and the
 // last of them stands alone.
 std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vector<std::size_t> at_once,
                                  std::vector<std::size_t> doubtful,
-                                 const std::function<double(const std::vector<std::size_t>&)>& gain_of_all);
+                                 const std::function<double(const std::vector<std::size_t>&)>& delta_chi2_of_all);
 
 // Whether one set of effects explains more than another, linearised about both and under the noise beside either (Schwarz, Ann. Stat.
 // 6, 1978: a number costs the logarithm of the rows).

@@ -209,7 +209,7 @@ bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int gr
   });
 }
 
-// Other findings of the same effect, of another rotor. By means of torques alone a rotor is told from the one across, and from a centre
+// Other findings of the same effect, of another rotor. By means of torques alone a rotor is distinguished from the one across, and from a centre
 // of mass, by the total thrust, which reference flights know and no file.
 int alike(const Session& session, const Selection& selection, const Finding& finding) {
   const Group& group = session.catalogue().group(finding.group);
@@ -277,15 +277,15 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.rotor = group.rotor;
     record.per_flight = group.row->per_flight;
     record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
-    record.gain = finding.gain;
-    record.gain_with_partner = finding.gain_with_partner;
-    record.gain_alone = finding.gain_alone;
-    record.held_out_gain = tested.gain[i];
+    record.delta_chi2 = finding.delta_chi2;
+    record.delta_chi2_with_partner = finding.delta_chi2_with_partner;
+    record.delta_chi2_alone = finding.delta_chi2_alone;
+    record.held_out_delta_chi2 = tested.delta_chi2[i];
     record.held_out_expected = tested.expected[i];
     record.surrogates = moved_signatures(session, selection, rows, finding);
     measure_flights(session, selection, weights_of(session, selection, total, finding), cluster, record);
     if (record.held_out_expected > 0.0)
-      record.flights.push_back({"held out", true, 0.5 * (1.0 + record.held_out_gain / record.held_out_expected),
+      record.flights.push_back({"held out", true, 0.5 * (1.0 + record.held_out_delta_chi2 / record.held_out_expected),
                                 std::sqrt(std::max(1.0, record.clustered_inflation) / record.held_out_expected)});
     record.spread_regimes = most_astray(regimes[i]);
     // a force that every flight has for itself is at least as large as what a frame that is not level leaves
@@ -293,17 +293,17 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     if (group.row->per_flight) {
       const double push_share = own_acceleration_mps2(session, selection, finding) / session.vehicle().gravity_mps2;
       record.size_in_tolerances = push_share / decisions::level_share;
-      if (headings_kept) record.push_over_tilt = push_share / decisions::tilt_share;
+      if (headings_kept) record.force_over_tilt = push_share / decisions::tilt_share;
     }
     record.inclusion = finding.inclusion;
     for (const Rival& rival : finding.rivals)
-      if (rival.z >= decisions::equivalent_z && (record.rival_z == 0.0 || rival.delta_score < record.rival_gain))
-        record.rival_gain = rival.delta_score, record.rival_z = rival.z;
+      if (rival.z >= decisions::equivalent_z && (record.rival_z == 0.0 || rival.delta_chi2 < record.rival_delta_chi2))
+        record.rival_delta_chi2 = rival.delta_chi2, record.rival_z = rival.z;
     if (group.row->commanded)
       record.unpredicted_commands =
-          selection.unpredicted_gain * share_of_innovations(session, selection, total, finding);
+          selection.unpredicted_delta_chi2 * share_of_innovations(session, selection, total, finding);
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
-    record.unexplained_gain = rest.omnibus_gain;
+    record.unexplained_delta_chi2 = rest.omnibus_delta_chi2;
     record.at_bound = at_its_bound(catalogue, selection, finding.group);
     record.undone = taken_back[i];
     record.alike = alike(session, selection, finding);

@@ -52,10 +52,12 @@ struct Feature {
 constexpr double intercept = -47.1;
 constexpr Feature features[] = {
     // 10 to 200
-    {"gain", 4.8, [](const Evidence& e) { return std::log10(std::max(e.robust_gain(), 10.0) / 10.0) / 1.3; }},
+    {"gain", 4.8, [](const Evidence& e) { return std::log10(std::max(e.robust_delta_chi2(), 10.0) / 10.0) / 1.3; }},
     // 1 to 0.01 of that gain: what is needed only beside others may undo them
     {"alone", 2.0,
-     [](const Evidence& e) { return 1.0 + 0.5 * std::log10(std::max(e.gain_alone, 1e-3) / std::max(e.gain, 1.0)); }},
+     [](const Evidence& e) {
+       return 1.0 + 0.5 * std::log10(std::max(e.delta_chi2_alone, 1e-3) / std::max(e.delta_chi2, 1.0));
+     }},
     // a signature that moving does not change has no such null
     {"surrogate", 2.9,
      [](const Evidence& e) {
@@ -71,7 +73,7 @@ constexpr Feature features[] = {
     {"held_out", 1.9,
      [](const Evidence& e) {
        return e.per_flight || e.held_out_expected < 10.0 ? unsaid(e)
-                                                         : 0.5 + 0.5 * e.held_out_gain / e.held_out_expected;
+                                                         : 0.5 + 0.5 * e.held_out_delta_chi2 / e.held_out_expected;
      }},
     {"regimes_alike", 0.3,
      [](const Evidence& e) { return e.spread_regimes == 1.0 ? unsaid(e) : 1.0 - e.spread_regimes; }},
@@ -80,10 +82,11 @@ constexpr Feature features[] = {
     // nothing gained is nothing said, a loss speaks against it
     {"rollout_500ms", 2.0,
      [](const Evidence& e) { return e.recovered_z.size() < 2 ? 1.0 : 1.0 + e.recovered_z[1] / 4.0; }},
-    {"rival", 1.65, [](const Evidence& e) { return e.rival_z == 0.0 ? 1.0 : std::log10(1.0 + e.rival_gain) / 3.0; }},
+    {"rival", 1.65,
+     [](const Evidence& e) { return e.rival_z == 0.0 ? 1.0 : std::log10(1.0 + e.rival_delta_chi2) / 3.0; }},
     {"explained", 1.2,
-     [](const Evidence& e) { return 1.0 - std::log10(1.0 + e.unexplained_gain / std::max(e.gain, 1.0)); }},
-    {"commands", 3.0, [](const Evidence& e) { return 1.25 - e.unpredicted_commands / std::max(e.gain, 1.0); }},
+     [](const Evidence& e) { return 1.0 - std::log10(1.0 + e.unexplained_delta_chi2 / std::max(e.delta_chi2, 1.0)); }},
+    {"commands", 3.0, [](const Evidence& e) { return 1.25 - e.unpredicted_commands / std::max(e.delta_chi2, 1.0); }},
     {"force_and_moment", 2.3,
      [](const Evidence& e) { return 1.0 - std::max(0.0, std::abs(e.force_excess) - 2.0 * e.force_excess_sd) / 0.4; }},
     {"stable", 1.3, [](const Evidence& e) { return e.inclusion; }},
@@ -91,7 +94,7 @@ constexpr Feature features[] = {
     {"bounds", 4.0, [](const Evidence& e) { return e.at_bound ? 0.0 : 1.0; }},
     {"single", 4.0, [](const Evidence& e) { return e.alike > 0 ? 0.0 : 1.0; }},
     {"undone", 4.0, [](const Evidence& e) { return (1.0 - e.undone) / 0.5; }},
-    {"tilt", 6.0, [](const Evidence& e) { return e.push_over_tilt; }}};
+    {"tilt", 6.0, [](const Evidence& e) { return e.force_over_tilt; }}};
 
 }  // namespace
 

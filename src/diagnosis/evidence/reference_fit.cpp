@@ -49,7 +49,7 @@ ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::ve
     effect.place = to_string(group.row->place);
     effect.says = group.row->says;
     effect.confidence = selection.findings[i].inclusion;
-    effect.gain = selection.findings[i].gain;
+    effect.delta_chi2 = selection.findings[i].delta_chi2;
     effect.classmates = {effect.effect};
     effect.parameters = values_of(catalogue, selection, group, -1);
   }

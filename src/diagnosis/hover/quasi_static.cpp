@@ -354,9 +354,9 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
     effects.resize(1);
   }
   for (EffectFinding& effect : effects) {
-    effect.gain = none - chosen.misfit;
+    effect.delta_chi2 = none - chosen.misfit;
     if (which || !pays) {
-      out.rejected.push_back({effect.effect, pays ? effect.gain : before - after,
+      out.rejected.push_back({effect.effect, pays ? effect.delta_chi2 : before - after,
                               pays ? "another rotor explains the means as well"
                                    : "explains the flights it was found on, and not the held-out ones"});
       continue;

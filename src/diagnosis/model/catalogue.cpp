@@ -235,21 +235,21 @@ void Catalogue::add_command_innovation() {
 }
 
 void Catalogue::add_trims(int flights) {
-  struct Trim {
+  struct OfAFlight {
     const char *name, *unit;
     double natural, most;
   };
-  constexpr Trim trims[] = {{"torque_trim_x", "rad/s^2", torque_trim_sd, 50.0},
-                            {"torque_trim_y", "rad/s^2", torque_trim_sd, 50.0},
-                            {"torque_trim_z", "rad/s^2", torque_trim_sd, 50.0},
-                            {"command_clock", "s", command_clock_sd, 0.06},
-                            {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
+  constexpr OfAFlight all[] = {{"torque_trim_x", "rad/s^2", torque_trim_sd, 50.0},
+                               {"torque_trim_y", "rad/s^2", torque_trim_sd, 50.0},
+                               {"torque_trim_z", "rad/s^2", torque_trim_sd, 50.0},
+                               {"command_clock", "s", command_clock_sd, 0.06},
+                               {"command_smoothing", "s^2", command_smoothing_sd, 9e-4}};
   for (int f = 0; f < flights; ++f)
     for (int p = torque_trim; p <= (!seen_.trims      ? command_clock - 1
                                     : seen_.smoothing ? command_smoothing
                                                       : command_clock);
          ++p) {
-      const Trim& known = trims[p - torque_trim];
+      const OfAFlight& known = all[p - torque_trim];
       Column trim;
       trim.parameter = p;
       trim.flight = f;

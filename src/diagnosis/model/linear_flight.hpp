@@ -55,7 +55,7 @@ struct LinearPlant {
   // where torques are observed over a while alone (mean_torques.hpp), per window: its first sample's time, and the mean angular
   // acceleration, measured less predicted, rad/s²
   std::vector<double> window_s;
-  std::vector<Vector3> turning;
+  std::vector<Vector3> mean_acceleration;
   Vector3 center_of_mass_B_m = Vector3::Zero();
   bool torque_known = true;
   bool forces_alone = false;  // neither a pose nor torques: see direct_forces.hpp
@@ -67,7 +67,8 @@ struct LinearFlight : LinearPlant {
   std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
   std::vector<std::vector<RotorArray>>
       predicted_by;  // per column, per sample: what it changes of `predicted`; empty: nothing
-  std::vector<Eigen::Matrix<double, 3, Eigen::Dynamic>> turning_by;  // per window, per column: of the predicted mean
+  std::vector<Eigen::Matrix<double, 3, Eigen::Dynamic>>
+      mean_acceleration_by;  // per window, per column: of the predicted mean
 };
 
 }  // namespace gustlab::diagnosis

@@ -184,17 +184,17 @@ class Lineariser {
   // it turned.
   void feel() {
     const std::size_t n = x_.size();
-    const bool quick_turning = (with_force_ || flight_.late.rate_s > 0.0) && out_.torque_known;
-    turning_.resize(n), force_.assign(n, Vector3::Zero());
+    const bool quick_rotation = (with_force_ || flight_.late.rate_s > 0.0) && out_.torque_known;
+    angular_acceleration_.resize(n), force_.assign(n, Vector3::Zero());
     Evaluator evaluate{forces_, {}, {}};
     for (std::size_t k = 0; k < n; ++k) {
-      Vector3 modelled = turning_[k] = flight_.motion[k].angular_acceleration_B_radps2;
-      if (quick_turning || with_force_)
+      Vector3 modelled = angular_acceleration_[k] = flight_.motion[k].angular_acceleration_B_radps2;
+      if (quick_rotation || with_force_)
         force_[k] =
             evaluate.specific_force(x_[k], time_s(k), flight_.samples[k].voltage_V, rotors_.at_sample[k], modelled);
-      if (quick_turning) turning_[k] = modelled;
+      if (quick_rotation) angular_acceleration_[k] = modelled;
     }
-    if (quick_turning) turning_ = angular_acceleration(flight_, turning_);
+    if (quick_rotation) angular_acceleration_ = angular_acceleration(flight_, angular_acceleration_);
     shown_ = shown_late(flight_, force_);
   }
 
@@ -229,7 +229,7 @@ class Lineariser {
                                                            sample.voltage_V, rotors_.at_sample[k], modelled) -
                                    force_[k]) /
                                   step_of(i + 3);
-    out_.y[k] = innovation(sample, predict_sensors(forces_, flight_, k, x_[k], shown_[k], turning_[k]));
+    out_.y[k] = innovation(sample, predict_sensors(forces_, flight_, k, x_[k], shown_[k], angular_acceleration_[k]));
   }
 
   // finite-difference steps of the error state
@@ -334,7 +334,8 @@ class Lineariser {
     if (!sensors) return result;
     felt_now = shown_late(flight_, felt_now);
     for (std::size_t k = 0; k < n; ++k)
-      result.y[k] = innovation(flight_.samples[k], predict_sensors(model, flight_, k, x_[k], felt_now[k], turning_[k]));
+      result.y[k] = innovation(flight_.samples[k],
+                               predict_sensors(model, flight_, k, x_[k], felt_now[k], angular_acceleration_[k]));
     return result;
   }
 
@@ -433,7 +434,7 @@ class Lineariser {
   bool need_F_ = false;
   std::vector<Point> x_, middle_;
   Means means_;
-  std::vector<Vector3> turning_, force_, shown_;
+  std::vector<Vector3> angular_acceleration_, force_, shown_;
   std::vector<History> histories_;
   Evaluation base_;
 };

@@ -109,11 +109,12 @@ bool fill_rivals(const Session& session, const Selection& selection, const Findi
   for (const Rival& rival : finding.rivals) {
     const std::string name = catalogue_name(group_of(session, rival.group));
     // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
-    const bool equal = rival.z < equivalent_z && rival.delta_score < most_lost_to_rival * finding.gain;
+    const bool equal = rival.z < equivalent_z && rival.delta_chi2 < most_lost_to_rival * finding.delta_chi2;
     // or no farther apart than what unpredicted commands explain
-    const bool equivalent = equal || (commanded && rival.delta_score < std::min(selection.unpredicted_gain,
-                                                                                most_lost_to_rival * finding.gain));
-    effect.confusable.push_back({name, equivalent, rival.z, rival.delta_score});
+    const bool equivalent =
+        equal || (commanded && rival.delta_chi2 <
+                                   std::min(selection.unpredicted_delta_chi2, most_lost_to_rival * finding.delta_chi2));
+    effect.confusable.push_back({name, equivalent, rival.z, rival.delta_chi2});
     if (equivalent) effect.classmates.push_back(name);
     trim = trim || (equal && rival.below_tolerance);
   }
@@ -155,7 +156,7 @@ void explain_finding(const Session& session, const Selection& selection, const C
   effect.effect = catalogue_name(group);
   effect.place = to_string(group.row->place);
   effect.says = group.row->says;
-  effect.gain = finding.gain;
+  effect.delta_chi2 = finding.delta_chi2;
   fill_values(session, selection, group, effect);
   effect.classmates = {effect.effect};
   // what may as well be a trim of another name is not missing physics
@@ -185,10 +186,10 @@ void note_tilted_frame(const Session& session, Diagnosis& out) {
 // what was withdrawn, the best of what was not chosen, and of what was chosen too small to name
 void list_rejected(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   for (const Evidence& record : challenge.withdrawn)
-    out.rejected.push_back({record.effect, record.gain,
+    out.rejected.push_back({record.effect, record.delta_chi2,
                             fmt::format("its own evidence gives it a probability of {:.2f}", record.probability)});
   std::vector<std::pair<double, int>> others;
-  for (const auto& [g, gain] : selection.alone) others.emplace_back(gain, g);
+  for (const auto& [g, delta_chi2] : selection.alone) others.emplace_back(delta_chi2, g);
   std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < std::min<std::size_t>(5, others.size()); ++i) {
     const Group& group = group_of(session, others[i].second);
@@ -251,7 +252,7 @@ void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out
     effect.parameters.push_back({"line_frequency", "rad/s", parts.line_radps, parts.line_deviation_radps});
   }
   effect.confidence = 0.9;
-  effect.gain = 0.0;
+  effect.delta_chi2 = 0.0;
   out.effects.push_back(effect);
 }
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double crazyflie_arm_m = 0.046;  // the size for which the library below is written
 constexpr double flight_s = 8.0;
-using decisions::told_apart, decisions::shows;
+using decisions::distinguishes, decisions::shows;
 
 struct Candidate {
   std::string trajectory, how;  // name in the registry, and in words
@@ -278,7 +278,7 @@ Worth worth_of(const Eigen::MatrixXd& gram, const Questions& asked, const Sessio
       size[static_cast<Eigen::Index>(i)] = (value[own[i]] - column.nominal) / column.natural;
     }
     const double worse = unmatched(gram, own, size, join(columns_of(there, others), next.biases()));
-    if (worse < told_apart) continue;
+    if (worse < distinguishes) continue;
     worth.score += 1e3 + 1e2 * std::log(worse);
     const std::string words = p.named + " from " + p.other;
     if (std::find(worth.apart.begin(), worth.apart.end(), words) == worth.apart.end()) worth.apart.push_back(words);

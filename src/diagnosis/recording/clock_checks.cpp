@@ -172,7 +172,7 @@ std::optional<ClockTrack> gyro_track(const FlightData& pose, const std::vector<V
 
 std::optional<ClockTrack> command_track(const FlightData& flight, const VehicleModel& vehicle) {
   if (flight.collective_only || flight.samples.size() < 200) return std::nullopt;
-  const TurningSeries series = turning_series(flight, vehicle);
+  const AngularAccelerationSeries series = angular_acceleration_series(flight, vehicle);
   return track_of(flight, series.torque, series.acceleration, of_commands);
 }
 

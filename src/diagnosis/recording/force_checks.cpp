@@ -27,7 +27,7 @@ struct WindowMeans {
   Vector3 needed_B = Vector3::Zero();    // by the motion; without a pose what the inputs push
   Vector3 needed_W = Vector3::Zero();    // the same in W
   Vector3 gravity_B = Vector3::Zero(), gravity_W = Vector3::Zero();  // what of it holds the vehicle up
-  double pushed = 0.0;                                               // thrust of the inputs per mass
+  double commanded = 0.0;                                            // thrust of the inputs per mass
 };
 
 struct Windows {
@@ -58,11 +58,12 @@ Windows windows_of(const FlightLog& log, const VehicleModel& vehicle) {
       const Sample& sample = data.samples[last];
       const Motion& motion = data.motion[last];
       const Quaternion to_B = motion.attitude_WB.conjugate();
-      const double pushed = thrust_per_mass(record, vehicle, sample.time_s, data.sample_s);
-      window.pushed += pushed;
+      const double commanded = thrust_per_mass(record, vehicle, sample.time_s, data.sample_s);
+      window.commanded += commanded;
       window.needed_W += result.by_motion ? Vector3(motion.acceleration_W_mps2 + gravity_W)
-                                          : Vector3(motion.attitude_WB * Vector3(0.0, 0.0, pushed));
-      window.needed_B += result.by_motion ? to_B * (motion.acceleration_W_mps2 + gravity_W) : Vector3(0.0, 0.0, pushed);
+                                          : Vector3(motion.attitude_WB * Vector3(0.0, 0.0, commanded));
+      window.needed_B +=
+          result.by_motion ? to_B * (motion.acceleration_W_mps2 + gravity_W) : Vector3(0.0, 0.0, commanded);
       window.gravity_B += to_B * gravity_W;
       window.gravity_W += gravity_W;
       count += 1.0;
@@ -72,9 +73,9 @@ Windows windows_of(const FlightLog& log, const VehicleModel& vehicle) {
     }
     if (count < 2.0 || (result.with_accelerometer && felt == 0.0)) continue;
     for (Vector3* sum : {&window.needed_W, &window.needed_B, &window.gravity_B, &window.gravity_W}) *sum /= count;
-    window.pushed /= count;
+    window.commanded /= count;
     if (felt > 0.0) window.measured_B /= felt;
-    if (window.needed_B.allFinite() && window.measured_B.allFinite() && std::isfinite(window.pushed))
+    if (window.needed_B.allFinite() && window.measured_B.allFinite() && std::isfinite(window.commanded))
       result.all.push_back(window);
   }
   return result;
@@ -132,13 +133,13 @@ std::optional<ForceFault> accelerometer_fault(const Windows& windows, double gra
 }
 
 std::optional<ForceFault> thrust_fault(const Windows& windows, bool accelerometer_is_fine, double gravity_mps2) {
-  double pushed = 0.0, needed = 0.0;
+  double commanded = 0.0, needed = 0.0;
   for (const WindowMeans& w : windows.all) {
-    pushed += w.pushed;
+    commanded += w.commanded;
     needed += windows.by_motion ? w.needed_B.z() : accelerometer_is_fine ? w.measured_B.z() : gravity_mps2;
   }
   const bool of_any_flight = !windows.by_motion && !accelerometer_is_fine;
-  const double ratio = pushed / needed;
+  const double ratio = commanded / needed;
   if (ratio > least_ratio && ratio < (of_any_flight ? most_of_any_flight : most_ratio)) return std::nullopt;
   return ForceFault{
       "u1…uN", "inconsistent",

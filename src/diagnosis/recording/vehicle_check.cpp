@@ -151,7 +151,7 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
   return findings;
 }
 
-TurningSeries turning_series(const FlightData& flight, const VehicleModel& vehicle) {
+AngularAccelerationSeries angular_acceleration_series(const FlightData& flight, const VehicleModel& vehicle) {
   const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
   std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
   std::iota(place.begin(), place.end(), 0);
@@ -160,7 +160,8 @@ TurningSeries turning_series(const FlightData& flight, const VehicleModel& vehic
   const auto back = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / flight.sample_s)));
   const std::size_t count = flight.samples.size();
   const Eigen::Vector2d none = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  TurningSeries series{std::vector<Eigen::Vector2d>(count, none), std::vector<Eigen::Vector2d>(count, none)};
+  AngularAccelerationSeries series{std::vector<Eigen::Vector2d>(count, none),
+                                   std::vector<Eigen::Vector2d>(count, none)};
   std::vector<Eigen::Vector2d> torque;
   for (const Sample& sample : flight.samples) {
     const RotorArray speed = record.mean(sample.time_s - 0.5 * average_s, sample.time_s + 0.5 * average_s);

@@ -18,9 +18,9 @@ std::optional<double> torque_delay_s(const FlightData& flight, const VehicleMode
 
 // Changes of the nominal torque (per hub's lever and (Ω/Ω_h)²) and of the angular acceleration about roll and pitch, per sample, over
 // so short a time that trim and drag do not count; NaN at the ends.
-struct TurningSeries {
+struct AngularAccelerationSeries {
   std::vector<Eigen::Vector2d> torque, acceleration;
 };
-TurningSeries turning_series(const FlightData& flight, const VehicleModel& vehicle);
+AngularAccelerationSeries angular_acceleration_series(const FlightData& flight, const VehicleModel& vehicle);
 
 }  // namespace gustlab::diagnosis

@@ -4,8 +4,8 @@
 
 namespace gustlab::diagnosis {
 
-double Evidence::robust_gain() const {
-  return std::min(gain, gain_with_partner) /
+double Evidence::robust_delta_chi2() const {
+  return std::min(delta_chi2, delta_chi2_with_partner) /
          std::max({1.0, surrogates.movable ? surrogates.inflation : 1.0, clustered_inflation});
 }
 

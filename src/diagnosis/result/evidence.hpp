@@ -29,12 +29,12 @@ struct Evidence {
   int rotor = 0;            // of a rotor's own effect: 1 to N
   bool per_flight = false;  // its values are each flight's own, fitted to the held-out ones as well
   int parameters = 1;       // free numbers
-  double gain = 0.0;        // Δχ² when it is left out and all else is fitted anew
-  double gain_with_partner =
+  double delta_chi2 = 0.0;  // Δχ² when it is left out and all else is fitted anew
+  double delta_chi2_with_partner =
       std::numeric_limits<double>::infinity();  // Δχ² when another finding goes with it, the one that makes this least
-  double gain_alone = std::numeric_limits<double>::infinity();  // Δχ² when nothing else is beside it
-  double held_out_gain = 0.0;      // Δχ² on the held-out flights, shared values as they were fitted
-  double held_out_expected = 0.0;  // the same if the effect were there just as it was fitted
+  double delta_chi2_alone = std::numeric_limits<double>::infinity();  // Δχ² when nothing else is beside it
+  double held_out_delta_chi2 = 0.0;  // Δχ² on the held-out flights, shared values as they were fitted
+  double held_out_expected = 0.0;    // the same if the effect were there just as it was fitted
   SurrogateTest surrogates;
   double clustered_inflation = 1.0;  // variance of its size between sixths of flights, over that of white innovations
   std::vector<FlightShare> flights;  // fit flights, then the held-out ones together
@@ -42,20 +42,20 @@ struct Evidence {
   double spread_regimes = 0.0;  // the same between low, middling and high speed, height, thrust …; 1: cannot be said
   double size_in_tolerances = 0.0;  // largest parameter over its reporting tolerance; infinite where none is declared
   double inclusion = 0.0;           // share of half samples that select it
-  double rival_gain = 0.0,
+  double rival_delta_chi2 = 0.0,
          rival_z = 0.0;  // of the nearest rival that is distinguished from it: how much worse (Δχ²), in standard errors
   double unpredicted_commands =
       0.0;  // Δχ² of what the log does not hold of the commands, where only they can show the effect
   double force_excess = 0.0, force_excess_sd = 0.0;  // its force over what its moment predicts, less one
   double sensors_share =
       1.0;  // of a late pose, the share of its delay that gyro and attitudes by themselves leave possible
-  double unexplained_gain = 0.0;  // Δχ² of the generic family that still finds most
-  bool at_bound = false;          // a value ran into its bound
+  double unexplained_delta_chi2 = 0.0;  // Δχ² of the generic family that still finds most
+  bool at_bound = false;                // a value ran into its bound
   // share of what it does to the predictions that the other findings take back; 0 where they add to it
   double undone = 0.0;
-  // a push of a flight's own over what an attitude a little off leaves of gravity; infinite where that would show as well
-  double push_over_tilt = std::numeric_limits<double>::infinity();
-  int alike = 0;  // other findings of the same effect, of another rotor, or what these logs hardly tell from it
+  // a force of a flight's own over what an attitude a little off leaves of gravity; infinite where that would show as well
+  double force_over_tilt = std::numeric_limits<double>::infinity();
+  int alike = 0;  // other findings of the same effect, of another rotor, or what these logs hardly distinguish from it
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
   // over its standard error; per horizon, the better of (position, velocity) and (attitude, body rate)
   std::vector<double> horizon_s, recovered, recovered_z;
@@ -64,7 +64,7 @@ struct Evidence {
   double probability = 0.0;  // that the name is right, by the judge
 
   // Δχ², alone or with its partner, in units that chance gives here: over the larger of both inflations.
-  double robust_gain() const;
+  double robust_delta_chi2() const;
   int flights_for() const;      // in which it is clearly there: more than half of its size and two errors
   int flights_against() const;  // in which it is clearly not: less than a quarter, two errors below one
 };

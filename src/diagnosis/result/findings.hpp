@@ -27,7 +27,7 @@ struct NamedValue {
 struct ConfusableEffect {
   std::string effect;
   bool equivalent = false;
-  double z = 0.0, delta_score = 0.0;
+  double z = 0.0, delta_chi2 = 0.0;
 };
 
 // How large a finding is, as a share of its value over all flights, where one variable is low, middling and high. The three
@@ -50,13 +50,13 @@ struct EffectFinding {
   std::vector<std::pair<std::string, std::vector<NamedValue>>> per_flight;  // file → values
   std::vector<std::string> classmates;                                      // itself included
   std::vector<ConfusableEffect> confusable;
-  double gain = 0.0;   // Δχ²: rise of the score when it is removed
-  Regimes least_even;  // where its size varies most
+  double delta_chi2 = 0.0;  // Δχ²: rise of the score when it is removed
+  Regimes least_even;       // where its size varies most
 };
 
 struct Rejected {
   std::string effect;
-  double delta_score = 0.0;
+  double delta_chi2 = 0.0;
   std::string why;
 };
 

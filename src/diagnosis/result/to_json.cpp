@@ -36,13 +36,13 @@ ordered_json effects(const std::vector<EffectFinding>& findings) {
       for (const auto& [file, named] : f.per_flight) one["per_flight"][file] = values(named);
     }
     one["class"] = f.classmates;
-    one["delta_score"] = number(f.gain);
+    one["delta_score"] = number(f.delta_chi2);
     one["confusable_with"] = ordered_json::array();
     for (const ConfusableEffect& c : f.confusable)
       one["confusable_with"].push_back({{"effect", c.effect},
                                         {"equivalent", c.equivalent},
                                         {"z", number(c.z)},
-                                        {"delta_score", number(c.delta_score)}});
+                                        {"delta_score", number(c.delta_chi2)}});
     if (!f.least_even.variable.empty())
       one["least_even"] = {
           {"variable", f.least_even.variable}, {"share", f.least_even.share}, {"std", f.least_even.deviation}};
@@ -57,14 +57,14 @@ ordered_json records(const std::vector<Evidence>& evidence) {
     ordered_json one = {{"effect", e.effect},
                         {"probability", number(e.probability)},
                         {"parameters", e.parameters},
-                        {"delta_chi2", number(e.gain)},
-                        {"delta_chi2_with_partner", number(e.gain_with_partner)},
-                        {"delta_chi2_alone", number(e.gain_alone)},
-                        {"robust_delta_chi2", number(e.robust_gain())},
+                        {"delta_chi2", number(e.delta_chi2)},
+                        {"delta_chi2_with_partner", number(e.delta_chi2_with_partner)},
+                        {"delta_chi2_alone", number(e.delta_chi2_alone)},
+                        {"robust_delta_chi2", number(e.robust_delta_chi2())},
                         {"surrogate_inflation", number(e.surrogates.movable ? e.surrogates.inflation : NAN)},
                         {"surrogate_p", number(e.surrogates.movable ? e.surrogates.p_value : NAN)},
                         {"clustered_inflation", number(e.clustered_inflation)},
-                        {"held_out_delta_chi2", number(e.held_out_gain)},
+                        {"held_out_delta_chi2", number(e.held_out_delta_chi2)},
                         {"held_out_expected", number(e.held_out_expected)},
                         {"flights_for", e.flights_for()},
                         {"flights_against", e.flights_against()},
@@ -72,16 +72,16 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"spread_regimes", number(e.spread_regimes)},
                         {"size_in_tolerances", number(e.size_in_tolerances)},
                         {"inclusion", number(e.inclusion)},
-                        {"rival_delta_chi2", number(e.rival_gain)},
+                        {"rival_delta_chi2", number(e.rival_delta_chi2)},
                         {"rival_z", number(e.rival_z)},
                         {"unpredicted_commands", number(e.unpredicted_commands)},
                         {"force_excess", number(e.force_excess)},
                         {"force_excess_std", number(e.force_excess_sd)},
-                        {"unexplained_delta_chi2", number(e.unexplained_gain)},
+                        {"unexplained_delta_chi2", number(e.unexplained_delta_chi2)},
                         {"sensors_share", number(e.sensors_share)},
                         {"at_bound", e.at_bound},
                         {"undone_share", number(e.undone)},
-                        {"push_over_tilt", number(e.push_over_tilt)},
+                        {"push_over_tilt", number(e.force_over_tilt)},
                         {"alike", e.alike},
                         {"horizon_s", e.horizon_s},
                         {"recovered", e.recovered},
@@ -182,7 +182,7 @@ ordered_json to_json(const Diagnosis& d) {
     out["log_findings_in_short"].push_back({{"kind", kind}, {"says", says}});
   out["rejected"] = ordered_json::array();
   for (const Rejected& r : d.rejected)
-    out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.delta_score)}, {"why", r.why}});
+    out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.delta_chi2)}, {"why", r.why}});
   out["not_identifiable"] = ordered_json::array();
   for (const NotIdentifiable& n : d.not_identifiable) {
     ordered_json entry = {{"effect", n.effect}, {"why", n.why}};

@@ -41,15 +41,16 @@ LimitScan best_of(const Session& session, const std::vector<int>& columns, const
   session.for_each_flight([&](std::size_t f) {
     const FlightData& flight = session.flights()[f];
     change[f].assign(flight.samples.size(), SpatialAccelerations::Zero(6, count));
-    const auto pushes = limit_changes(flight, static_cast<int>(f), session.catalogue(), session.value(), limits);
+    const auto changes = limit_changes(flight, static_cast<int>(f), session.catalogue(), session.value(), limits);
     for (std::size_t i = 0; i < limits.size(); ++i)
-      for (std::size_t k = 0; k < pushes[i].size(); ++k) change[f][k].col(static_cast<Eigen::Index>(i)) = pushes[i][k];
+      for (std::size_t k = 0; k < changes[i].size(); ++k)
+        change[f][k].col(static_cast<Eigen::Index>(i)) = changes[i][k];
   });
   std::vector<double> samples(limits.size(), 0.0);
   for (const auto& flight : change)
-    for (const SpatialAccelerations& push : flight)
+    for (const SpatialAccelerations& sample : flight)
       for (std::size_t i = 0; i < limits.size(); ++i)
-        samples[i] += push.col(static_cast<Eigen::Index>(i)).isZero(0.0) ? 0.0 : 1.0;
+        samples[i] += sample.col(static_cast<Eigen::Index>(i)).isZero(0.0) ? 0.0 : 1.0;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count + 1, count + 1);
   for (const Whitened& w : session.innovations(columns, coefficient, &change))
     for (Eigen::Index r = 0; r < w.rows.rows(); ++r)
@@ -58,7 +59,7 @@ LimitScan best_of(const Session& session, const std::vector<int>& columns, const
     const auto at = static_cast<Eigen::Index>(i);
     const double dp = gram(at, count), pp = gram(at, at);
     if (samples[i] < fewest_limited_samples || pp <= 0.0 || dp < least_limit_strength * pp) continue;
-    if (dp * dp / pp > best.gain) best = {limits[i], dp * dp / pp};
+    if (dp * dp / pp > best.delta_chi2) best = {limits[i], dp * dp / pp};
   }
   return best;
 }
@@ -70,7 +71,7 @@ LimitScan scan_limit(const Session& session, const std::vector<int>& columns) {
   if (limits.empty()) return {};
   const Eigen::VectorXd coefficient = solve(session.grams(columns).total(), columns).coefficient;
   const LimitScan coarse = best_of(session, columns, coefficient, limits);
-  if (coarse.gain == 0.0) return coarse;
+  if (coarse.delta_chi2 == 0.0) return coarse;
   // and between its neighbours
   const auto at = std::find(limits.begin(), limits.end(), coarse.limit_radps);
   const double above = at == limits.begin() ? session.vehicle().max_speed_radps : at[-1],
@@ -79,7 +80,7 @@ LimitScan scan_limit(const Session& session, const std::vector<int>& columns) {
   for (const double share : {0.2, 0.4, 0.6, 0.8})
     between.push_back(*at + share * (above - *at)), between.push_back(*at + share * (below - *at));
   const LimitScan fine = best_of(session, columns, coefficient, between);
-  return fine.gain > coarse.gain ? fine : coarse;
+  return fine.delta_chi2 > coarse.delta_chi2 ? fine : coarse;
 }
 
 }  // namespace gustlab::diagnosis

@@ -7,7 +7,7 @@ namespace gustlab::diagnosis {
 
 struct LimitScan {
   double limit_radps = 0.0;
-  double gain = 0.0;  // of the whitened innovations, χ²
+  double delta_chi2 = 0.0;  // of the whitened innovations, χ²
 };
 // Tries limits at the upper quantiles of the commanded speeds, with the given columns at their least-squares values.
 LimitScan scan_limit(const Session& session, const std::vector<int>& columns);

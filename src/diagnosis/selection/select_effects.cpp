@@ -140,8 +140,8 @@ class Selector {
 
   // what a further effect must gain; where the model was linearised anew about what was found, a large effect leaves no
   // second-order error that could be taken for another
-  double material(double rows, double total_gain) const {
-    const double relative = decisions::relative_materiality * total_gain;
+  double material(double rows, double total_delta_chi2) const {
+    const double relative = decisions::relative_materiality * total_delta_chi2;
     return std::max(decisions::materiality * rows,
                     anew_ && !s_.shoots() ? std::min(relative, decisions::most_materiality * rows) : relative);
   }
@@ -383,7 +383,7 @@ class Selector {
     bool simplified = false;
     int noise_steps = 6;
     anew_ = true;
-    latency_gain_.clear();
+    latency_delta_chi2_.clear();
     for (bool settled = false; !settled;) {
       measure_latency(chosen, value);
       s_.linearise(value, s_.all_columns());
@@ -424,7 +424,7 @@ class Selector {
     result.loss_selected = fit.loss;
     std::vector<int> predicted = columns;
     std::erase_if(predicted, [&](int c) { return catalogue_.column(c).of_command_innovation(); });
-    result.unpredicted_gain = solve(total, predicted).loss - fit.loss;
+    result.unpredicted_delta_chi2 = solve(total, predicted).loss - fit.loss;
     result.value = value_at(columns, fit);
     result.deviation = Eigen::VectorXd::Zero(catalogue_.size());
     for (std::size_t i = 0; i < columns.size(); ++i)
@@ -441,12 +441,12 @@ class Selector {
     Finding finding;
     finding.group = g;
     const std::vector<int> rest = search.without(chosen, g);
-    finding.gain = gain_of(g, solve(total, s_.with_biases(rest)).loss - fit.loss);
-    finding.gain_alone = result.loss_nominal - solve(total, s_.with_biases({g})).loss;
-    finding.gain_with_partner = finding.gain;
+    finding.delta_chi2 = delta_chi2_of(g, solve(total, s_.with_biases(rest)).loss - fit.loss);
+    finding.delta_chi2_alone = result.loss_nominal - solve(total, s_.with_biases({g})).loss;
+    finding.delta_chi2_with_partner = finding.delta_chi2;
     for (const int partner : rest) {
-      const double gain = solve(total, s_.with_biases(search.without(rest, partner))).loss - fit.loss;
-      finding.gain_with_partner = std::min(finding.gain_with_partner, gain_of(g, gain));
+      const double delta_chi2 = solve(total, s_.with_biases(search.without(rest, partner))).loss - fit.loss;
+      finding.delta_chi2_with_partner = std::min(finding.delta_chi2_with_partner, delta_chi2_of(g, delta_chi2));
     }
     finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g);
     return finding;
@@ -501,9 +501,9 @@ class Selector {
   // swings, its own column says next to nothing of that. Measured anew when one of the two comes or goes.
   void measure_latency(const std::vector<int>& chosen, const Eigen::VectorXd& value) {
     const auto is_chosen = [&](int late) { return std::find(chosen.begin(), chosen.end(), late) != chosen.end(); };
-    const auto is_measured = [&](int late) { return is_chosen(late) == latency_gain_.contains(late); };
+    const auto is_measured = [&](int late) { return is_chosen(late) == latency_delta_chi2_.contains(late); };
     if (s_.shoots() || std::ranges::all_of(latencies(), is_measured)) return;
-    latency_gain_.clear();
+    latency_delta_chi2_.clear();
     const auto loss_of = [&](const std::vector<int>& groups, const Eigen::VectorXd& at) {
       s_.linearise(at, s_.with_biases(groups), false);
       return solve(s_.grams().total(), s_.with_biases(groups)).loss;
@@ -516,13 +516,13 @@ class Selector {
       std::erase(rest, late);
       Eigen::VectorXd prompt = value;
       for (const int c : columns_of(catalogue_, {late})) prompt[c] = catalogue_.nominal()[c];
-      latency_gain_[late] = loss_of(rest, prompt) - *loss;
+      latency_delta_chi2_[late] = loss_of(rest, prompt) - *loss;
     }
   }
   // Δχ² without an effect, whose linear model says `linear`
-  double gain_of(int group, double linear) const {
-    const auto flown = latency_gain_.find(group);
-    return flown == latency_gain_.end() ? linear : std::max(linear, flown->second);
+  double delta_chi2_of(int group, double linear) const {
+    const auto flown = latency_delta_chi2_.find(group);
+    return flown == latency_delta_chi2_.end() ? linear : std::max(linear, flown->second);
   }
 
   // backward: what is not material, not significant or not possible goes, the weakest first
@@ -535,20 +535,21 @@ class Selector {
       const Eigen::MatrixXd covariance = clustered_covariance(grams, columns, fit.coefficient);
       const double needed = material(grams.rows, std::max(0.0, loss_none - fit.loss));
       int worst = -1;
-      double worst_gain = 0.0;
+      double worst_delta_chi2 = 0.0;
       Eigen::Index at = 0;
       for (const int g : chosen) {
         const auto size = static_cast<Eigen::Index>(own_columns(catalogue_, chosen, g).size());
-        const double gain = gain_of(g, solve(total, s_.with_biases(search.without(chosen, g))).loss - fit.loss);
+        const double delta_chi2 =
+            delta_chi2_of(g, solve(total, s_.with_biases(search.without(chosen, g))).loss - fit.loss);
         const Eigen::VectorXd b = fit.coefficient.segment(at, size);
         Eigen::MatrixXd block = covariance.block(at, at, size, size);
         block.diagonal().array() += 1e-18;
         const double wald = b.dot(block.ldlt().solve(b));
         const double p = boost::math::cdf(
             boost::math::complement(boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
-        const bool bad = gain < needed || !(s_.shoots() || possible(value, g)) ||
+        const bool bad = delta_chi2 < needed || !(s_.shoots() || possible(value, g)) ||
                          !(p < decisions::wald_p / static_cast<double>(catalogue_.groups().size()));
-        if (bad && (worst < 0 || gain < worst_gain)) worst = g, worst_gain = gain;
+        if (bad && (worst < 0 || delta_chi2 < worst_delta_chi2)) worst = g, worst_delta_chi2 = delta_chi2;
         at += size;
       }
       if (worst < 0) return;
@@ -564,7 +565,7 @@ class Selector {
     for (Finding& finding : result.findings) {
       // of a latency of which the linear model knows next to nothing it knows no rivals either
       const double linear = solve(total, s_.with_biases(search.without(chosen, finding.group))).loss - fit.loss;
-      if (gain_of(finding.group, linear) > 2.0 * linear) continue;
+      if (delta_chi2_of(finding.group, linear) > 2.0 * linear) continue;
       for (const int other : search.candidates) {
         const std::optional<Exchange> e = exchange(total, search, chosen, fit, finding.group, other);
         if (!e) continue;
@@ -581,7 +582,7 @@ class Selector {
                                   e->fit.loss - e->kept_fit.loss, e->trim});
       }
       std::stable_sort(finding.rivals.begin(), finding.rivals.end(),
-                       [](const Rival& a, const Rival& b) { return a.delta_score < b.delta_score; });
+                       [](const Rival& a, const Rival& b) { return a.delta_chi2 < b.delta_chi2; });
       if (finding.rivals.size() > 4) finding.rivals.resize(4);
     }
   }
@@ -591,7 +592,7 @@ class Selector {
   std::set<int> left_out_;  // groups that are not asked
   Eigen::VectorXd natural_;
   std::set<std::vector<int>> winds_tried_;
-  std::map<int, double> latency_gain_;
+  std::map<int, double> latency_delta_chi2_;
   bool anew_ = false;  // linearised about what was found
   Improve improve_ = Improve::freely;
 };

@@ -15,20 +15,20 @@ inline constexpr int most_effects = 8;
 struct Rival {
   int group = -1;
   double z = 0.0;  // paired block differences
-  double delta_score = 0.0;
+  double delta_chi2 = 0.0;
   bool below_tolerance = false;  // in its place it would be a trim
 };
 
 struct Finding {
   int group = -1;
-  double gain = 0.0;  // rise of the loss when it is removed
+  double delta_chi2 = 0.0;  // rise of the loss when it is removed
   // the same when the other finding goes with it that makes this least: effects that undo each other gain much one by one,
   // and little together
-  double gain_with_partner = 0.0;
-  double gain_alone = 0.0;    // fall of the loss when it alone is added to nothing
-  double inclusion = 0.0;     // share of half samples that select it
-  bool calibration = false;   // below its reporting tolerance: a trim, not missing physics
-  std::vector<Rival> rivals;  // best first
+  double delta_chi2_with_partner = 0.0;
+  double delta_chi2_alone = 0.0;  // fall of the loss when it alone is added to nothing
+  double inclusion = 0.0;         // share of half samples that select it
+  bool calibration = false;       // below its reporting tolerance: a trim, not missing physics
+  std::vector<Rival> rivals;      // best first
 };
 
 struct Selection {
@@ -38,8 +38,8 @@ struct Selection {
   NoiseModel noise_nominal, noise_selected;
   double degrees_of_freedom = 0.0;
   double loss_nominal = 0.0, loss_selected = 0.0;
-  double unpredicted_gain = 0.0;  // of the coefficients of unpredicted commands
-  Grams grams;                    // at the end, coefficients counted from the nominal vehicle
+  double unpredicted_delta_chi2 = 0.0;  // of the coefficients of unpredicted commands
+  Grams grams;                          // at the end, coefficients counted from the nominal vehicle
   std::vector<Smoothed> smoothed_nominal, smoothed_selected;
   std::vector<std::pair<int, double>> alone;  // every group: gain when it is added to the selection
   void nominal_from(const Session& session) { noise_nominal = session.noise, smoothed_nominal = session.smoothed; }

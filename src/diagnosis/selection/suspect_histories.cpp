@@ -35,7 +35,7 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
     session.suspect_load(load.swing, std::move(force));
     stale = true;
   }
-  if (limit.gain > decisions::least_limit_gain) {
+  if (limit.delta_chi2 > decisions::least_limit_delta_chi2) {
     session.suspect_limit(limit.limit_radps);
     stale = true;
   }

@@ -10,14 +10,14 @@ namespace gustlab::diagnosis {
 
 double size_in_tolerances(const Session& session, const Eigen::VectorXd& value, int group) {
   const auto& flights = session.flights();
-  const bool told = std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.hold_known; });
+  const bool hold_known = std::all_of(flights.begin(), flights.end(), [](const FlightData& f) { return f.hold_known; });
   double largest = 0.0;
   const Group& of = session.catalogue().group(group);
   for (const int c : of.columns) {
     const Column& column = session.catalogue().column(c);
     double tolerance = column.tolerance;
     // a lag or delay of part of a sample is a convention of the log, unless it tells how commands are held
-    if (column.unit == "s" && tolerance > 0.0 && !told)
+    if (column.unit == "s" && tolerance > 0.0 && !hold_known)
       tolerance = std::max(tolerance, decisions::unknown_hold_samples * session.logged_sample_s());
     if (session.noise.errors_last()) tolerance = std::max(tolerance, column.estimate_tolerance);
     // the same vehicle in another flight has not quite the same numbers

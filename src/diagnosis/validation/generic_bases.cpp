@@ -190,8 +190,8 @@ void keep_small(const std::vector<Trim>& trims, std::size_t first, Eigen::Matrix
   }
 }
 
-std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families,
-                           const std::vector<int>& columns, const std::vector<Trim>& trims) {
+std::vector<FamilyDeltaChi2> delta_chi2_of_families(const Session& session, const std::vector<BasisFamily>& families,
+                                                    const std::vector<int>& columns, const std::vector<Trim>& trims) {
   // one pass of the filter for all
   BasisFamily together;
   together.columns.resize(session.flights().size());
@@ -213,27 +213,28 @@ std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily
   std::vector<int> known(beside.size());
   std::iota(known.begin(), known.end(), 0);
   const double before = solve(gram, known, 1e-6).loss;
-  std::vector<Gain> gains;
+  std::vector<FamilyDeltaChi2> result;
   int first = static_cast<int>(known.size());
   for (const BasisFamily& family : families) {
-    Gain gain;
+    FamilyDeltaChi2 delta_chi2;
     const auto with = [&](int channel) {
       std::vector<int> all = known;
       for (int j = 0; j < family.size; ++j)
         if (channel < 0 || family.channel[static_cast<std::size_t>(j)] == channel) all.push_back(first + j);
       return all;
     };
-    gain.all = before - solve(gram, with(-1), 1e-6).loss;
-    for (std::size_t c = 0; c < gain.channel.size(); ++c) {
+    delta_chi2.all = before - solve(gram, with(-1), 1e-6).loss;
+    for (std::size_t c = 0; c < delta_chi2.channel.size(); ++c) {
       const std::vector<int> own = with(static_cast<int>(c));
-      gain.size[c] = static_cast<int>(own.size() - known.size());
-      if (gain.size[c] > 0)
-        gain.channel[c] = gain.size[c] == family.size ? gain.all : before - solve(gram, own, 1e-6).loss;
+      delta_chi2.size[c] = static_cast<int>(own.size() - known.size());
+      if (delta_chi2.size[c] > 0)
+        delta_chi2.channel[c] =
+            delta_chi2.size[c] == family.size ? delta_chi2.all : before - solve(gram, own, 1e-6).loss;
     }
-    gains.push_back(gain);
+    result.push_back(delta_chi2);
     first += family.size;
   }
-  return gains;
+  return result;
 }
 
 }  // namespace gustlab::diagnosis

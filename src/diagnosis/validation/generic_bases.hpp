@@ -39,14 +39,15 @@ Grams grams_with(const Session& session, const BasisFamily& family, const std::v
 // Their sum when the columns from `first` are trims, which are small beforehand.
 void keep_small(const std::vector<Trim>& trims, std::size_t first, Eigen::MatrixXd& gram);
 
-// What a family gains (χ²) beyond the given columns (always free with it) and small values of the trims: all of it, and
+// Δχ² of a family beyond the given columns (always free with it) and small values of the trims: all of it, and
 // its terms on one channel alone.
-struct Gain {
+struct FamilyDeltaChi2 {
   double all = 0.0;
   std::array<double, 6> channel{};
   std::array<int, 6> size{};  // terms on the channel
 };
-std::vector<Gain> gains_of(const Session& session, const std::vector<BasisFamily>& families,
-                           const std::vector<int>& columns, const std::vector<Trim>& trims = {});
+std::vector<FamilyDeltaChi2> delta_chi2_of_families(const Session& session, const std::vector<BasisFamily>& families,
+                                                    const std::vector<int>& columns,
+                                                    const std::vector<Trim>& trims = {});
 
 }  // namespace gustlab::diagnosis

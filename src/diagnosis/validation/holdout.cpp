@@ -81,7 +81,7 @@ class OnHeldOut {
     test.loss_selected = fit_without(-1).second.loss;
     test.loss_nominal = solve(grams_.total(), s_.biases()).loss;
     for (std::size_t i = 0; i < used_.size(); ++i) {
-      test.gain.push_back(groups_[i] < 0 ? 0.0 : fit_without(groups_[i]).second.loss - test.loss_selected);
+      test.delta_chi2.push_back(groups_[i] < 0 ? 0.0 : fit_without(groups_[i]).second.loss - test.loss_selected);
       Eigen::VectorXd fitted_part = Eigen::VectorXd::Zero(catalogue_.size() + 1);
       for (const int c : used_[i]) fitted_part[c] = coefficient[c];
       test.expected.push_back(fitted_part.dot(projected * fitted_part));
@@ -145,7 +145,7 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
                          std::vector<FlightData> own_rate, int jobs) {
   if (holdout.empty()) {
     const std::vector<double> nothing(selection.findings.size(), 0.0);
-    return {.gain = nothing, .expected = nothing};
+    return {.delta_chi2 = nothing, .expected = nothing};
   }
   Session session(std::move(holdout), fitted.vehicle(), jobs, std::move(own_rate));
   session.noise = selection.noise_selected;

@@ -8,8 +8,8 @@
 namespace gustlab::diagnosis {
 
 struct HoldoutTest {
-  std::vector<double> gain;      // per finding of the selection: χ² that it saves on the held-out flights
-  std::vector<double> expected;  // χ² that it would save there if it were just as it was fitted
+  std::vector<double> delta_chi2;  // per finding of the selection: χ² that it saves on the held-out flights
+  std::vector<double> expected;    // χ² that it would save there if it were just as it was fitted
   double loss_nominal = 0.0, loss_selected = 0.0, rows = 0.0;
 };
 

@@ -225,9 +225,9 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection, const
   // smooth functions of the state, per channel
   std::vector<Mismatch> result;
   const auto families = channel_bases(session);
-  const std::vector<Gain> gains = gains_of(session, families, session.biases());
+  const std::vector<FamilyDeltaChi2> of_families = delta_chi2_of_families(session, families, session.biases());
   double largest = 0.0;
-  for (const Gain& gain : gains) largest = std::max(largest, gain.all);
+  for (const FamilyDeltaChi2& family : of_families) largest = std::max(largest, family.all);
   const Blocks before = blocks(session, selection.smoothed_nominal),
                after = blocks(session, selection.smoothed_selected);
   const auto rms = [](const Blocks& b, int c) {
@@ -238,10 +238,10 @@ std::vector<Mismatch> locate(Session& session, const Selection& selection, const
   for (int c = 0; c < 6; ++c) {
     Mismatch m;
     m.channel = channel_name[static_cast<std::size_t>(c)];
-    const double gain = gains[static_cast<std::size_t>(c)].all;
-    m.p_value = chi_squared_tail(gain, families[static_cast<std::size_t>(c)].size);
-    m.significant = beyond_chance(gain, families[static_cast<std::size_t>(c)].size, rows) &&
-                    gain > decisions::least_channel * largest;
+    const double delta_chi2 = of_families[static_cast<std::size_t>(c)].all;
+    m.p_value = chi_squared_tail(delta_chi2, families[static_cast<std::size_t>(c)].size);
+    m.significant = beyond_chance(delta_chi2, families[static_cast<std::size_t>(c)].size, rows) &&
+                    delta_chi2 > decisions::least_channel * largest;
     for (const Alarm& alarm : rest.alarms)
       m.significant |= std::find(alarm.channels.begin(), alarm.channels.end(), m.channel) != alarm.channels.end();
     m.rms = rms(before, c);

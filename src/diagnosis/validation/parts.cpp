@@ -98,7 +98,8 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(beside.size() + i);
     const double seen = projected(at, at);
-    if (!(seen > std::max(decisions::least_push_seen, decisions::least_push_share * selection.findings[i].gain)))
+    if (!(seen >
+          std::max(decisions::least_force_seen, decisions::least_force_share * selection.findings[i].delta_chi2)))
       continue;
     const Eigen::VectorXd pattern = left_of(at);
     const double excess = projected(at, projected.cols() - 1) / seen;

@@ -62,20 +62,20 @@ void ask_generic_bases(const Session& session, const Selection& selection, const
   double worst = 0.0;
   std::vector<BasisFamily> families = omnibus_bases(session);
   for (BasisFamily& family : channel_bases(session)) families.push_back(std::move(family));
-  const std::vector<Gain> gains = gains_of(session, families, columns, trims);
+  const std::vector<FamilyDeltaChi2> delta_chi2 = delta_chi2_of_families(session, families, columns, trims);
   for (std::size_t i = 0; i < families.size(); ++i) {
     const BasisFamily& family = families[i];
     const bool smooth = family.name.starts_with("smooth");
     // what moves slowly is like any slow function of place and time
     if (result.gust_like && (smooth ? family.channel.front() < 2 : family.name == "position" || family.name == "time"))
       continue;
-    if (!beyond_chance(gains[i].all, family.size, rows)) continue;
-    worst = std::max(worst, gains[i].all);
-    Alarm alarm{"omnibus", fmt::format("what is left depends on {}", family.name), gains[i].all / rows, {}};
-    const double most = *std::max_element(gains[i].channel.begin(), gains[i].channel.end());
+    if (!beyond_chance(delta_chi2[i].all, family.size, rows)) continue;
+    worst = std::max(worst, delta_chi2[i].all);
+    Alarm alarm{"omnibus", fmt::format("what is left depends on {}", family.name), delta_chi2[i].all / rows, {}};
+    const double most = *std::max_element(delta_chi2[i].channel.begin(), delta_chi2[i].channel.end());
     for (std::size_t c = 0; c < channel_name.size(); ++c)
-      if (beyond_chance(gains[i].channel[c], gains[i].size[c], rows) &&
-          gains[i].channel[c] > least_channel_of_alarm * most)
+      if (beyond_chance(delta_chi2[i].channel[c], delta_chi2[i].size[c], rows) &&
+          delta_chi2[i].channel[c] > least_channel_of_alarm * most)
         alarm.channels.emplace_back(channel_name[c]);
     if (smooth) {
       const std::string& where = alarm.channels.front();
@@ -89,7 +89,7 @@ void ask_generic_bases(const Session& session, const Selection& selection, const
   }
   result.gust_like = result.gust_like && worst == 0.0;
   const double explained = std::max(0.0, selection.loss_nominal - selection.loss_selected);
-  result.omnibus_gain = worst;
+  result.omnibus_delta_chi2 = worst;
   result.omnibus_share = worst > 0.0 ? worst / (worst + explained) : 0.0;
 }
 
@@ -201,8 +201,8 @@ void ask_growth(const Session& session, const Selection& selection, Remainder& r
 
 }  // namespace
 
-bool beyond_chance(double gain, int size, double rows) {
-  return gain > size + beyond_chance_sd * std::sqrt(2.0 * size) + beyond_chance_share * rows;
+bool beyond_chance(double delta_chi2, int size, double rows) {
+  return delta_chi2 > size + beyond_chance_sd * std::sqrt(2.0 * size) + beyond_chance_share * rows;
 }
 
 Remainder remainder(const Session& session, const Selection& selection, bool force_withdrawn) {

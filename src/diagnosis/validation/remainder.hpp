@@ -16,8 +16,8 @@ inline constexpr std::array<const char*, 6> channel_name = {"force_x",  "force_y
 
 struct Remainder {
   std::vector<Alarm> alarms;
-  double omnibus_gain = 0.0;   // χ² of the family that still finds most
-  double omnibus_share = 0.0;  // of all structure, what the omnibus test still finds
+  double omnibus_delta_chi2 = 0.0;  // χ² of the family that still finds most
+  double omnibus_share = 0.0;       // of all structure, what the omnibus test still finds
   bool gust_like =
       false;  // horizontal floor raised and slowly varying, or with a line, and no dependence on the state explains it
   bool names_gust =
@@ -31,6 +31,6 @@ struct Remainder {
 Remainder remainder(const Session& session, const Selection& selection, bool force_withdrawn);
 
 // more than chance and more than a thousandth of the information (DIAGNOSIS.md §3.5c)
-bool beyond_chance(double gain, int size, double rows);
+bool beyond_chance(double delta_chi2, int size, double rows);
 
 }  // namespace gustlab::diagnosis

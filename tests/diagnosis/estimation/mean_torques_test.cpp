@@ -49,10 +49,10 @@ TEST(MeanTorques, AreOneWindowInTwoSeconds) {
   Session session = session_of(vehicle, {1.0, 1.0, 1.0, 1.0}, 0.0);
   session.linearise(session.value(), session.all_columns());
   const LinearFlight& flight = session.linear().front();
-  ASSERT_NEAR(static_cast<double>(flight.turning.size()), 0.5 * duration_s, 1.0);
-  for (std::size_t w = 1; w < flight.turning.size(); ++w)
+  ASSERT_NEAR(static_cast<double>(flight.mean_acceleration.size()), 0.5 * duration_s, 1.0);
+  for (std::size_t w = 1; w < flight.mean_acceleration.size(); ++w)
     EXPECT_NEAR(flight.window_s[w] - flight.window_s[w - 1], 2.0, 1e-9);
-  for (const Vector3& rest : flight.turning) EXPECT_NEAR(rest.norm(), 0.0, 1e-6);
+  for (const Vector3& rest : flight.mean_acceleration) EXPECT_NEAR(rest.norm(), 0.0, 1e-6);
 }
 
 // by hand: thrust on one side times the arm over the moment of inertia
@@ -67,9 +67,9 @@ TEST(MeanTorques, OfRotorsThatPushUnequallyAreMissingInTheMotion) {
   const Vector3 expected = -(vehicle.inertia_B_kgm2.inverse() * torque);
   ASSERT_GT(expected.head<2>().norm(), 1.0);
   // what the first command left in the rotors is in the first window
-  const std::vector<Vector3>& turning = session.linear().front().turning;
-  for (std::size_t w = 1; w < turning.size(); ++w)
-    EXPECT_NEAR((turning[w] - expected).head<2>().norm(), 0.0, 0.02 * expected.norm());
+  const std::vector<Vector3>& mean = session.linear().front().mean_acceleration;
+  for (std::size_t w = 1; w < mean.size(); ++w)
+    EXPECT_NEAR((mean[w] - expected).head<2>().norm(), 0.0, 0.02 * expected.norm());
 }
 
 TEST(MeanTorques, TellAShiftedCentreOfMassAndNoScale) {
@@ -85,7 +85,7 @@ TEST(MeanTorques, TellAShiftedCentreOfMassAndNoScale) {
     for (std::size_t j = 0; j < flight.columns.size(); ++j) {
       const int g = catalogue.column(flight.columns[j]).group;
       if (g != catalogue.find(effect)) continue;
-      for (const auto& by : flight.turning_by) squares += by.col(static_cast<Eigen::Index>(j)).squaredNorm();
+      for (const auto& by : flight.mean_acceleration_by) squares += by.col(static_cast<Eigen::Index>(j)).squaredNorm();
     }
     return squares;
   };
@@ -109,9 +109,9 @@ TEST(MeanTorques, TellAShiftedCentreOfMassAndNoScale) {
 
 LinearFlight with_means(const std::vector<Vector3>& means) {
   LinearFlight flight;
-  flight.turning = means;
+  flight.mean_acceleration = means;
   for (std::size_t w = 0; w < means.size(); ++w)
-    flight.window_s.push_back(2.0 * static_cast<double>(w)), flight.turning_by.emplace_back(3, 0);
+    flight.window_s.push_back(2.0 * static_cast<double>(w)), flight.mean_acceleration_by.emplace_back(3, 0);
   return flight;
 }
 

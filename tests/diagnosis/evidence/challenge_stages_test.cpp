@@ -35,7 +35,7 @@ TEST(Challenge, WhatTheHeldOutFlightHasTooStands) {
   const Challenge result = challenged(center, selection);
   ASSERT_NE(find(result.records), nullptr);
   EXPECT_GT(find(result.records)->probability, named_from);
-  EXPECT_GT(find(result.records)->held_out_gain, 0.0);
+  EXPECT_GT(find(result.records)->held_out_delta_chi2, 0.0);
   EXPECT_EQ(find(result.withdrawn), nullptr);
   EXPECT_EQ(result.records.size(), selection.findings.size());
   EXPECT_EQ(result.regimes.size(), selection.findings.size());
@@ -48,7 +48,7 @@ TEST(Challenge, WhatItHasNotIsNotNamed) {
   const Evidence* record = find(result.records) ? find(result.records) : find(result.withdrawn);
   ASSERT_NE(record, nullptr);
   EXPECT_LT(record->probability, named_from);
-  EXPECT_LT(record->held_out_gain, 0.0);
+  EXPECT_LT(record->held_out_delta_chi2, 0.0);
 }
 
 TEST(ExplainsMore, IsTheSetWithWhatWasConcealed) {
@@ -62,12 +62,12 @@ TEST(ExplainsMore, IsTheSetWithWhatWasConcealed) {
   EXPECT_FALSE(explains_more(session, found, found));
 }
 
-Evidence candidate(const std::string& effect, double probability, double gain, int rotor = 0, int alike = 0) {
+Evidence candidate(const std::string& effect, double probability, double delta_chi2, int rotor = 0, int alike = 0) {
   Evidence record;
   record.effect = effect;
   record.rotor = rotor;
   record.probability = probability;
-  record.gain = gain;
+  record.delta_chi2 = delta_chi2;
   record.alike = alike;
   return record;
 }
@@ -79,7 +79,7 @@ TEST(Weakest, TheHopelessGoTogetherAndTheMerelyDoubtfulAlone) {
                                          candidate("battery_sag", 0.05, 30.0)};
   const auto apart = [&](const Indices& some) {
     double sum = 0.0;
-    for (const std::size_t i : some) sum += records[i].gain;
+    for (const std::size_t i : some) sum += records[i].delta_chi2;
     return sum;
   };
   EXPECT_EQ(weakest(records, {}, {0, 1, 2}, apart), (Indices{1, 2}));

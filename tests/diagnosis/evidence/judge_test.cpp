@@ -11,8 +11,8 @@ namespace {
 
 Evidence strong() {
   Evidence e;
-  e.gain = 2000.0;
-  e.held_out_gain = 600.0, e.held_out_expected = 650.0;
+  e.delta_chi2 = 2000.0;
+  e.held_out_delta_chi2 = 600.0, e.held_out_expected = 650.0;
   e.surrogates = {1.1, 0.005, true};
   e.clustered_inflation = 1.3;
   e.flights = {{"a", false, 1.0, 0.05}, {"b", false, 1.1, 0.05}, {"held out", true, 0.95, 0.05}};
@@ -33,9 +33,9 @@ TEST(Judge, RejectsAnEmptyRecord) { EXPECT_LT(probability(Evidence{}), suspected
 
 TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
   const std::vector<std::function<void(Evidence&)>> worse = {
-      [](Evidence& e) { e.gain = 30.0; },
-      [](Evidence& e) { e.gain_with_partner = 30.0; },
-      [](Evidence& e) { e.gain_alone = 5.0; },
+      [](Evidence& e) { e.delta_chi2 = 30.0; },
+      [](Evidence& e) { e.delta_chi2_with_partner = 30.0; },
+      [](Evidence& e) { e.delta_chi2_alone = 5.0; },
       [](Evidence& e) { e.surrogates.inflation = 60.0; },
       [](Evidence& e) { e.surrogates.p_value = 0.5; },
       [](Evidence& e) { e.clustered_inflation = 80.0; },
@@ -44,20 +44,20 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
       },
       [](Evidence& e) { e.spread_flights = 0.8; },
       [](Evidence& e) { e.spread_regimes = 0.9; },
-      [](Evidence& e) { e.held_out_gain = -300.0; },
+      [](Evidence& e) { e.held_out_delta_chi2 = -300.0; },
       [](Evidence& e) {
         e.recovered_z = {-3.0, -3.0, -3.0};
       },
       [](Evidence& e) { e.size_in_tolerances = 1.3; },
       [](Evidence& e) { e.inclusion = 0.2; },
-      [](Evidence& e) { e.unexplained_gain = 20000.0; },
+      [](Evidence& e) { e.unexplained_delta_chi2 = 20000.0; },
       [](Evidence& e) { e.unpredicted_commands = 5000.0; },
       [](Evidence& e) { e.force_excess = 0.9, e.force_excess_sd = 0.1; },
       [](Evidence& e) { e.sensors_share = 0.0; },
       [](Evidence& e) { e.at_bound = true; },
       [](Evidence& e) { e.alike = 1; },
       [](Evidence& e) { e.undone = 0.8; },
-      [](Evidence& e) { e.push_over_tilt = 0.5; }};
+      [](Evidence& e) { e.force_over_tilt = 0.5; }};
   for (std::size_t i = 0; i < worse.size(); ++i) {
     Evidence e = strong();
     worse[i](e);
@@ -67,9 +67,9 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
 
 // held-out flights that hardly excite an effect do not refute it
 TEST(Judge, HeldOutFlightsSpeakOnlyOfWhatTheyExcite) {
-  const auto with = [](double expected, double gain) {
+  const auto with = [](double expected, double delta_chi2) {
     Evidence e = strong();
-    e.held_out_expected = expected, e.held_out_gain = gain;
+    e.held_out_expected = expected, e.held_out_delta_chi2 = delta_chi2;
     return probability(e);
   };
   EXPECT_EQ(with(9.0, -9.0), with(9.0, 9.0));
@@ -100,7 +100,7 @@ TEST(Judge, AValueAtItsBoundIsNotNamed) {
 // effects that undo each other gain much one by one, and little together
 TEST(Judge, WhatGainsNothingWithoutItsPartnerIsNotNamed) {
   Evidence e = strong();
-  e.gain_with_partner = 12.0;
+  e.delta_chi2_with_partner = 12.0;
   EXPECT_LT(probability(e), named_from);
 }
 

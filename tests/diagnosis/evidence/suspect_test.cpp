@@ -11,7 +11,7 @@ Diagnosis with_names() {
   for (const char* name : {"first", "second", "third"}) {
     EffectFinding effect;
     effect.effect = name;
-    effect.gain = 10.0 + static_cast<double>(d.effects.size());
+    effect.delta_chi2 = 10.0 + static_cast<double>(d.effects.size());
     d.effects.push_back(effect);
   }
   d.rejected.push_back({"before", 1.0, "earlier"});
@@ -27,7 +27,7 @@ TEST(Suspect, WithdrawsAllButThoseThatStand) {
   EXPECT_EQ(d.rejected[0].effect, "before");
   EXPECT_EQ(d.rejected[1].effect, "first");
   EXPECT_EQ(d.rejected[2].effect, "third");
-  EXPECT_EQ(d.rejected[2].delta_score, 12.0);
+  EXPECT_EQ(d.rejected[2].delta_chi2, 12.0);
   EXPECT_EQ(d.rejected[2].why, "late");
 }
 

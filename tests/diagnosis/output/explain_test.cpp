@@ -80,7 +80,7 @@ class Explained : public ::testing::Test {
   void found(const char* group, double change, double probability) {
     Finding& f = selection.findings.emplace_back();
     f.group = session.catalogue().find(group);
-    f.gain = 400.0;
+    f.delta_chi2 = 400.0;
     selection.value[column(group)] += change;
     challenge.records.emplace_back().probability = probability;
     challenge.regimes.emplace_back();
@@ -135,7 +135,7 @@ TEST_F(Explained, ARivalThatDoesAsWellSharesTheClassAndAWorseOneDoesNot) {
   EXPECT_THAT(d.effects[0].classmates, ElementsAre("mass", "thrust_scale"));
   EXPECT_EQ(d.effects[0].confusable.size(), 2u);
   // a spread that is as large as the difference, where half of the gain would be lost, makes no equal
-  selection.findings[0].rivals[0].delta_score = 0.6 * selection.findings[0].gain;
+  selection.findings[0].rivals[0].delta_chi2 = 0.6 * selection.findings[0].delta_chi2;
   EXPECT_THAT(explained().effects[0].classmates, ElementsAre("mass"));
   // what may as well be a trim of another name is calibration
   selection.findings[0].rivals[0] = {thrust, 0.5, 3.0, true};
@@ -162,7 +162,7 @@ TEST_F(Explained, WhatFlightsDoNotExciteIsSaidOnce) {
 
 TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
   Evidence& gone = challenge.withdrawn.emplace_back();
-  gone.effect = "gyro_scale", gone.gain = 12.0, gone.probability = 0.08;
+  gone.effect = "gyro_scale", gone.delta_chi2 = 12.0, gone.probability = 0.08;
   selection.alone = {{session.catalogue().find("mass"), 3.0}, {session.catalogue().find("rotor_loss#2"), 7.0}};
   const Diagnosis d = explained();
   ASSERT_EQ(d.rejected.size(), 3u);

@@ -1,4 +1,4 @@
-// Two clocks in one recording: told where turning is quick enough to tell them, and not where it is slow.
+// Two clocks in one recording: found where the rotation is quick enough to show them, and not where it is slow.
 #include "diagnosis/recording/clock_checks.hpp"
 
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ TEST(ClockChecks, SeeAGyroThatFallsBehind) { EXPECT_TRUE(track(1.5, 0.08)); }
 
 TEST(ClockChecks, SayNothingOfOneClock) { EXPECT_FALSE(track(1.5, 0.0)); }
 
-// the correlation of slow turning has a flat top, which wanders by tens of milliseconds
+// the correlation of slow rotation has a flat top, which wanders by tens of milliseconds
 TEST(ClockChecks, SayNothingOfSlowTurning) { EXPECT_FALSE(track(0.25, 0.0)); }
 
 // it wanders by a few milliseconds a second, and jumps

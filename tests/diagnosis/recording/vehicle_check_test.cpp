@@ -109,8 +109,8 @@ TEST(TorqueDelay, IsThatOfTheTurningBehindTheRotors) {
 }
 
 // iris: both are changes over six samples of the same mean; per hub's lever and (Ω/Ω_h)²
-TEST(TurningSeries, OfTorqueAndOfAccelerationAreProportional) {
-  const TurningSeries series = turning_series(turning(), truth());
+TEST(AngularAccelerationSeries, OfTorqueAndOfAccelerationAreProportional) {
+  const AngularAccelerationSeries series = angular_acceleration_series(turning(), truth());
   const VehicleModel vehicle = truth();
   const double force_N = vehicle.rotors[0].thrust_coefficient_Ns2 * std::pow(vehicle.hover_speed_radps(), 2);
   ASSERT_EQ(series.torque.size(), 1201u);

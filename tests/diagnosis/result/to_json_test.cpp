@@ -70,15 +70,15 @@ TEST(Evidence, CountsFlightsByShareAndError) {
 
 TEST(Evidence, ItsGainIsCountedInUnitsOfTheLargerInflation) {
   Evidence e;
-  e.gain = 120.0;
-  EXPECT_EQ(e.robust_gain(), 120.0);
-  e.gain_with_partner = 90.0;
-  EXPECT_EQ(e.robust_gain(), 90.0);
+  e.delta_chi2 = 120.0;
+  EXPECT_EQ(e.robust_delta_chi2(), 120.0);
+  e.delta_chi2_with_partner = 90.0;
+  EXPECT_EQ(e.robust_delta_chi2(), 90.0);
   e.surrogates.inflation = 3.0;
   e.clustered_inflation = 2.0;
-  EXPECT_EQ(e.robust_gain(), 30.0);
+  EXPECT_EQ(e.robust_delta_chi2(), 30.0);
   e.surrogates.movable = false;
-  EXPECT_EQ(e.robust_gain(), 45.0);
+  EXPECT_EQ(e.robust_delta_chi2(), 45.0);
 }
 
 }  // namespace

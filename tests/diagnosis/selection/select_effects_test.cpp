@@ -56,13 +56,13 @@ TEST_F(SelectEffects, GainsAreLossesWithoutOrWithOne) {
   EXPECT_NEAR(selection.loss_selected, loss(all), 1e-9 * selection.loss_selected);
   EXPECT_NEAR(selection.loss_nominal, loss({}), 1e-9 * selection.loss_nominal);
   for (const Finding& finding : selection.findings) {
-    double with_partner = finding.gain;
+    double with_partner = finding.delta_chi2;
     for (const int partner : all)
       if (partner != finding.group)
         with_partner = std::min(with_partner, loss(all, finding.group, partner) - selection.loss_selected);
-    EXPECT_NEAR(finding.gain, loss(all, finding.group) - loss(all), 1e-6 * finding.gain);
-    EXPECT_NEAR(finding.gain_alone, loss({}) - loss({finding.group}), 1e-6 * selection.loss_nominal);
-    EXPECT_NEAR(finding.gain_with_partner, with_partner, 1e-6 * finding.gain);
+    EXPECT_NEAR(finding.delta_chi2, loss(all, finding.group) - loss(all), 1e-6 * finding.delta_chi2);
+    EXPECT_NEAR(finding.delta_chi2_alone, loss({}) - loss({finding.group}), 1e-6 * selection.loss_nominal);
+    EXPECT_NEAR(finding.delta_chi2_with_partner, with_partner, 1e-6 * finding.delta_chi2);
   }
 }
 

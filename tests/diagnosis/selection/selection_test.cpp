@@ -9,14 +9,14 @@ using ::testing::ElementsAre;
 
 TEST(Selection, FindsAFindingByItsGroup) {
   Selection selection;
-  for (const auto& [group, gain] : {std::pair{4, 30.0}, {11, 20.0}}) {
+  for (const auto& [group, delta_chi2] : {std::pair{4, 30.0}, {11, 20.0}}) {
     Finding& finding = selection.findings.emplace_back();
     finding.group = group;
-    finding.gain = gain;
+    finding.delta_chi2 = delta_chi2;
   }
   EXPECT_THAT(selection.groups(), ElementsAre(4, 11));
   ASSERT_NE(selection.find(11), nullptr);
-  EXPECT_EQ(selection.find(11)->gain, 20.0);
+  EXPECT_EQ(selection.find(11)->delta_chi2, 20.0);
   EXPECT_EQ(selection.find(5), nullptr);
 }
 

@@ -16,7 +16,7 @@ TEST(LimitScanOfFlights, FindsTheLimitAndGainsWhatItExplains) {
   const Unexplained limited(R"({type = "saturation", max_speed = 2120})");
   const LimitScan found = scan_limit(limited.session, limited.session.biases());
   EXPECT_NEAR(found.limit_radps, 2120.0, 30.0);
-  EXPECT_GT(found.gain, decisions::least_limit_gain);
+  EXPECT_GT(found.delta_chi2, decisions::least_limit_delta_chi2);
 }
 
 // The scan's gain is what the limit's own column gains in the Gram matrices, the other coefficients as they were.
@@ -31,7 +31,7 @@ TEST(LimitScanOfFlights, GainsWhatItsColumnGainsInTheGramMatrices) {
   Eigen::VectorXd left = Eigen::VectorXd::Unit(total.cols(), total.cols() - 1);
   left(session.biases()) = -solve(total, session.biases()).coefficient;
   const double seen = total.col(column).dot(left);
-  EXPECT_NEAR(found.gain, seen * seen / total(column, column), 1e-6 * found.gain);
+  EXPECT_NEAR(found.delta_chi2, seen * seen / total(column, column), 1e-6 * found.delta_chi2);
 }
 
 TEST(SuspectHistories, ALowerLimitIsSuspectedWhereItIs) {

@@ -93,7 +93,7 @@ TEST(LatencyTrials, KnowWhatFlightsWithoutALongLagWouldBe) {
   ASSERT_THAT(d.effects, Contains(::testing::Field(&EffectFinding::effect, "motor_lag"))) << to_json(d).dump(1);
   for (const Evidence& record : d.evidence)
     if (record.effect == "motor_lag") {
-      EXPECT_GT(record.gain, 2.0 * record.gain_alone);  // alone: by the linear model
+      EXPECT_GT(record.delta_chi2, 2.0 * record.delta_chi2_alone);  // alone: by the linear model
     }
 }
 

@@ -140,7 +140,7 @@ TEST_F(GenericBases, GainsAreWhatDenseLeastSquaresSaves) {
   beside.push_back(scatter);
   const std::vector<BasisFamily> all = omnibus_bases(session);
   const std::vector<BasisFamily> families = {named(all, "time"), named(all, "velocity")};
-  const std::vector<Gain> gains = gains_of(session, families, columns, trims);
+  const std::vector<FamilyDeltaChi2> delta_chi2 = delta_chi2_of_families(session, families, columns, trims);
   const auto known = static_cast<Eigen::Index>(beside.size());
   for (std::size_t i = 0; i < families.size(); ++i) {
     Eigen::MatrixXd X = rows(families[i], beside);
@@ -151,7 +151,7 @@ TEST_F(GenericBases, GainsAreWhatDenseLeastSquaresSaves) {
     const Eigen::VectorXd z = X.rightCols<1>();
     const double before = loss(X.leftCols(known), z), after = loss(X.leftCols(X.cols() - 1), z);
     ASSERT_GT(before - after, 1.0);
-    EXPECT_NEAR(gains[i].all, before - after, 1e-3 * (before - after)) << families[i].name;
+    EXPECT_NEAR(delta_chi2[i].all, before - after, 1e-3 * (before - after)) << families[i].name;
     // the terms on one channel alone
     Eigen::MatrixXd own = X.leftCols(known);
     for (int j = 0; j < families[i].size; ++j)
@@ -159,8 +159,8 @@ TEST_F(GenericBases, GainsAreWhatDenseLeastSquaresSaves) {
         own.conservativeResize(Eigen::NoChange, own.cols() + 1);
         own.rightCols<1>() = X.col(known + j);
       }
-    EXPECT_EQ(gains[i].size[2], own.cols() - known);
-    EXPECT_NEAR(gains[i].channel[2], before - loss(own, z), 1e-3 * (before - after)) << families[i].name;
+    EXPECT_EQ(delta_chi2[i].size[2], own.cols() - known);
+    EXPECT_NEAR(delta_chi2[i].channel[2], before - loss(own, z), 1e-3 * (before - after)) << families[i].name;
   }
 }
 

@@ -1,4 +1,4 @@
-// A push and a turning that belong together are of one size.
+// A force and a moment that belong together are of one size.
 #include <gmock/gmock.h>
 
 #include "diagnosis/validation/parts.hpp"
@@ -29,9 +29,9 @@ void delay_accelerometer(FlightData& flight) {
     flight.samples[k].specific_force_B_mps2 = flight.samples[k - 3].specific_force_B_mps2;
 }
 
-// Effects fitted to one flight of fourteen seconds, and how the push of the first compares with its turning.
+// Effects fitted to one flight of fourteen seconds, and how the force of the first compares with its moment.
 Parts parts_of(const std::vector<std::string>& effects, const std::string& concealed, bool late = false,
-               double gain = 0.0) {
+               double delta_chi2 = 0.0) {
   const TemporaryFolder folder;
   std::vector<std::string> sensors{"pose", "gyroscope"};
   if (late) sensors.push_back("accelerometer");
@@ -55,7 +55,7 @@ Parts parts_of(const std::vector<std::string>& effects, const std::string& conce
           fit.coefficient[static_cast<Eigen::Index>(i)] * session.catalogue().column(columns[i]).natural;
   }
   session.linearise(selection.value, session.all_columns());
-  for (Finding& finding : selection.findings) finding.gain = gain;
+  for (Finding& finding : selection.findings) finding.delta_chi2 = delta_chi2;
   return parts(session, selection).front();
 }
 
@@ -63,7 +63,7 @@ TEST(Parts, OfAnInflowAreOfOneSizeAndThoseOfADampingAloneAreNot) {
   const Parts inflow = parts_of({"axial_inflow"}, R"({type = "axial_inflow", at_hover = 0.02})");
   ASSERT_GT(inflow.deviation, 0.0);
   EXPECT_LT(std::abs(inflow.excess), std::max(0.3, 3.0 * inflow.deviation));
-  // the same turning, and a force that takes the push away
+  // the same moment, and a force that takes the first one's away
   const Parts damping = parts_of(
       {"axial_inflow"},
       R"({type = "axial_inflow", at_hover = 0.02}, {type = "sindy_residual", frame = "world", terms = ["vz"], fx = [0], fy = [0], fz = [0.02]})");
