@@ -7,9 +7,9 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 OURS, NAIVE, SOFT = "#1f6fb2", "#c9741a", "#8894a0"
-plt.rcParams.update({"svg.hashsalt": "gustlab", "svg.fonttype": "none", "font.size": 9, "axes.spines.top": False,
-                     "axes.spines.right": False, "axes.edgecolor": SOFT, "xtick.color": "#444", "ytick.color": "#444",
-                     "figure.facecolor": "white", "font.family": "sans-serif", "figure.constrained_layout.use": True})
+STYLE = {"svg.hashsalt": "gustlab", "svg.fonttype": "none", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
+         "axes.edgecolor": SOFT, "xtick.color": "#444", "ytick.color": "#444", "figure.facecolor": "white", "font.family": "sans-serif",
+         "figure.constrained_layout.use": True}
 
 
 def save(figure, folder, name):
@@ -23,6 +23,7 @@ def error_bars(rates):
     return share, np.abs(np.array([[r["low"], r["high"]] for r in rates]).T - share)
 
 
+@plt.rc_context(STYLE)
 def power(score, baseline, folder):
     edges = score["power"]["strength_from"]
     labels = [f"{a:g}–{b:g}" for a, b in zip(edges, edges[1:])] + [f"≥ {edges[-1]:g}"]
@@ -43,6 +44,7 @@ def power(score, baseline, folder):
     return save(figure, folder, "power.svg")
 
 
+@plt.rc_context(STYLE)
 def reliability(score, folder):
     bins = score["reliability"]["bins"]
     if not bins:
@@ -55,6 +57,7 @@ def reliability(score, folder):
     return save(figure, folder, "reliability.svg")
 
 
+@plt.rc_context(STYLE)
 def confusion(score, folder):
     named, rows = score["confusion"]["named"], score["confusion"]["concealed"]
     rows = {row: cells for row, cells in rows.items() if "below limit" not in row}
@@ -73,6 +76,7 @@ def confusion(score, folder):
     return save(figure, folder, "confusion.svg")
 
 
+@plt.rc_context(STYLE)
 def closure(score, baseline, folder):
     parts = [(p, c, l) for p, c, l in ((score, OURS, "this diagnosis"), (baseline, NAIVE, "equation error, STLSQ"))
              if p and p["closure"]["each"]]
