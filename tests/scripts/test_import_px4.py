@@ -1,6 +1,7 @@
 """PX4 logs that the test writes: frames, rates, allocation, flights and refusals."""
 
 import json
+import re
 import tomllib
 import unittest
 from pathlib import Path
@@ -309,11 +310,62 @@ class Damaged(ImportCase):
         said = [f["says"] for f in json.loads(out)["logs"][0]["findings"]]
         self.assertTrue(any(line.startswith("the file is damaged in places") for line in said), said)
 
-    def test_a_log_that_was_cut_off_keeps_what_is_there(self):
+    def test_a_log_that_was_cut_off_keeps_what_is_there_and_says_where_it_ends(self):
         good = px4_flight(synthetic()).bytes()
-        code, _, err = self.run_import(self.write("cut.ulg", good[:int(0.6 * len(good))]), "--out", self.out)
+        code, out, err = self.run_import(self.write("cut.ulg", good[:int(0.6 * len(good)) + 1]), "--out", self.out)
         self.assertEqual((code, err), (0, ""))
-        self.assertLess(self.written("cut_1.csv")["time_s"][-1], 14.0)
+        last_s = self.written("cut_1.csv")["time_s"][-1]
+        self.assertLess(last_s, 14.0)
+        said = re.search(r"WARNING gap: .*the file ends within a message \(\d+ of \d+ bytes\) at ([0-9.]+) s: it was cut off", out)
+        self.assertAlmostEqual(float(said.group(1)), last_s, delta=0.02)
+        self.assertIn("the file ends within a message", (self.out / "cut_1.meta.toml").read_text())
+        self.assertIn("note    gap: ", out)
+        self.assertIn("the log ends in the air: it was cut off, or logging stopped in flight", out)
+        self.assertNotIn("the log ends", self.run_import(self.write("whole.ulg", good))[1].replace("the file ends", "the log ends"))
+
+    def damaged(self, harm) -> tuple:
+        """(what import says, columns written) of a log with a kilobyte and more of its middle harmed."""
+        good = px4_flight(synthetic()).bytes()
+        first = len(good) // 2
+        code, out, err = self.run_import(self.write("bad.ulg", good[:first] + harm(good[first:first + 3000]) + good[first + 3000:]), "--out", self.out)
+        self.assertEqual((code, err), (0, ""))
+        return out, self.written("bad_1.csv")
+
+    def test_bytes_that_are_no_messages_are_counted_and_placed(self):
+        noise = np.random.default_rng(3).bytes(3000)
+        for name, harm, least in (("zeros", lambda part: bytes(len(part)), 3000), ("noise", lambda _: noise, 2900), ("hole", lambda _: b"", 1)):
+            with self.subTest(name):
+                out, _ = self.damaged(harm)
+                found = re.search(r"the file is damaged in places: (\d+) bytes from byte (\d+) on are no messages, and of ([0-9.]+) to ([0-9.]+) s everything or "
+                                  "something is missing", out)
+                self.assertTrue(found, out)
+                lost, _, from_s, to_s = (float(x) for x in found.groups())
+                self.assertTrue(least <= lost <= 3200, lost)
+                # 42 kB/s
+                self.assertTrue(0.02 < to_s - from_s < 0.3 and 9.5 < from_s < 10.5, found.group())
+                self.assertIn("bytes from byte", (self.out / "bad_1.meta.toml").read_text())
+
+    def test_a_time_that_cannot_be_moves_nothing(self):
+        out, columns = self.damaged(lambda part: part)
+        log = px4_flight(synthetic())
+        whole, at = log.bytes(), 0
+        # the highest byte of a time in the middle of the log, of the fastest topic
+        stamps = [match.start() for match in re.finditer(rb"D\x00\x00", whole)]
+        at = stamps[len(stamps) // 2] + 3
+        self.run_import(self.write("bad.ulg", whole[:at + 7] + b"\x01" + whole[at + 8:]), "--out", self.out)
+        self.assertEqual(len(columns["time_s"]) - len(self.written("bad_1.csv")["time_s"]) in (0, 1), True)
+        self.assertIn("the file is damaged in places: ", (self.out / "bad_1.meta.toml").read_text())
+
+    def test_any_byte_may_be_wrong(self):
+        good, random = px4_flight(synthetic(8.0), armed=(0.0, 8.0), flying=(0.5, 7.5)).bytes(), np.random.default_rng(7)
+        for _ in range(30):
+            bad = bytearray(good)
+            head = random.random() < 0.5
+            for at in random.integers(16, 3000 if head else len(bad), 20):
+                bad[at] = random.integers(256)
+            code, _, err = self.run_import(self.write("bad.ulg", bytes(bad)))
+            self.assertIn(code, (0, 3), err)
+            self.assertLessEqual(len(err.strip().splitlines()), 1, err)
 
 
 if __name__ == "__main__":
