@@ -262,10 +262,31 @@ class OutputFolder(ImportCase):
     def test_what_is_imported_again_is_replaced_whole(self):
         two = px4_flight(synthetic(30.0), armed=(1.0, 29.0), flying=(2.0, 28.0))
         two.data = [d for d in two.data if not 13_000_000 < d[0] < 15_000_000]
-        self.run_import(self.write("a.ulg", two.bytes()), "--out", self.out)
+        log = self.write("a.ulg", two.bytes())
+        self.run_import(log, "--out", self.out)
         self.assertEqual(sorted(p.name for p in self.out.glob("*.csv")), ["a_1.csv", "a_2.csv"])
-        self.log("a.ulg")
+        self.assertEqual(self.run_import(log, "--out", self.out)[2], "")
+        _, _, err = self.run_import(log, "--out", self.out, "--to", 11.0)
         self.assertEqual(sorted(p.name for p in self.out.glob("a_*")), ["a_1.csv", "a_1.meta.toml"])
+        self.assertIn("imported again, and otherwise than before: a_1.csv, a_2.csv replaced or removed", err)
+
+    def test_flights_of_another_log_are_never_replaced(self):
+        self.log("a.ulg")
+        first = {p.name: p.read_bytes() for p in self.out.iterdir()}
+        (self.folder / "b").mkdir()
+        other = px4_flight(synthetic(seed=2)).bytes()
+        for name, words in (("b/a.ulg", "another log of this name was imported into"), ("a.bin", "a_1.csv in")):
+            with self.subTest(name):
+                code, _, err = self.run_import(self.write(name, other), "--out", self.out, "-q")
+                self.assertEqual((code, words in err, len(err.strip().splitlines())), (2, True, 1), err)
+                self.assertIn("give another --out, or rename the log", err)
+                self.assertEqual(first, {p.name: p.read_bytes() for p in self.out.iterdir()})
+        # the same bytes from another folder are the same log
+        self.assertEqual(self.run_import(self.write("b/a.ulg", (self.folder / "a.ulg").read_bytes()), "--out", self.out, "-q")[0], 0)
+        # two of one name in one call
+        self.write("b/a.ulg", other)
+        code, _, err = self.run_import(self.folder / "a.ulg", self.folder / "b/a.ulg", "--out", self.folder / "new")
+        self.assertEqual((code, "use two --out" in err, (self.folder / "new").exists()), (2, True, False), err)
 
     def test_nothing_of_others_is_replaced(self):
         self.out.mkdir()
