@@ -37,7 +37,7 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
     parser.add_argument("-q", "--quiet", action="store_true", help="errors only")
     parser.add_argument("-v", "--verbose", action="store_true", help="also the topics of logs that hold a flight")
-    return parser.parse_args(argv)
+    return parser.parse_intermixed_args(argv)
 
 
 def stem(path: Path, by_folder: bool) -> str:
@@ -158,3 +158,6 @@ def main(argv=None) -> int:
         return failure.code
     except BrokenPipeError:
         return IO
+    except OSError as error:  # a name that no file can have, a disk that is gone
+        print(printable(f"{str(error.filename)[:200]}: cannot be read ({error.strerror})"), file=sys.stderr)
+        return DATA
