@@ -62,7 +62,8 @@ def resampled(time_s: np.ndarray, values: np.ndarray, wanted_s: np.ndarray) -> n
     whole = np.vstack([np.zeros((1, values.shape[1])), np.cumsum(0.5 * steps * (values[1:] + values[:-1]), axis=0)])
     ends = [np.clip(wanted_s + side * half, time_s[0], time_s[-1]) for side in (1.0, -1.0)]
     high, low = [np.column_stack([np.interp(end, time_s, column) for column in whole.T]) for end in ends]
-    return (high - low) / (ends[0] - ends[1])[:, None]
+    width = np.broadcast_to((ends[0] - ends[1])[:, None], high.shape)
+    return np.divide(high - low, width, out=np.full(high.shape, np.nan), where=width > 0.0)
 
 
 def as_central(values: np.ndarray) -> np.ndarray:

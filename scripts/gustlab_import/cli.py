@@ -37,7 +37,7 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
     parser.add_argument("-q", "--quiet", action="store_true", help="errors only")
     parser.add_argument("-v", "--verbose", action="store_true", help="also the topics of logs that hold a flight")
-    return parser.parse_args(argv)
+    return parser.parse_intermixed_args(argv)
 
 
 def stem(path: Path, by_folder: bool) -> str:
@@ -72,7 +72,7 @@ def run(argv: list) -> int:
     # one unusable recording holds all back: a set of flights with a silent hole would be worse
     code = refusals(outcomes, options.keep_unusable)
     if options.out is not None and (code == 0 or column_map is None):
-        write(options.out, outcomes)
+        write(options.out, outcomes, options.quiet)
     return code
 
 
@@ -91,7 +91,7 @@ def refusals(outcomes: list, keep_unusable: bool) -> int:
     return 0 if any(one.flights for one in outcomes) else DATA
 
 
-def write(folder: Path, outcomes: list) -> None:
+def write(folder: Path, outcomes: list, quiet: bool = False) -> None:
     """Adds to what earlier imports wrote there, replaces what is imported again, and nothing that others wrote."""
     files = {}
     for one in outcomes:
@@ -99,6 +99,8 @@ def write(folder: Path, outcomes: list) -> None:
             files[name + ".csv"] = csv_text(flight).encode("utf-8")
             files[name + ".meta.toml"] = sidecar.encode("utf-8")
     document, before = as_document(outcomes), former_import(folder)
+    for one in outcomes:
+        refuse_to_lose(folder, one, before)
     ours = {name for log in before for flight in log["flights"] for name in _names(flight)}
     for name in sorted(set(files) - ours):
         if (folder / name).exists():
@@ -106,10 +108,28 @@ def write(folder: Path, outcomes: list) -> None:
     again = {one.name for one in outcomes}
     document["logs"] = [log for log in before if log["file"] not in again] + document["logs"]
     stale = {name for log in before if log["file"] in again for flight in log["flights"] for name in _names(flight)} - set(files)
+    replaced = [name for name in sorted(files) if (folder / name).exists() and (folder / name).read_bytes() != files[name]]
     files["import.json"] = as_json(document).encode("utf-8")
     write_all(folder, files)
     for name in stale:
         (folder / name).unlink(missing_ok=True)
+    flights = [name for name in sorted(stale | set(replaced)) if name.endswith(".csv")]
+    if flights and not quiet:
+        print(printable(f"{folder}: imported again, and otherwise than before: {', '.join(flights)} replaced or removed"), file=sys.stderr)
+
+
+def refuse_to_lose(folder: Path, one, before: list) -> None:
+    """Another log's flights are not written over; those of the same log, by name and bytes, are."""
+    mine = {name + ".csv" for name, _, _ in one.flights}
+    for log in before:
+        if log["file"] == one.name and log["sha256"] == one.sha256:
+            continue
+        if log["file"] == one.name and log["flights"]:
+            raise ImportFailure(f"{one.file}: another log of this name was imported into {folder} before, and its flights would be lost; "
+                                "give another --out, or rename the log", USAGE)
+        if taken := sorted(mine & {flight["log"] for flight in log["flights"]}):
+            raise ImportFailure(f"{one.file}: {taken[0]} in {folder} is a flight of {log['file']}; give another --out, or rename the log",
+                                USAGE)
 
 
 def _names(flight: dict) -> tuple:
@@ -138,3 +158,6 @@ def main(argv=None) -> int:
         return failure.code
     except BrokenPipeError:
         return IO
+    except OSError as error:  # a name that no file can have, a disk that is gone
+        print(printable(f"{str(error.filename)[:200]}: cannot be read ({error.strerror})"), file=sys.stderr)
+        return DATA

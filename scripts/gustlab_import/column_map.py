@@ -203,6 +203,9 @@ class _Checker:
             self.fail("range", f"[{name}] range = {entry['range']}", "must be [off, full], for example [1000, 2000]")
         if count and len(entry["columns"]) != count:
             self.fail("columns", f"[{name}] needs {count} columns, not {len(entry['columns'])}", "")
+        twice = next((column for column in entry.get("columns", []) if entry["columns"].count(column) > 1), None)
+        if twice is not None and name in ("attitude", "actuator", "rotor_speed"):
+            self.fail(twice, f"[{name}] names column `{twice}` twice", "each is a quantity of its own")
         if name == "actuator" and entry["kind"] != "collective_thrust" and not 3 <= len(entry["columns"]) <= 8:
             self.fail("columns", f"[actuator] has {len(entry['columns'])} columns", "a vehicle has 3 to 8 rotors")
         quantity = entry.get("quantity", "none") if name == "extra" else \

@@ -16,6 +16,7 @@ from .tables import Table
 
 AXES = "xyz"
 MAX_NORM_ERROR = 0.02
+MEASURED = ("position", "velocity", "attitude", "rate", "acceleration", "actuator", "rotor_speed")
 FASTEST_s, SLOWEST_s = 2e-5, 0.2   # between rows
 
 
@@ -149,6 +150,8 @@ class _Builder:
                 flight.columns[name] = values[:, k]
                 flight.source[name] = sources[min(k, len(sources) - 1)]
 
+        for table in MEASURED:
+            self.sampled(table)
         attitude = self.attitude() if self.map.has("attitude") else None
         if self.map.has("position"):
             position = self.block("position")
@@ -175,6 +178,14 @@ class _Builder:
             flight.columns[extra["name"]] = self.column(extra["column"]) * \
                 UNITS[extra.get("quantity", "none")][extra.get("unit", next(iter(UNITS[extra.get("quantity", "none")])))]
             flight.source[extra["name"]] = extra["column"]
+
+    def sampled(self, table: str) -> None:
+        """A column that the map names and that is empty from its first row to its last was not logged."""
+        for name in self.map.get(table, "columns", []):
+            if np.isnan(self.column(name)).all():
+                line = self.table.non_finite.get(name)
+                raise ImportFailure(f"{self.table.file}:{line or 1}: column `{name}` holds no number{' that could be meant' if line else ''}, and [{table}] "
+                                    f"of the map names it; leave [{table}] out, or name the column that has the samples", DATA)
 
     def inputs(self, table: str) -> np.ndarray:
         values = self.block(table)

@@ -22,7 +22,8 @@ def import_recording(recording: Recording, name: str, vehicle, options) -> Outco
     spans, refused = split(recording)
     spans, refused = wanted(spans, options.from_s, options.to_s), refused
     out = Outcome(recording.file, recording.sha256, recording.kind, recording.autopilot, recording.airframe, refused=refused,
-                  findings=[] if spans else recording.findings, topics=recording.topics)
+                  findings=[f for f in recording.findings if not any(f.from_s <= b and f.to_s >= a for a, b in spans)],
+                  topics=recording.topics)
     actuator = fit_to(recording, vehicle) if "u" in recording.streams and spans else "throttle"
     for number, span in enumerate(spans, 1):
         flight = on_one_clock(recording, *span)

@@ -3,13 +3,14 @@
 from pathlib import Path
 
 from .checks import inspect
-from .column_map import ColumnMap
+from .column_map import ColumnMap, suggest
 from .flight import convert
 from .limits import cannot_tell
 from .outcome import Outcome
 from .problems import USAGE, ImportFailure
 from .tables import Table, read_csv, read_parquet
 from .usd_log import read_usd
+from .vehicle_file import shipped
 from .write_log import sidecar_text
 
 
@@ -31,6 +32,10 @@ def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options)
     reference = vehicle.reference if vehicle else column_map.get("", "vehicle")
     if reference is None:
         raise ImportFailure(f"{options.map.removesuffix('.toml')}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
+    # a path may lead to a file that is still to come
+    if "/" not in reference and not reference.endswith(".toml") and reference not in shipped():
+        raise ImportFailure(f'{options.map.removesuffix(".toml")}.toml:1:1: there is no vehicle "{reference}" under models/ (a path ends in .toml); '
+                            f"{suggest(reference, shipped())}", USAGE)
     flight = convert(table, column_map)
     inspect(flight, column_map, table, options.from_s, options.to_s, options.whole)
     usable = all(f.severity != "error" for f in flight.findings)

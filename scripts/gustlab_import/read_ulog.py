@@ -12,6 +12,7 @@ from .motors import allocated_motors, pulse_share, put_speeds, thrust_share
 from .problems import Finding, ImportFailure
 from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, Rotor, rate_of, spans, stream
 from .tables import read_bytes
+from .ulog_damage import without_damage
 
 # MAV_TYPE (MAVLink common.xml) of what is no multirotor; 2, 13, 14, 15 and 29 are multirotors
 NO_MULTIROTOR = {1: "a fixed-wing aircraft", 3: "a coaxial helicopter", 4: "a helicopter", 7: "an airship", 8: "a balloon",
@@ -19,6 +20,7 @@ NO_MULTIROTOR = {1: "a fixed-wing aircraft", 3: "a coaxial helicopter", 4: "a he
                  **{number: "a VTOL (tiltrotor, tailsitter or other)" for number in range(19, 26)}}
 MAX_ROTORS = 8
 FIRST_MOTOR = 101     # OutputFunction Motor1, of esc_status
+MOST_PLACES = 3       # of damage that are said one by one
 LOGGER_GAP_s = 60.0   # without any message
 RESET_m, RESET_rad = 0.1, 0.035   # jumps of the estimate that a prediction over a second would show
 SETTINGS = {"rate": "SDLOG_PROFILE: set bits 3 (system identification) and 4 (high rate)",
@@ -29,7 +31,11 @@ SETTINGS = {"rate": "SDLOG_PROFILE: set bits 3 (system identification) and 4 (hi
 
 def read_ulog(path: Path) -> Recording:
     data = read_bytes(path)
-    return _Reader(str(path), data).recording()
+    try:
+        return _Reader(str(path), data).recording()
+    except (KeyError, IndexError, ValueError, TypeError, OverflowError) as error:  # a name or a number that is not what PX4 writes
+        raise ImportFailure(f"{path}: the ULog's topics are not as PX4 writes them ({type(error).__name__}: {error}); is it damaged? "
+                            "fetch it again") from error
 
 
 def _load(name: str, data: bytes):
@@ -45,9 +51,14 @@ def _load(name: str, data: bytes):
         raise ImportFailure(f"{name}: the ULog cannot be read ({type(error).__name__}: {error}); fetch it again") from error
 
 
+def _place(part) -> str:
+    return f"{part.end - part.first} bytes from byte {part.first} on"
+
+
 class _Reader:
     def __init__(self, name: str, data: bytes):
-        self.log, damage = _load(name, data)
+        whole, lost, cut = without_damage(data)
+        self.log, damage = _load(name, whole)
         self.data = {(d.name, d.multi_id): d.data for d in self.log.data_list if len(d.data.get("timestamp", ()))}
         if not self.data:
             raise ImportFailure(f"{name}: the ULog holds no samples (cut off after its header?); fetch it again")
@@ -56,9 +67,30 @@ class _Reader:
         self.end_s = self.seconds(np.array([self.log.last_timestamp]))[0]
         self.out = Recording(name, hashlib.sha256(data).hexdigest(), "px4-ulog", self.version(), end_s=float(self.end_s),
                              settings=SETTINGS)
-        if damage:
-            self.out.findings.append(Finding("gap", "time_s", 0.0, float(self.end_s), "warning",
-                                             f"the file is damaged in places ({damage[:160]})"))
+        if damage and not lost:
+            self.say_lost(0.0, self.end_s, f"the file is damaged in places ({damage[:160]})")
+        self.damaged(lost, cut, len(data))
+
+    def say_lost(self, from_s: float, to_s: float, says: str, severity: str = "warning") -> None:
+        self.out.findings.append(Finding("gap", "time_s", float(from_s), float(to_s), severity, says))
+
+    def damaged(self, lost: list, cut, size: int) -> None:
+        """Says what of the file could not be read: of many places the count, and where most of the bytes are."""
+        spans_s = [(self.second(part.before_us, 0.0), self.second(part.after_us, self.end_s)) for part in lost]
+        if len(lost) > MOST_PLACES:
+            worst = max(range(len(lost)), key=lambda k: lost[k].end - lost[k].first)
+            self.say_lost(spans_s[0][0], spans_s[-1][1], f"the file is damaged in places, {len(lost)} of them: {sum(p.end - p.first for p in lost)} of its "
+                          f"{size} bytes are no messages ({_place(lost[worst])} in one place), and what they held is missing")
+        else:
+            for part, (from_s, to_s) in zip(lost, spans_s):
+                self.say_lost(from_s, to_s, f"the file is damaged in places: {_place(part)} are no messages, and of {from_s:.2f} to "
+                              f"{to_s:.2f} s everything or something is missing")
+        if cut is not None:
+            self.say_lost(self.end_s, self.end_s, f"the file ends within a message ({cut[0]} of {cut[1]} bytes) at {self.end_s:.2f} s: it was cut off, or "
+                          "the power went; whatever came later is missing")
+
+    def second(self, stamp_us, otherwise: float) -> float:
+        return otherwise if stamp_us is None else float(self.seconds(np.array([stamp_us]))[0])
 
     def version(self) -> str:
         release = (self.log.get_version_info_str() or "").lstrip("v")
@@ -100,8 +132,9 @@ class _Reader:
         holes = np.flatnonzero(np.diff(everything) > 1e6 * LOGGER_GAP_s)
         for k in holes:
             from_s, to_s = self.seconds(everything[k:k + 2])
-            self.out.findings.append(Finding("gap", "time_s", from_s, to_s, "warning",
-                                             f"nothing at all was logged for {(to_s - from_s) / 60:.1f} min"))
+            after = [name for (name, _), data in sorted(self.data.items()) if np.any(data["timestamp"] >= everything[k + 1])]
+            only = "" if len(after) > 3 else f"; after it there is only {', '.join(after)}, perhaps with the time of an earlier start"
+            self.say_lost(from_s, to_s, f"nothing at all was logged for {(to_s - from_s) / 60:.1f} min{only}")
 
     def vehicle(self) -> None:
         status = self.get("vehicle_status") or {}
@@ -139,6 +172,8 @@ class _Reader:
             self.out.armed = spans(self.seconds(status["timestamp"]), status["arming_state"] == 2, self.end_s)
         if landed is not None and "landed" in landed:
             self.out.flying = spans(self.seconds(landed["timestamp"]), landed["landed"] == 0, self.end_s)
+        if all(parts and parts[-1][1] >= self.end_s for parts in (self.out.armed, self.out.flying)):
+            self.say_lost(self.end_s, self.end_s, "the log ends in the air: it was cut off, or logging stopped in flight", "note")
 
     def pose(self) -> None:
         attitude, position = self.get("vehicle_attitude"), self.get("vehicle_local_position")

@@ -14,6 +14,9 @@ import numpy as np
 from .problems import DATA, ImportFailure
 
 
+LARGEST = 1e30   # of a number that could be meant; nanoseconds since 1970 are 2e18
+
+
 @dataclass
 class Table:
     """Columns of one recording; a missing sample is NaN.
@@ -61,7 +64,13 @@ def read_csv(path: Path) -> Table:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ImportFailure(f"{path}:1:1: not a text file ({error.reason}); {_instead_of_text(raw)}") from error
-    rows = csv.reader(io.StringIO(text))
+    try:
+        return _table_of(csv.reader(io.StringIO(text, newline=None)), path, digest)
+    except csv.Error as error:
+        raise ImportFailure(f"{path}:1:1: not a table of comma separated cells ({error}); save it as CSV again") from error
+
+
+def _table_of(rows, path: Path, digest: str) -> Table:
     header = [name.strip() for name in next(rows, [])]
     if not header or header == [""]:
         raise ImportFailure(f"{path}:1:1: empty file (no header line)")
@@ -70,6 +79,8 @@ def read_csv(path: Path) -> Table:
     if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
         raise ImportFailure(f"{path}:1:1: cells are separated by {'semicolons' if ';' in header[0] else 'tabs'}; write commas "
                             "(and decimal points)")
+    if header[0].startswith(("#", "//", "%")):
+        raise ImportFailure(f"{path}:1:1: the first line is a remark (`{header[0][:40]}`); the names of the columns must be there: delete what stands before them")
     doubled = sorted({name for name in header if header.count(name) > 1})
     if doubled:
         column = header.index(doubled[0]) + 1
@@ -117,10 +128,10 @@ def read_parquet(path: Path) -> Table:
             columns[name] = unit * table.column(name).cast(pyarrow.int64()).to_numpy().astype(float)
         elif pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind) or pyarrow.types.is_boolean(kind):
             values = table.column(name).cast(pyarrow.float64()).to_numpy()
-            bad = np.flatnonzero(np.isinf(values))
+            bad = np.flatnonzero(np.abs(values) >= LARGEST)
             if len(bad):
                 non_finite[name] = int(bad[0]) + 1
-            columns[name] = np.where(np.isfinite(values), values, np.nan)
+            columns[name] = np.where(np.abs(values) < LARGEST, values, np.nan)
     if not columns or not table.num_rows:
         raise ImportFailure(f"{path}: no columns of numbers, or no rows, are in the Parquet file")
     return Table(str(path), digest, columns, np.arange(1, table.num_rows + 1), non_finite)
@@ -134,7 +145,7 @@ def _number(cell: str, file: str, line: int, index: int, name: str, non_finite: 
     except ValueError:
         raise ImportFailure(f"{file}:{line}:{index + 1}: `{cell.strip()[:40]}` in column `{name}` is not a number",
                             DATA) from None
-    if not math.isfinite(value):
+    if not abs(value) < LARGEST:
         non_finite.setdefault(name, line)
         return math.nan
     return value

@@ -29,9 +29,13 @@ def find_vehicle(wanted: str) -> Path:
     for path in (given / "vehicle.toml" if given.is_dir() else given, MODELS / wanted / "vehicle.toml"):
         if path.is_file():
             return path
-    known = sorted(folder.name for folder in MODELS.iterdir() if (folder / "vehicle.toml").is_file())
-    raise ImportFailure(f"--vehicle {wanted}: no vehicle of this name under models/ and no such file; {suggest(wanted, known)}",
+    raise ImportFailure(f"--vehicle {wanted}: no vehicle of this name under models/ and no such file; {suggest(wanted, shipped())}",
                         USAGE)
+
+
+def shipped() -> list:
+    """Names of the vehicles under models/."""
+    return sorted(folder.name for folder in MODELS.iterdir() if (folder / "vehicle.toml").is_file())
 
 
 def read_vehicle(wanted: str, beside) -> Vehicle:

@@ -433,6 +433,7 @@ class Frames(FormatCase):
         text = MAP.replace('columns = ["x", "y", "z"]', 'columns = ["x", "y", "z"]\nframe = "ned"').replace('"world"', '"ned"')
         text = text.replace('order = "xyzw"', 'order = "xyzw"\nframe = "ned"').replace('unit = "rad/s"', 'unit = "rad/s"\nframe = "frd"')
         text = text.replace('unit = "m/s^2"', 'unit = "m/s^2"\nframe = "frd"')
+        self.out = self.folder / "aviation"   # another log of the same name is not written over the first
         code, log, err = self.take(self.write("log.csv", csv(aviation)), "--map", self.write("m.toml", text))
         self.assertEqual((code, err, log["findings"], plain[1]["findings"]), (0, "", [], []))
         for name, values in self.written().items():

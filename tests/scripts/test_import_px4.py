@@ -1,6 +1,7 @@
 """PX4 logs that the test writes: frames, rates, allocation, flights and refusals."""
 
 import json
+import re
 import tomllib
 import unittest
 from pathlib import Path
@@ -261,10 +262,31 @@ class OutputFolder(ImportCase):
     def test_what_is_imported_again_is_replaced_whole(self):
         two = px4_flight(synthetic(30.0), armed=(1.0, 29.0), flying=(2.0, 28.0))
         two.data = [d for d in two.data if not 13_000_000 < d[0] < 15_000_000]
-        self.run_import(self.write("a.ulg", two.bytes()), "--out", self.out)
+        log = self.write("a.ulg", two.bytes())
+        self.run_import(log, "--out", self.out)
         self.assertEqual(sorted(p.name for p in self.out.glob("*.csv")), ["a_1.csv", "a_2.csv"])
-        self.log("a.ulg")
+        self.assertEqual(self.run_import(log, "--out", self.out)[2], "")
+        _, _, err = self.run_import(log, "--out", self.out, "--to", 11.0)
         self.assertEqual(sorted(p.name for p in self.out.glob("a_*")), ["a_1.csv", "a_1.meta.toml"])
+        self.assertIn("imported again, and otherwise than before: a_1.csv, a_2.csv replaced or removed", err)
+
+    def test_flights_of_another_log_are_never_replaced(self):
+        self.log("a.ulg")
+        first = {p.name: p.read_bytes() for p in self.out.iterdir()}
+        (self.folder / "b").mkdir()
+        other = px4_flight(synthetic(seed=2)).bytes()
+        for name, words in (("b/a.ulg", "another log of this name was imported into"), ("a.bin", "a_1.csv in")):
+            with self.subTest(name):
+                code, _, err = self.run_import(self.write(name, other), "--out", self.out, "-q")
+                self.assertEqual((code, words in err, len(err.strip().splitlines())), (2, True, 1), err)
+                self.assertIn("give another --out, or rename the log", err)
+                self.assertEqual(first, {p.name: p.read_bytes() for p in self.out.iterdir()})
+        # the same bytes from another folder are the same log
+        self.assertEqual(self.run_import(self.write("b/a.ulg", (self.folder / "a.ulg").read_bytes()), "--out", self.out, "-q")[0], 0)
+        # two of one name in one call
+        self.write("b/a.ulg", other)
+        code, _, err = self.run_import(self.folder / "a.ulg", self.folder / "b/a.ulg", "--out", self.folder / "new")
+        self.assertEqual((code, "use two --out" in err, (self.folder / "new").exists()), (2, True, False), err)
 
     def test_nothing_of_others_is_replaced(self):
         self.out.mkdir()
@@ -309,11 +331,62 @@ class Damaged(ImportCase):
         said = [f["says"] for f in json.loads(out)["logs"][0]["findings"]]
         self.assertTrue(any(line.startswith("the file is damaged in places") for line in said), said)
 
-    def test_a_log_that_was_cut_off_keeps_what_is_there(self):
+    def test_a_log_that_was_cut_off_keeps_what_is_there_and_says_where_it_ends(self):
         good = px4_flight(synthetic()).bytes()
-        code, _, err = self.run_import(self.write("cut.ulg", good[:int(0.6 * len(good))]), "--out", self.out)
+        code, out, err = self.run_import(self.write("cut.ulg", good[:int(0.6 * len(good)) + 1]), "--out", self.out)
         self.assertEqual((code, err), (0, ""))
-        self.assertLess(self.written("cut_1.csv")["time_s"][-1], 14.0)
+        last_s = self.written("cut_1.csv")["time_s"][-1]
+        self.assertLess(last_s, 14.0)
+        said = re.search(r"WARNING gap: .*the file ends within a message \(\d+ of \d+ bytes\) at ([0-9.]+) s: it was cut off", out)
+        self.assertAlmostEqual(float(said.group(1)), last_s, delta=0.02)
+        self.assertIn("the file ends within a message", (self.out / "cut_1.meta.toml").read_text())
+        self.assertIn("note    gap: ", out)
+        self.assertIn("the log ends in the air: it was cut off, or logging stopped in flight", out)
+        self.assertNotIn("the log ends", self.run_import(self.write("whole.ulg", good))[1].replace("the file ends", "the log ends"))
+
+    def damaged(self, harm) -> tuple:
+        """(what import says, columns written) of a log with a kilobyte and more of its middle harmed."""
+        good = px4_flight(synthetic()).bytes()
+        first = len(good) // 2
+        code, out, err = self.run_import(self.write("bad.ulg", good[:first] + harm(good[first:first + 3000]) + good[first + 3000:]), "--out", self.out)
+        self.assertEqual((code, err), (0, ""))
+        return out, self.written("bad_1.csv")
+
+    def test_bytes_that_are_no_messages_are_counted_and_placed(self):
+        noise = np.random.default_rng(3).bytes(3000)
+        for name, harm, least in (("zeros", lambda part: bytes(len(part)), 3000), ("noise", lambda _: noise, 2900), ("hole", lambda _: b"", 1)):
+            with self.subTest(name):
+                out, _ = self.damaged(harm)
+                found = re.search(r"the file is damaged in places: (\d+) bytes from byte (\d+) on are no messages, and of ([0-9.]+) to ([0-9.]+) s everything or "
+                                  "something is missing", out)
+                self.assertTrue(found, out)
+                lost, _, from_s, to_s = (float(x) for x in found.groups())
+                self.assertTrue(least <= lost <= 3200, lost)
+                # 42 kB/s
+                self.assertTrue(0.02 < to_s - from_s < 0.3 and 9.5 < from_s < 10.5, found.group())
+                self.assertIn("bytes from byte", (self.out / "bad_1.meta.toml").read_text())
+
+    def test_a_time_that_cannot_be_moves_nothing(self):
+        out, columns = self.damaged(lambda part: part)
+        log = px4_flight(synthetic())
+        whole, at = log.bytes(), 0
+        # the highest byte of a time in the middle of the log, of the fastest topic
+        stamps = [match.start() for match in re.finditer(rb"D\x00\x00", whole)]
+        at = stamps[len(stamps) // 2] + 3
+        self.run_import(self.write("bad.ulg", whole[:at + 7] + b"\x01" + whole[at + 8:]), "--out", self.out)
+        self.assertEqual(len(columns["time_s"]) - len(self.written("bad_1.csv")["time_s"]) in (0, 1), True)
+        self.assertIn("the file is damaged in places: ", (self.out / "bad_1.meta.toml").read_text())
+
+    def test_any_byte_may_be_wrong(self):
+        good, random = px4_flight(synthetic(8.0), armed=(0.0, 8.0), flying=(0.5, 7.5)).bytes(), np.random.default_rng(7)
+        for _ in range(30):
+            bad = bytearray(good)
+            head = random.random() < 0.5
+            for at in random.integers(16, 3000 if head else len(bad), 20):
+                bad[at] = random.integers(256)
+            code, _, err = self.run_import(self.write("bad.ulg", bytes(bad)))
+            self.assertIn(code, (0, 3), err)
+            self.assertLessEqual(len(err.strip().splitlines()), 1, err)
 
 
 if __name__ == "__main__":
