@@ -108,7 +108,7 @@ void add_recorded(const diagnosis::DiagnoseOptions& wanted, DiagnosisFigures& fi
   std::string path = wanted.fit.back();
   for (const auto* paths : {&wanted.fit, &wanted.holdout})
     for (const std::string& one : *paths)
-      if (diagnosis::is_flight_of(figures.window.file, std::filesystem::path(one).filename().string())) path = one;
+      if (diagnosis::is_flight_of(figures.window.file, diagnosis::label_of(one))) path = one;
   try {
     const std::vector<FlightLog> flights = diagnosis::read_flights(path);
     const auto shown = std::find_if(flights.begin(), flights.end(), [&](const FlightLog& flight) {

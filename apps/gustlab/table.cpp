@@ -67,8 +67,10 @@ SweepFigures paths_in(const std::filesystem::path& folder, const std::vector<Res
                                thinned(log, "rpx"), thinned(log, "rpy")});
     }
     if (figures.paths.empty()) continue;
-    figures.paths_of = fmt::format("Replicate {}{}: all met the same gust.", rows.front().replicate,
-                                   whole ? "" : " of " + wanted->experiment.substr(dot + 1));
+    std::string point;
+    for (const auto& axis : wanted->axes)
+      point += fmt::format("{} {} {}", point.empty() ? " at" : ",", axis.name, axis.value);
+    figures.paths_of = fmt::format("Replicate {}{}: all met the same gust.", rows.front().replicate, point);
     break;
   }
   return figures;

@@ -169,6 +169,7 @@ void make_new(const NewArguments& options) {
     write_file(body.string(), files.mjcf);
     write_file(file.string(), files.vehicle_toml);
   });
+  for (const std::string& warning : files.warnings) spdlog::warn(warning);
   fmt::print("{}\n", file.string());
 }
 

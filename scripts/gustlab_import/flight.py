@@ -120,8 +120,9 @@ class _Builder:
         source = self.column(self.map.get("time", "column"))
         missing = np.flatnonzero(np.isnan(source))
         if len(missing):
+            what = "a time that is no number, or too large for one" if self.map.get("time", "column") in self.table.non_finite else "a row without a time"
             raise ImportFailure(f"{self.table.file}:{self.table.line[missing[0]]}: column "
-                                f"`{self.map.get('time', 'column')}`: a row without a time ({len(missing)} of them)", DATA)
+                                f"`{self.map.get('time', 'column')}`: {what} ({len(missing)} of them)", DATA)
         self.plausible(source * self.map.scale("time"))
         self.start_s = float(source[0] * self.map.scale("time")) if self.map.get("time", "zero", False) else 0.0
         return np.round(source * self.map.scale("time") - self.start_s, 6)

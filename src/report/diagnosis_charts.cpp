@@ -123,8 +123,11 @@ std::string horizon_table(const Json& diagnosis) {
         const std::vector<double> values = numbers(part(errors, key));
         const double value = h < values.size() ? values[h] : std::numeric_limits<double>::quiet_NaN();
         any = any || std::isfinite(value);
-        cells += std::isfinite(value) ? fmt::format("<td class=\"n\">{} {}</td>", figure(value), quantity.unit)
-                                      : "<td class=\"n\">–</td>";
+        // angles in degrees, as in the charts
+        const Display display = display_of("", quantity.unit, 1.0);
+        cells += std::isfinite(value)
+                     ? fmt::format("<td class=\"n\">{} {}</td>", figure(display.factor * value), display.unit)
+                     : "<td class=\"n\">–</td>";
       }
       // what was not predicted at all has no row
       if (any)

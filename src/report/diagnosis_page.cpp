@@ -39,8 +39,9 @@ std::string headlines(const Json& diagnosis) {
     const std::vector<std::string> alike = alike_in_words(effect);
     const std::string same =
         alike.empty() ? "" : " These flights cannot tell it from " + list_in_words(alike, "or") + ".";
-    items += fmt::format("<li><strong>{}</strong> <span class=\"sure\">{}</span>{}</li>", escape(headline_of(effect)),
-                         sure(number(effect, "confidence")), paragraph(notice_of(effect) + same, "notice"));
+    items += fmt::format("<li><strong>{}</strong> <span class=\"sure\">{}</span>{}</li>",
+                         escape(headline_of(effect, diagnosis)), sure(number(effect, "confidence")),
+                         paragraph(notice_of(effect) + same, "notice"));
   }
   return items.empty() ? "" : "<ol class=\"headlines\">" + items + "</ol>";
 }
@@ -111,7 +112,7 @@ std::string shows(const Json& entry) {
   }
   // many samples prove a pattern that is far below what matters
   const bool pattern = number(entry, "p_value") < 1e-3;
-  const char* words = !pattern        ? "no more than noise"
+  const char* words = !pattern ? (above < 0.5 ? "no more than noise" : "more than noise, in no pattern that is sure")
                       : above < 0.005 ? "a pattern far below the noise; too small to matter"
                       : above < 0.5   ? "a pattern, too small to matter"
                                       : "more than noise, and still too small to matter";
@@ -136,7 +137,7 @@ std::string where(const Json& diagnosis) {
   std::string rows;
   for (const Json& entry : mismatch) {
     const double rms = number(entry, "rms"), noise = number(entry, "noise_rms"), above = rms / noise - 1.0;
-    const Display display = display_of("", text(entry, "unit"), rms);
+    const Display display = display_of("", text(entry, "unit"), std::isfinite(noise) ? std::max(rms, noise) : rms);
     const bool judged = torque_told || !text(entry, "channel").starts_with("torque");
     const auto size = [&](double value) { return judged ? figure(display.factor * value) + " " + display.unit : "–"; };
     rows += fmt::format(
@@ -161,9 +162,12 @@ std::string plain_parameter(const std::string& name) {
 std::string parameter_row(const std::string& name, const Json& entry, const std::string& flight) {
   const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
   const Display display = display_of(name, text(entry, "unit"), std::abs(value));
-  return fmt::format("<tr><td class=\"name\">{}</td>{}<td class=\"n\">{}</td><td>{}</td></tr>",
-                     escape(plain_parameter(name)), flight.empty() ? "" : fmt::format("<td>{}</td>", escape(flight)),
-                     with_half_width(display.factor * value, display.factor * half), escape(display.unit));
+  return fmt::format(
+      "<tr><td class=\"name\">{}</td>{}<td class=\"n\">{}</td><td>{}</td></tr>", escape(plain_parameter(name)),
+      flight.empty() ? "" : fmt::format("<td>{}</td>", escape(flight)),
+      // a number that nothing was said of stands at zero
+      value == 0.0 && half > 0.0 ? "not told" : with_half_width(display.factor * value, display.factor * half),
+      escape(display.unit));
 }
 
 std::string parameters(const Json& effect) {
@@ -208,12 +212,21 @@ std::string rivals(const Json& effect) {
   return paragraph(words, "note");
 }
 
-std::string effect_card(const Json& effect) {
+// what the effect is, and what its numbers count from where that is not the vehicle file
+std::string meaning(const Json& effect, const Json& diagnosis) {
+  const std::string says = text(effect, "says"), normal = normal_flights(effect, diagnosis);
+  std::string words = says.empty() ? "" : capital(says) + ".";
+  if (normal.empty()) return words;
+  // its own words compare it with the model
+  if (headline_of(effect, diagnosis).find(" than in ") != std::string::npos) words.clear();
+  return words + (words.empty() ? "" : " ") + "The numbers are changes since " + normal + ".";
+}
+
+std::string effect_card(const Json& effect, const Json& diagnosis) {
   return fmt::format(
       "<div class=\"effect\"><div class=\"head\"><h3>{}</h3><span class=\"soft\">{} sure · {}</span></div>{}{}{}</div>",
       escape(capital(list_in_words(class_of(effect), "or"))), sure(number(effect, "confidence")),
-      escape(plain_place(text(effect, "place"))),
-      paragraph(capital(text(effect, "says")) + (text(effect, "says").empty() ? "" : ".")), parameters(effect),
+      escape(plain_place(text(effect, "place"))), paragraph(meaning(effect, diagnosis)), parameters(effect),
       rivals(effect));
 }
 
@@ -300,7 +313,7 @@ std::string habit_card(const Json& habit, const Json& fit) {
 
 std::string what(const Json& diagnosis, double weight_N) {
   std::string cards;
-  for (const Json& effect : in_order_of_weight(diagnosis)) cards += effect_card(effect);
+  for (const Json& effect : in_order_of_weight(diagnosis)) cards += effect_card(effect, diagnosis);
   const Json& model = part(diagnosis, "residual_model");
   if (!model.empty()) {
     std::string rows;
@@ -331,6 +344,11 @@ std::string what(const Json& diagnosis, double weight_N) {
 
 bool anything_named(const Json& diagnosis) {
   return !part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty();
+}
+
+const char* what_title(const Json& diagnosis) {
+  if (!anything_named(diagnosis)) return "What was looked at";
+  return has_reference(diagnosis) ? "What changed since the reference flights" : "What was left out";
 }
 
 // rows of a table: what each number of an effect or a sensor is, with its interval
@@ -442,6 +460,20 @@ std::vector<Untold> by_reason(const Json& list) {
   return groups;
 }
 
+// "1.3 %"; "x 0.40 m/s, y 0.41 m/s" where there are several numbers
+std::string would_show(const Json& rejected) {
+  std::vector<std::string> sizes;
+  const Json& numbers = part(rejected, "would_show");
+  for (const auto& [name, entry] : numbers.items()) {
+    const double size = number(entry, "value");
+    const Display display = display_of(name, text(entry, "unit"), size);
+    sizes.push_back((numbers.size() > 1 ? plain_parameter(name) + " " : "") +
+                    fmt::format("{:.2g}", display.factor * size) +
+                    (display.unit.empty() || display.unit == "°" ? "" : " ") + display.unit);
+  }
+  return sizes.empty() ? "–" : fmt::format("{}", fmt::join(sizes, ", "));
+}
+
 std::string cannot_tell(const Json& diagnosis) {
   std::string html, rows;
   for (const Untold& group : by_reason(part(diagnosis, "not_identifiable")))
@@ -460,14 +492,18 @@ std::string cannot_tell(const Json& diagnosis) {
     const std::string name = plain_name(entry);
     if (std::find(said.begin(), said.end(), name) != said.end()) continue;
     said.push_back(name);
-    rows += fmt::format("<tr><td class=\"name\">{}</td><td class=\"where\">{}</td><td class=\"n\">{}</td></tr>",
-                        escape(name), escape(text(entry, "why")), figure(number(entry, "delta_score")));
+    rows += fmt::format(
+        "<tr><td class=\"name\">{}</td><td class=\"where\">{}</td><td>{}</td><td class=\"n\">{}</td></tr>",
+        escape(name), escape(text(entry, "why")), escape(would_show(entry)), figure(number(entry, "delta_score")));
   }
   if (!rows.empty())
     html +=
         "<details><summary>Looked at and not named</summary>" +
-        card_table({{"effect"}, {"why not"}, {"score", true}}, rows) +
-        paragraph("Score: how much better the model predicts with it, less a price for each of its numbers.", "note") +
+        card_table({{"effect"}, {"why not"}, {"would show from"}, {"score", true}}, rows) +
+        paragraph(
+            "Would show from: five standard errors, if nothing else looked like it. Score: how much better the model "
+            "predicts with it, less a price for each of its numbers.",
+            "note") +
         "</details>";
   return html;
 }
@@ -515,7 +551,8 @@ std::string footer(const Json& diagnosis) {
   std::string words =
       "Intervals are 95 %. Held-out flights were never used to choose or to fit an effect, save for what belongs to "
       "each flight alone.";
-  if (!model.empty() && (!part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty()))
+  if (!model.empty() && !hover_alone(diagnosis) &&
+      (!part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty()))
     return fmt::format(
         "<footer><p>{} Fly the improved model: <code>gustlab replay FLIGHT.csv --with {}</code></p></footer>", words,
         escape(model));
@@ -528,8 +565,7 @@ std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const Diagno
   std::string body;
   for (const std::string& piece :
        {header(diagnosis), log_findings(diagnosis), window_section(diagnosis, figures),
-        section(anything_named(diagnosis) ? "What was left out" : "What was looked at",
-                what(diagnosis, figures.weight_N)),
+        section(what_title(diagnosis), what(diagnosis, figures.weight_N)),
         section("What the reference flights show already", reference_effects(diagnosis)),
         section("Where it differs", where(diagnosis)), residual_section(diagnosis, figures),
         horizon_section(diagnosis, figures), section("Still not explained, and remarks", remarks(diagnosis)),

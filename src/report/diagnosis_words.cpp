@@ -80,14 +80,6 @@ std::string where_in_words(const Json& diagnosis) {
   return words;
 }
 
-// mean commands of hover are all that such logs tell
-bool hover_alone(const Json& diagnosis) {
-  const Json& blind = part(diagnosis, "not_identifiable");
-  return std::any_of(blind.begin(), blind.end(), [](const Json& entry) {
-    return diagnosis::lack_named(text(entry, "lack")) == diagnosis::Lack::attitude_and_rate;
-  });
-}
-
 // the findings as one sentence: the first three in words, the rest counted
 std::string findings_in_words(const Json& diagnosis) {
   constexpr std::size_t most = 3;
@@ -95,7 +87,7 @@ std::string findings_in_words(const Json& diagnosis) {
   std::vector<std::string> clauses;
   for (std::size_t i = 0; i < std::min(most, effects.size()); ++i) {
     const std::vector<std::string> alike = alike_in_words(effects[i]);
-    std::string clause = headline_of(effects[i]);
+    std::string clause = headline_of(effects[i], diagnosis);
     if (!alike.empty()) clause += " (or " + (alike.size() == 1 ? alike.front() : "what looks the same") + ")";
     // a sentence goes on in small letters
     if (i > 0) clause.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(clause.front())));
@@ -304,7 +296,7 @@ std::string one_sentence(const Json& diagnosis) {
   const std::string vehicle = text(diagnosis, "vehicle");
   const std::string model = vehicle.empty() ? "The simulation" : "The simulation of " + vehicle;
   const std::string where = where_in_words(diagnosis);
-  const bool compared = diagnosis.contains("reference_effects");
+  const bool compared = has_reference(diagnosis);
   if (verdict == Verdict::consistent && hover_alone(diagnosis))
     return "In hover the flights" + (vehicle.empty() ? "" : " of " + vehicle) +
            " agree with each other; nothing else can be told from them.";
@@ -331,6 +323,19 @@ std::string one_sentence(const Json& diagnosis) {
   }
 
   return findings_in_words(diagnosis) + (verdict == Verdict::partly_explained ? ". Something else remains." : ".");
+}
+
+bool hover_alone(const Json& diagnosis) {
+  const Json& blind = part(diagnosis, "not_identifiable");
+  return std::any_of(blind.begin(), blind.end(), [](const Json& entry) {
+    return diagnosis::lack_named(text(entry, "lack")) == diagnosis::Lack::attitude_and_rate;
+  });
+}
+
+bool has_reference(const Json& diagnosis) {
+  const Json& flights = part(diagnosis, "flights");
+  return std::any_of(flights.begin(), flights.end(),
+                     [](const Json& flight) { return text(flight, "role") == "reference"; });
 }
 
 bool torque_is_told(const Json& diagnosis) {

@@ -56,6 +56,10 @@ std::string with_half_width(double value, double half_width);
 std::string probability(double p);
 std::string sure(double confidence);
 
+// Mean commands of hover are all that such logs tell.
+bool hover_alone(const Json& diagnosis);
+// Flights were named with --reference, and what is found is what changed since.
+bool has_reference(const Json& diagnosis);
 // nothing where the document has no verdict that is known
 std::optional<diagnosis::Verdict> verdict_of(const Json& diagnosis);
 // The sentence at the top of the page: what was found, in the words of the trade.

@@ -174,12 +174,13 @@ std::string Sweep::table() const {
     rows += "</tr>";
   }
   const std::string whole = card_table(columns, rows, " errors");
-  const std::string note = paragraph(
-      fmt::format(
-          "Planar unless z is named; mean ± sample standard deviation over runs, samples from {:g} s on. The bar is "
-          "the mean RMSE.",
-          results_.settle_s),
-      "note");
+  const std::string note = paragraph(fmt::format("Distance to the reference, seen from above unless z is named, in "
+                                                 "samples from {:g} s on: RMSE is the root of "
+                                                 "its mean square, MAE its mean, 95 % of the samples are below P95. "
+                                                 "Mean ± sample standard deviation over runs. "
+                                                 "The bar is the mean RMSE.",
+                                                 results_.settle_s),
+                                     "note");
   // what is drawn below need not be scrolled past
   return cells_.size() > 40
              ? note + fmt::format("<details><summary>All {} cells</summary>{}</details>", cells_.size(), whole)

@@ -322,13 +322,18 @@ double weight_of(const Json& diagnosis, const Json& effect) {
 
 bool has_trade_words(const std::string& effect) { return words_for(effect) != nullptr; }
 
-std::string headline_of(const Json& effect) {
+std::string normal_flights(const Json& effect, const Json& diagnosis) {
+  const bool hover = hover_alone(diagnosis);
+  if (!hover && part(effect, "total").empty()) return "";
+  return hover && !has_reference(diagnosis) ? "the flights taken as normal" : "the reference flights";
+}
+
+std::string headline_of(const Json& effect, const Json& diagnosis) {
   if (const Words* words = words_for(text(effect, "effect"))) {
     const auto [line, against] = words->headline(effect);
-    const bool alone = part(effect, "total").empty();
-    // with reference flights the numbers are changes against them
-    if (against) return line + " than " + (alone ? against : "in the reference flights");
-    return alone ? line : line + ", on top of the reference flights";
+    const std::string normal = normal_flights(effect, diagnosis);
+    if (against) return line + " than " + (normal.empty() ? against : "in " + normal);
+    return normal.empty() ? line : line + ", on top of " + normal;
   }
   const std::string says = text(effect, "says");
   return capital(plain_name(effect)) + (says.empty() ? "" : ": " + says);
@@ -366,6 +371,9 @@ std::string remedy_for(diagnosis::Lack lack, const std::string& shows_in) {
              "Crazyflie's log blocks stateEstimate and gyro";
     case Lack::attitude:
       return "log attitude: PX4 vehicle_attitude; ArduPilot LOG_BITMASK, ATTITUDE_FAST";
+    case Lack::body_rate:
+      return "log body rate at 50 Hz or more: PX4 SDLOG_PROFILE, bit 4 (high rate); ArduPilot LOG_BITMASK, IMU_FAST; a "
+             "Crazyflie's log block gyro";
     case Lack::motion:
       return "log position or velocity: motion capture, GNSS or the estimator's own";
     case Lack::torque:

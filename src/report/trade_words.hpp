@@ -9,8 +9,11 @@
 
 namespace gustlab::report {
 
+// The flights that the numbers of an effect are changes against; empty: they count from the vehicle file.
+std::string normal_flights(const Json& effect, const Json& diagnosis);
 // "Rotor 3 gives 9.0 % less thrust"; an effect without words of its own is its name and what it says.
-std::string headline_of(const Json& effect);
+// Without a diagnosis around it only the effect itself says whether its numbers are changes against reference flights.
+std::string headline_of(const Json& effect, const Json& diagnosis = Json::object());
 // "The controller holds it with more command on rotor 3", empty when nobody would notice.
 std::string notice_of(const Json& effect);
 bool has_trade_words(const std::string& effect);

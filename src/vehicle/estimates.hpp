@@ -5,6 +5,8 @@
 
 namespace gustlab {
 
+inline constexpr double standard_gravity_mps2 = 9.80665;  // of the units gf and kgf (CGPM 1901)
+
 // Small propellers at rest have C_T = 0.11 ± 0.025 and C_P = 0.048 ± 0.015 (Brandt, Selig, Propeller Performance Data at Low
 // Reynolds Numbers, AIAA 2011-1255). Thrust = C_T ρ D⁴ (Ω / 2π)², torque / thrust = C_P D / (2π C_T).
 inline constexpr double propeller_ct = 0.11, propeller_ct_spread = 0.25;

@@ -22,7 +22,10 @@ double arm_m(const NewVehicle& wanted) {
   return sum / static_cast<double>(wanted.hubs.size());
 }
 
-constexpr double most_thrust_to_weight = 100.0, most_mass_kg = 1e4;
+constexpr double least_thrust_to_weight = 1.05, most_thrust_to_weight = 100.0, most_mass_kg = 1e4;
+// Of propellers' tips in hover: 53 m/s (Crazyflie), 58 m/s (1.2 kg on 10 inches), 8 m/s (AeroVelo's Atlas, flown by a man on pedals).
+constexpr double speed_of_sound_mps = 340.0, least_tip_speed_mps = 5.0;
+constexpr std::array<double, 2> usual_tip_speed_mps = {20.0, 200.0};
 
 // the nearest two hubs of one height
 double hub_distance_m(const NewVehicle& wanted) {
@@ -35,22 +38,71 @@ double hub_distance_m(const NewVehicle& wanted) {
   return least;
 }
 
-void check(const NewVehicle& wanted) {
-  if (wanted.propeller_diameter_m && wanted.propeller_diameter_m->value > 1.02 * hub_distance_m(wanted))
-    throw ConfigError(fmt::format(
-        "--prop: propellers of {} m overlap (neighbouring hubs are {} m apart) check --prop and --arm, which is from "
-        "the centre to a motor",
-        number(wanted.propeller_diameter_m->value), number(hub_distance_m(wanted))));
-  if (wanted.thrust_to_weight && wanted.thrust_to_weight->value <= 1.05)
-    throw ConfigError(fmt::format(
-        "--thrust-to-weight: a vehicle with {} does not fly (all rotors at full input carry that much of the weight)",
-        number(wanted.thrust_to_weight->value)));
-  if (wanted.thrust_to_weight && wanted.thrust_to_weight->value > most_thrust_to_weight)
-    throw ConfigError(fmt::format("--thrust-to-weight: {} (no multirotor pushes with more than {} times its weight)",
-                                  number(wanted.thrust_to_weight->value), most_thrust_to_weight));
-  if (!(wanted.mass_kg.value < most_mass_kg))
+double diameter_of(const NewVehicle& wanted) {
+  return wanted.propeller_diameter_m ? wanted.propeller_diameter_m->value
+                                     : diameter_per_hub_distance * hub_distance_m(wanted);
+}
+
+double curve_of(const NewVehicle& wanted) {
+  return wanted.throttle_curve ? wanted.throttle_curve->value : usual_throttle_curve;
+}
+
+// thrust of all rotors at full throttle over the weight: from 1 = (f h² + (1 − f) h) full thrust / weight, where hover is given
+double full_thrust_to_weight(const NewVehicle& wanted) {
+  if (wanted.thrust_to_weight) return wanted.thrust_to_weight->value;
+  const double f = curve_of(wanted), h = wanted.hover->value;
+  return 1.0 / (f * h * h + (1.0 - f) * h);
+}
+
+// of a propeller's tips, when all carry this share of the weight together
+double tip_speed_mps(const NewVehicle& wanted, double thrust_to_weight) {
+  const double diameter = diameter_of(wanted), thrust_N = thrust_to_weight * wanted.mass_kg.value *
+                                                          standard_gravity_mps2 /
+                                                          static_cast<double>(wanted.hubs.size());
+  return 0.5 * diameter * std::sqrt(thrust_N / estimated_thrust_coefficient_Ns2(diameter));
+}
+
+// "--mass, --prop: 0.001 kg on 4 propellers of 0.762 m"
+std::string mass_on_propellers(const NewVehicle& wanted) {
+  return wanted.propeller_diameter_m
+             ? fmt::format("--mass, --prop: {} kg on {} propellers of {} m", number(wanted.mass_kg.value),
+                           wanted.hubs.size(), number(diameter_of(wanted)))
+             : fmt::format("--mass, --arm: {} kg on {} propellers of some {} m, which fit between the motors,",
+                           number(wanted.mass_kg.value), wanted.hubs.size(), number(diameter_of(wanted)));
+}
+
+// A mass and propellers that no vehicle has together show in the speed of the tips.
+void check_tips(const NewVehicle& wanted) {
+  const double hover_mps = tip_speed_mps(wanted, 1.0);
+  if (hover_mps > speed_of_sound_mps)
     throw ConfigError(
-        fmt::format("--mass: {} kg is no multirotor's (less than {} kg)", number(wanted.mass_kg.value), most_mass_kg));
+        fmt::format("{} do not hover: their tips would move at {} m/s, faster than sound check both, "
+                    "and their units",
+                    mass_on_propellers(wanted), number(std::round(hover_mps))));
+  if (hover_mps < least_tip_speed_mps)
+    throw ConfigError(
+        fmt::format("{} hover with tips at {:.2g} m/s; propellers of that size are heavier than the "
+                    "whole vehicle check both, and their units",
+                    mass_on_propellers(wanted), hover_mps));
+}
+
+std::vector<std::string> unusual(const NewVehicle& wanted) {
+  std::vector<std::string> warnings;
+  const double hover_mps = tip_speed_mps(wanted, 1.0), full_mps = tip_speed_mps(wanted, full_thrust_to_weight(wanted));
+  if (hover_mps < usual_tip_speed_mps.front() || hover_mps > usual_tip_speed_mps.back())
+    warnings.push_back(fmt::format("{} hover with tips at {} m/s ({} to {} m/s are usual) check both, and their units",
+                                   mass_on_propellers(wanted), number(std::round(hover_mps)),
+                                   usual_tip_speed_mps.front(), usual_tip_speed_mps.back()));
+  else if (full_mps > speed_of_sound_mps)
+    warnings.push_back(
+        fmt::format("{}: {} kg on propellers of {} m need tips at {} m/s for {} times the weight, faster "
+                    "than sound check both",
+                    wanted.hover ? "--hover" : "--thrust-to-weight", number(wanted.mass_kg.value),
+                    number(diameter_of(wanted)), number(std::round(full_mps)), number(full_thrust_to_weight(wanted))));
+  return warnings;
+}
+
+void check_thrust(const NewVehicle& wanted) {
   if (wanted.hover && !(wanted.hover->value > 0.0 && wanted.hover->value < 1.0))
     throw ConfigError(
         fmt::format("--hover: {} is no hover throttle (it is between 0 and 1)", number(wanted.hover->value)));
@@ -60,6 +112,30 @@ void check(const NewVehicle& wanted) {
     throw ConfigError(
         "--thrust-to-weight or --hover is missing: without one of them nothing says how much the rotors push "
         "(all of them at full throttle over the weight; the throttle in hover, 0 to 1)");
+  const double ratio = full_thrust_to_weight(wanted);
+  const std::string given = wanted.hover ? fmt::format("--hover: {} is a thrust to weight of {}, and",
+                                                       number(wanted.hover->value), number(ratio))
+                                         : "--thrust-to-weight:";
+  if (ratio <= least_thrust_to_weight)
+    throw ConfigError(
+        fmt::format("{} a vehicle with {} does not fly (all rotors at full input carry that much of the weight)", given,
+                    number(ratio)));
+  if (ratio > most_thrust_to_weight)
+    throw ConfigError(fmt::format("{} {} (no multirotor pushes with more than {} times its weight)", given,
+                                  number(ratio), most_thrust_to_weight));
+}
+
+void check(const NewVehicle& wanted) {
+  if (wanted.propeller_diameter_m && wanted.propeller_diameter_m->value > 1.02 * hub_distance_m(wanted))
+    throw ConfigError(fmt::format(
+        "--prop: propellers of {} m overlap (neighbouring hubs are {} m apart) check --prop and --arm, which is from "
+        "the centre to a motor",
+        number(wanted.propeller_diameter_m->value), number(hub_distance_m(wanted))));
+  if (!(wanted.mass_kg.value < most_mass_kg))
+    throw ConfigError(
+        fmt::format("--mass: {} kg is no multirotor's (less than {} kg)", number(wanted.mass_kg.value), most_mass_kg));
+  check_thrust(wanted);
+  check_tips(wanted);
 }
 
 // from f h² + (1 − f) h = weight / full thrust
@@ -82,10 +158,9 @@ std::string thrust_table(const NewVehicle& wanted) {
   std::string text =
       fmt::format("[thrust]\n# throttle (0..1) at which all rotors together carry the weight: {}\nhover = {}\n",
                   hover.source, number(hover.value));
-  const Sourced diameter = wanted.propeller_diameter_m.value_or(
-      Sourced{diameter_per_hub_distance * hub_distance_m(wanted),
-              fmt::format("estimated, {} of the distance between neighbouring hubs, within {:.0f} %",
-                          diameter_per_hub_distance, 100.0 * diameter_spread)});
+  const Sourced diameter = wanted.propeller_diameter_m.value_or(Sourced{
+      diameter_of(wanted), fmt::format("estimated, {} of the distance between neighbouring hubs, within {:.0f} %",
+                                       diameter_per_hub_distance, 100.0 * diameter_spread)});
   const Sourced ratio = wanted.torque_ratio_m.value_or(
       Sourced{torque_ratio_per_diameter * diameter.value,
               fmt::format("estimated, {} propeller diameters, within {:.0f} % (Brandt, Selig, AIAA 2011-1255)",
@@ -134,8 +209,7 @@ std::string mjcf(const NewVehicle& wanted) {
       "group=\"3\" rgba=\"0.8 0.3 0.3 0.3\"/>\n",
       wanted.name, wanted.mass_kg.source, inertia[0].source, number(mass), number(inertia[0].value),
       number(inertia[1].value), number(inertia[2].value), number(0.7 * arm), number(0.15 * arm));
-  const double radius = 0.5 * (wanted.propeller_diameter_m ? wanted.propeller_diameter_m->value
-                                                           : diameter_per_hub_distance * hub_distance_m(wanted));
+  const double radius = 0.5 * diameter_of(wanted);
   for (std::size_t i = 0; i < wanted.hubs.size(); ++i) {
     const Vector3& p = wanted.hubs[i].position_B_m;
     const std::string at = fmt::format("{} {} {}", number(p.x()), number(p.y()), number(p.z()));
@@ -154,7 +228,7 @@ std::string mjcf(const NewVehicle& wanted) {
 
 VehicleFiles new_vehicle_files(const NewVehicle& wanted) {
   check(wanted);
-  return {vehicle_toml(wanted), mjcf(wanted)};
+  return {vehicle_toml(wanted), mjcf(wanted), unusual(wanted)};
 }
 
 }  // namespace gustlab

@@ -49,6 +49,7 @@ struct NewVehicle {
 
 struct VehicleFiles {
   std::string vehicle_toml, mjcf;
+  std::vector<std::string> warnings;  // numbers that are possible and unusual
 };
 // vehicle.toml and NAME.xml. Needs hover or thrust_to_weight. Throws ConfigError when the numbers contradict each other.
 VehicleFiles new_vehicle_files(const NewVehicle& wanted);

@@ -9,12 +9,12 @@
 #include "flight_log/csv.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/types.hpp"
+#include "vehicle/estimates.hpp"
 
 namespace gustlab {
 
 namespace {
 
-constexpr double gravity_mps2 = 9.80665;  // of the units gf and kgf (CGPM 1901)
 constexpr std::size_t fewest_rows = 5;
 constexpr double least_voltage_spread = 0.02;  // of the mean: less does not tell an exponent
 constexpr int voltage_rounds = 50;
@@ -27,8 +27,9 @@ struct Quantity {
   };
   std::vector<Name> names;
 };
-const Quantity thrust{
-    {{"thrust_N", 1.0, 0.0}, {"thrust_gf", 1e-3 * gravity_mps2, 0.0}, {"thrust_kgf", gravity_mps2, 0.0}}};
+const Quantity thrust{{{"thrust_N", 1.0, 0.0},
+                       {"thrust_gf", 1e-3 * standard_gravity_mps2, 0.0},
+                       {"thrust_kgf", standard_gravity_mps2, 0.0}}};
 const Quantity torque{{{"torque_Nm", 1.0, 0.0}}};
 const Quantity speed{{{"speed_radps", 1.0, 0.0}, {"speed_rpm", pi / 30.0, 0.0}}};
 const Quantity voltage{{{"voltage_V", 1.0, 0.0}}};

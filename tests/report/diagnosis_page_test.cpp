@@ -303,6 +303,8 @@ TEST(DiagnosisPage, SaysNoPatternEverywhereWhereTheNoiseIsAsLarge) {
               AllOf(HasSubstr("a faint pattern under the noise"), Not(HasSubstr("everywhere"))));
   EXPECT_THAT(row(0.401, 0.401, 1e-20, false), HasSubstr("a pattern far below the noise; too small to matter"));
   EXPECT_THAT(row(0.259, 0.479, 0.4, false), AllOf(HasSubstr("no more than noise"), HasSubstr("class=\"n\">–</td>")));
+  EXPECT_THAT(row(3.1, 1.0, 0.4, false),
+              AllOf(HasSubstr("more than noise, in no pattern that is sure"), Not(HasSubstr("no more than noise"))));
   EXPECT_THAT(row(9.27, 3.0, 1e-20, false),
               AllOf(HasSubstr("3.09 ×"), HasSubstr("more than noise, and still too small to matter")));
   EXPECT_THAT(row(4.0, 0.5, 1e-20, true), AllOf(HasSubstr("8.00 ×"), HasSubstr("everywhere")));
@@ -334,6 +336,38 @@ TEST(DiagnosisPage, SaysProvedWhereSomethingIsSuspected) {
   EXPECT_THAT(report::one_sentence(diagnosis), HasSubstr("nothing is left beyond noise"));
   diagnosis["suspected"] = {{{"effect", "axial_inflow"}, {"confidence", 0.71}}};
   EXPECT_THAT(report::one_sentence(diagnosis), HasSubstr("nothing is proved beyond noise"));
+}
+
+// the card said of a change since reference flights that it is one against the model, and gave an unknown height of 0 ± 490 mm
+TEST(DiagnosisPage, OfHoverBesideReferenceFlightsIsOfWhatChanged) {
+  const Json number = {{"value", 0.012}, {"std", 0.002}, {"unit", "m"}};
+  const Json diagnosis = {
+      {"verdict", "explained"},
+      {"vehicle", "crazyflie"},
+      {"augmented_model", "augmented.toml"},
+      {"flights", {{{"file", "a.csv"}, {"role", "fit"}}, {{"file", "b.csv"}, {"role", "reference"}}}},
+      {"mismatch",
+       {{{"channel", "torque_x"},
+         {"significant", false},
+         {"p_value", 0.9},
+         {"rms", 7.84e-6},
+         {"noise_rms", 0.039},
+         {"unit", "N m"}}}},
+      {"effects",
+       {{{"effect", "center_of_mass"},
+         {"place", "body"},
+         {"confidence", 0.9},
+         {"says", "the centre of mass is not where the model has it"},
+         {"parameters", {{"x", number}, {"z", {{"value", 0.0}, {"std", 0.25}, {"unit", "m"}}}}}}}},
+      {"not_identifiable", {{{"effect", "inertia"}, {"lack", "attitude_and_rate"}}}}};
+  const std::string html = diagnosis_page(diagnosis, {});
+  for (const char* wanted :
+       {"farther forward than in the reference flights", "What changed since the reference flights",
+        "The numbers are changes since the reference flights.", ">not told</td>", ">0.00784 mN m</td>",
+        ">39.0 mN m</td>"})
+    EXPECT_THAT(html, HasSubstr(wanted));
+  for (const char* wrong : {"the model has it", "gustlab replay", "What was left out"})
+    EXPECT_THAT(html, Not(HasSubstr(wrong)));
 }
 
 TEST(DiagnosisPage, OfHoverAloneSaysNoMore) {
@@ -431,6 +465,18 @@ TEST(TradeWords, SayASignADirectionAndAReference) {
             "The body's drag holds it back at speed (drag area 0.056 m² level and 0.12 m² in a climb)");
   drag["parameters"]["area_z"]["std"] = 0.1;
   EXPECT_THAT(report::headline_of(drag), HasSubstr("(drag area 0.056 m² level)"));
+}
+
+TEST(TradeWords, InHoverNumbersAreChangesAgainstNormalFlights) {
+  const Json mass{{"effect", "mass"}, {"parameters", {{"delta", {{"value", 0.06}, {"std", 0.001}, {"unit", "-"}}}}}};
+  Json diagnosis{{"not_identifiable", {{{"effect", "inertia"}, {"lack", "attitude_and_rate"}}}},
+                 {"flights", {{{"file", "a.csv"}, {"role", "fit"}}}}};
+  EXPECT_EQ(report::headline_of(mass, diagnosis), "The vehicle weighs 6.0 % more than in the flights taken as normal");
+  diagnosis["flights"].push_back({{"file", "b.csv"}, {"role", "reference"}});
+  EXPECT_EQ(report::headline_of(mass, diagnosis), "The vehicle weighs 6.0 % more than in the reference flights");
+  // a gyroscope that is missing is no hover recording, and reference flights that showed this effect say so in the effect
+  diagnosis["not_identifiable"][0]["lack"] = "body_rate";
+  EXPECT_EQ(report::headline_of(mass, diagnosis), "The vehicle weighs 6.0 % more than its model");
 }
 
 TEST(TradeWords, AnUnnamedTermIsLikeSomethingThatIsKnown) {

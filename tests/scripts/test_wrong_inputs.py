@@ -60,6 +60,18 @@ def files():
             "mm.toml": MAP.replace('"z"]', '"z"]\nunit = "mm"', 1), "nobody.toml": MAP.replace('vehicle = "crazyflie"\n', ""),
             "numbers.toml": VEHICLE.replace("body.xml", "numbers.xml"), "numbers.xml": BODY.replace("-0.17 0.17 0", "left"),
             "stand.csv": "thrust_N,throttle\n" + "".join(f"{k},{k}\n" for k in range(9)), "few.csv": "thrust_N,speed_radps\n1,100\n"}
+    made |= {"empty_x.csv": changed("x", lambda x: x * float("nan")), "empty_q.csv": changed("qw", lambda q: q * float("nan")), "empty_m.csv": changed("m3", lambda m: m * float("nan")),
+             "empty_t.csv": changed("t", lambda t: t * float("nan")), "huge.csv": changed("x", lambda x: 1e308 * x), "huge_t.csv": changed("t", lambda t: 1e300 * t),
+             "jump.csv": changed("t", lambda t: t + 1e9 * (abs(t - 0.5) < 0.001)), "backward.csv": changed("t", lambda t: -t), "degrees.csv": changed("gx", lambda w: 57.3 * w),
+             "no_gravity.csv": changed("az", lambda a: a / 9.81), "no_unit.csv": changed("qw", lambda q: 3.0 * q), "below.csv": changed("m1", lambda m: -m),
+             "nul.csv": table.replace(lines[4], "\0" * 40), "again.csv": "\n".join(lines[:200] + lines), "units.csv": "\n".join([lines[0], ",".join(["s"] + ["m"] * 21)] + lines[1:]),
+             "remark.csv": "# made by hand\n" + table, "nameless.csv": table.replace("t,x,", "t,,", 1), "slow.csv": "\n".join([lines[0]] + lines[1::60]),
+             "reversed.csv": "\n".join([lines[0]] + lines[:0:-1]), "list.csv": '{"t": [1, 2]}', "page.ulg": b"<html><body>404 not found</body></html>" * 10,
+             "pointer.ulg": b"version https://git-lfs.github.com/spec/v1\noid sha256:aa\nsize 123\n", "packed.zip": b"PK\x03\x04" + bytes(200),
+             "same.toml": MAP.replace('"m1", "m2"', '"m1", "m1"'), "nowhere.toml": MAP.replace('"crazyflie"', '"crazyfly"'), "nothing.toml": "",
+             "number.toml": MAP.replace('["x", "y", "z"]', "[1, 2, 3]"), "order.toml": MAP.replace('"xyzw"', '"xxyw"'), "steam.toml": MAP.replace('"pwm"', '"steam"'),
+             "two_times.toml": MAP + '[time]\ncolumn = "t"\n', "signs.toml": MAP.replace('["x", "y", "z"]', '["x", "y", "z"]\nsigns = [1, 1]'),
+             "infinite.toml": MAP.replace('["x", "y", "z"]', '["x", "y", "z"]\nsigns = [inf, nan, 1]'), "range.toml": MAP.replace('kind = "pwm"', 'kind = "pwm"\nrange = [5, 5]')}
     made |= {f"nonsense{kind}": NONSENSE for kind in (".ulg", ".bin", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".parquet", ".csv", ".toml")}
     return {name: text.encode() if isinstance(text, str) else text for name, text in made.items()}
 
@@ -140,7 +152,45 @@ WRONG = (
     (table("still.csv"), 3, "still.csv"),
     (table("years.csv"), 3, "[time] unit is too large"),
     (table("large.csv"), 3, "large.csv: not usable"),
+    (table("empty_x.csv"), 3, "empty_x.csv:1: column `x` holds no number, and [position] of the map names it; leave [position] out"),
+    (table("empty_q.csv"), 3, "empty_q.csv:1: column `qw` holds no number, and [attitude] of the map"),
+    (table("empty_m.csv"), 3, "empty_m.csv:1: column `m3` holds no number, and [actuator] of the map"),
+    (table("empty_t.csv"), 3, "empty_t.csv:2: column `t`: a row without a time (500 of them)"),
+    (table("huge.csv"), 3, "column `x` holds no number that could be meant"),
+    (table("huge_t.csv"), 3, "huge_t.csv:3: column `t`: a time that is no number, or too large for one (499 of them)"),
+    (table("jump.csv"), 3, "time runs backward"),
+    (table("backward.csv"), 3, "time runs backward"),
+    (table("reversed.csv"), 3, "time runs backward"),
+    (table("degrees.csv"), 3, "rows lie outside -70 to 70 rad/s"),
+    (table("no_gravity.csv"), 3, "gravity was removed"),
+    (table("no_unit.csv"), 3, "these columns are no unit quaternion"),
+    (table("below.csv"), 3, "rows lie outside 0 to 65535 pwm"),
+    (table("nul.csv"), 3, "nul.csv:5:2: 1 cells where the header has 22"),
+    (table("again.csv"), 3, "again.csv:201:1: `t` in column `t` is not a number"),
+    (table("units.csv"), 3, "units.csv:2:1: `s` in column `t` is not a number"),
+    (table("remark.csv"), 3, "remark.csv:1:1: the first line is a remark (`# made by hand`); the names of the columns must be there"),
+    (table("nameless.csv"), 3, "no column `x`, which the map `good` names"),
+    (table("slow.csv"), 3, "cannot be judged at 1.7 Hz"),
+    (table("list.csv"), 3, "list.csv:2:1: the file has a header and no samples"),
+    (log("page.ulg"), 3, "page.ulg: byte 0: not a PX4 ULog"),
+    (log("pointer.ulg"), 3, "pointer.ulg: byte 0: not a PX4 ULog"),
+    (log("packed.zip"), 2, "packed.zip: byte 0: no log format that is known begins like this"),
+    (log("dangling.ulg"), 3, "dangling.ulg: cannot be read (No such file or directory)"),
+    (log("circle.ulg"), 3, "circle.ulg: cannot be read (Too many levels of symbolic links)"),
+    (log("n" * 300), 3, "cannot be read (File name too long)"),
+    (log("good.ulg", "good.ulg"), 2, "good.ulg: would be written over good.ulg (both give good); use two --out"),
+    (log("good.ulg", "--from", "inf"), 2, "invalid seconds value: 'inf'"),
     # column maps
+    (table("good.csv", "same.toml"), 2, "[actuator] names column `m1` twice"),
+    (table("good.csv", "nowhere.toml"), 2, 'nowhere.toml:1:1: there is no vehicle "crazyfly" under models/ (a path ends in .toml); did you mean `crazyflie`?'),
+    (table("good.csv", "nothing.toml"), 2, "nothing.toml:1:1: `format` is missing"),
+    (table("good.csv", "number.toml"), 2, "`columns` must be a list of names"),
+    (table("good.csv", "order.toml"), 2, 'order = "xxyw" is not known'),
+    (table("good.csv", "steam.toml"), 2, 'kind = "steam" is not known'),
+    (table("good.csv", "two_times.toml"), 2, "Cannot declare ('time',) twice"),
+    (table("good.csv", "signs.toml"), 2, "[position] signs = [1, 1]; must be 3 numbers"),
+    (table("good.csv", "infinite.toml"), 2, "`signs` must be a list of numbers from -1 to 1"),
+    (table("good.csv", "range.toml"), 2, "[actuator] range = [5, 5]; must be [off, full]"),
     (table("good.csv", "broken.toml"), 2, "broken.toml:3:"),
     (table("good.csv", "typo.toml"), 2, "did you mean `position`?"),
     (table("good.csv", "unit.toml"), 2, 'unit = "deg" is not a unit of rate'),
@@ -157,6 +207,14 @@ WRONG = (
     (new(hover=None), 2, "--thrust-to-weight or --hover is missing"),
     (new(layout="hex"), 2, 'did you mean "hexa"?'),
     (new(prop="40in"), 2, "overlap"),
+    (new(arm="1m", prop="30in", mass="1g"), 2, "--mass, --prop: 0.001 kg on 4 propellers of 0.762 m hover with tips at 0.56 m/s; propellers of that size are heavier than the "
+                                               "whole vehicle check both, and their units"),
+    (new(mass="1g"), 2, "--mass, --arm: 0.001 kg on 4 propellers of some 0.2828 m, which fit between the motors, hover with tips at 1.5 m/s; "),
+    (new(mass="900kg"), 2, "faster than sound check both, and their units"),
+    (new(arm="1cm"), 2, "which fit between the motors, do not hover: their tips would move at 1297 m/s, faster than sound"),
+    (new(hover=None, thrust_to_weight="0.5"), 2, "--thrust-to-weight: a vehicle with 0.5 does not fly"),
+    (new(hover="0.99"), 2, "--hover: 0.99 is a thrust to weight of 1.017, and a vehicle with 1.017 does not fly"),
+    (new(hover="0.001"), 2, "--hover: 0.001 is a thrust to weight of 2852, and 2852 (no multirotor pushes"),
     (new(out="taken"), 2, "is there already"),
     (new(from_log="missing.ulg"), 3, "missing.ulg: cannot"),
     (new(from_log="--"), 3, "--: cannot be read (No such file"),
@@ -199,6 +257,8 @@ class WrongInputs(unittest.TestCase):
             (cls.folder / name).parent.mkdir(exist_ok=True)
             (cls.folder / name).write_bytes(contents)
         os.mkfifo(cls.folder / "pipe.ulg")
+        os.symlink("no_file", cls.folder / "dangling.ulg")
+        os.symlink("circle.ulg", cls.folder / "circle.ulg")
         with sqlite3.connect(cls.folder / "whole.db3") as database:
             database.execute("CREATE TABLE topics (name TEXT)")
         database.close()

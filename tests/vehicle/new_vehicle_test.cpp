@@ -87,5 +87,33 @@ TEST(NewVehicle, NumbersThatContradictEachOtherAreErrors) {
   EXPECT_THROW(new_vehicle_files(broken([](NewVehicle& w) { w.thrust_to_weight.reset(); })), ConfigError);
 }
 
+// Ω = √(T / (C_T ρ D⁴ / 4π²)), by hand: 1.2 kg on 10 inches 58 m/s, a Crazyflie 53 m/s
+TEST(NewVehicle, MassesThatPropellersCannotCarryAreRefusedOrSaid) {
+  const auto made = [](double mass_kg, double arm_m, double diameter_m, double thrust_to_weight) {
+    NewVehicle w = wanted();
+    w.mass_kg.value = mass_kg, w.hubs = hubs_on_circle(layouts().front(), arm_m);
+    w.propeller_diameter_m = Sourced{diameter_m, "label"}, w.thrust_to_weight = Sourced{thrust_to_weight, "label"};
+    return new_vehicle_files(w).warnings;
+  };
+  EXPECT_TRUE(made(1.2, 0.25, 0.254, 2.1).empty());
+  EXPECT_TRUE(made(0.032, 0.046, 0.045, 1.9).empty());
+  EXPECT_TRUE(made(0.7, 0.11, 0.127, 8.0).empty());
+  EXPECT_THROW(made(0.001, 1.0, 0.762, 2.0), ConfigError);   // 0.6 m/s
+  EXPECT_THROW(made(10.0, 0.25, 0.0254, 2.0), ConfigError);  // 1670 m/s
+  EXPECT_EQ(made(0.05, 0.25, 0.254, 2.0).size(), 1u);        // 12 m/s
+  EXPECT_EQ(made(0.7, 0.11, 0.127, 20.0).size(), 1u);        // 88 m/s in hover, 395 m/s at full throttle
+}
+
+TEST(NewVehicle, AHoverThrottleIsAThrustToWeight) {
+  const auto hovers = [](double throttle) {
+    NewVehicle w = wanted();
+    w.thrust_to_weight.reset(), w.hover = Sourced{throttle, "log"};
+    new_vehicle_files(w);
+  };
+  EXPECT_NO_THROW(hovers(0.5));
+  EXPECT_THROW(hovers(0.99), ConfigError);
+  EXPECT_THROW(hovers(0.001), ConfigError);
+}
+
 }  // namespace
 }  // namespace gustlab

@@ -65,7 +65,7 @@ constexpr Missing missing[] = {
     {Need::motion, "neither position nor velocity in the logs", Lack::motion},
     {Need::torque, "these logs tell no torque", Lack::torque},
     {Need::accelerometer, "no accelerometer in the logs", Lack::accelerometer},
-    {Need::gyro, "no gyroscope in the logs", Lack::attitude_and_rate},
+    {Need::gyro, "no gyroscope in the logs", Lack::body_rate},
     {Need::ground, "no ground height in the logs (environment.ground_z_m)", Lack::surroundings},
     {Need::ceiling, "no ceiling height in the logs (environment.ceiling_z_m)", Lack::surroundings},
     {Need::wall, "no walls in the logs (environment.walls)", Lack::surroundings}};

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <set>
 
 #include "config/toml.hpp"
 #include "diagnosis/evidence/judge.hpp"
@@ -21,6 +23,12 @@ using namespace decisions;
 namespace {
 
 std::string catalogue_name(const Group& group) { return std::string(group.row->name); }
+
+// five standard deviations of a number, in typical sizes of it; infinite where no size would show
+double size_that_shows(const Eigen::MatrixXd& projected, int column) {
+  const double information = projected(column, column);
+  return information > 1e-9 ? 5.0 / std::sqrt(information) : std::numeric_limits<double>::infinity();
+}
 
 // why a group is hardly identifiable in these flights; no value when it is
 std::optional<NotIdentifiable> why_not_identifiable(const Session& session, const Selection& selection, int g) {
@@ -37,16 +45,12 @@ std::optional<NotIdentifiable> why_not_identifiable(const Session& session, cons
         catalogue_name(group),
         "within half a second the recorded loop answers what disturbs the vehicle: how late a torque is is not told",
         Lack::raw_sensors};
-  // the strength that five standard deviations would need, against a typical one
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
-  double best = 1e300;
-  for (const int c : group.columns) {
-    const double information = projected(c, c);
-    if (information > 1e-9) best = std::min(best, 5.0 / std::sqrt(information));
-  }
+  double best = std::numeric_limits<double>::infinity();
+  for (const int c : group.columns) best = std::min(best, size_that_shows(projected, c));
   if (!(best > hardly_shown)) return std::nullopt;
-  const std::string why = best > 1e200 ? "these flights do not show it"
-                                       : fmt::format("only one {:.0f} times as large as is usual would show", best);
+  const std::string why = std::isinf(best) ? "these flights do not show it"
+                                           : fmt::format("only one {:.0f} times as large as is usual would show", best);
   return NotIdentifiable{catalogue_name(group), why + shows_in_words(group.row->shows_in), Lack::excitation,
                          std::string(group.row->shows_in)};
 }
@@ -183,21 +187,50 @@ void note_tilted_frame(const Session& session, Diagnosis& out) {
   }
 }
 
-// what was withdrawn, the best of what was not chosen, and of what was chosen too small to name
+// the size of every number of a group from which on it would show; of one per flight the flight that shows it best
+std::vector<NamedValue> would_show(const Session& session, const Eigen::MatrixXd& projected, const Group& group) {
+  std::vector<NamedValue> sizes;
+  for (const int c : group.columns) {
+    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
+    const double typical = size_that_shows(projected, c), size = typical * column.natural;
+    if (!(typical < hardly_shown)) continue;
+    const auto same = std::ranges::find(sizes, column.name, &NamedValue::name);
+    if (same == sizes.end()) sizes.push_back({column.name, column.unit, size, 0.0});
+    else same->value = std::min(same->value, size);
+  }
+  return sizes;
+}
+
+// Which effects are said to be found, or were withdrawn.
+std::set<std::string_view> told_of(const Session& session, const Selection& selection, const Diagnosis& out) {
+  std::set<std::string_view> names;
+  for (const Finding& finding : selection.findings) names.insert(group_of(session, finding.group).row->name);
+  for (const Rejected& rejected : out.rejected)
+    if (const EffectRow* row = find_effect(rejected.effect)) names.insert(row->name);
+  return names;
+}
+
+// what was withdrawn, the best of what was not chosen, and every other effect that these flights would show
 void list_rejected(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
+  constexpr std::size_t best = 5;
   for (const Evidence& record : challenge.withdrawn)
     out.rejected.push_back({record.effect, record.delta_chi2,
                             fmt::format("its own evidence gives it a probability of {:.2f}", record.probability)});
+  std::set<std::string_view> told = told_of(session, selection, out);
+  const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   std::vector<std::pair<double, int>> others;
   for (const auto& [g, delta_chi2] : selection.alone) others.emplace_back(delta_chi2, g);
   std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (std::size_t i = 0; i < std::min<std::size_t>(5, others.size()); ++i) {
+  for (std::size_t i = 0; i < others.size(); ++i) {
     const Group& group = group_of(session, others[i].second);
+    const bool first = told.insert(group.row->name).second;
+    if (i >= best && (!first || why_not_identifiable(session, selection, others[i].second))) continue;
     out.rejected.push_back(
         {group.rotor > 0 ? fmt::format("{} (rotor {})", group.row->name, group.rotor) : catalogue_name(group),
          others[i].first,
          others[i].first > 0.0 ? "makes the predictions too little better to be one more name"
-                               : "does not make the predictions better"});
+                               : "does not make the predictions better",
+         would_show(session, projected, group)});
   }
 }
 

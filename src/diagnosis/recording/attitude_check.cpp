@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "diagnosis/recording/flight_labels.hpp"
 #include "gustlab/types.hpp"
 #include "vehicle/rotor_speed.hpp"
 
@@ -124,7 +125,7 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
   for (std::size_t r = 1; r < std::size(readings); ++r)
     if (left(r) < (best == 0 ? clearly_better * std::min(1.0, as_read) : left(best))) best = r;
   if (as_read < too_much || best == 0) return {};
-  const std::string file = log.path.substr(log.path.find_last_of('/') + 1);
+  const std::string file = label_of(log.path);
   return {{file, "qw…qz", "inconsistent", log.time_s.front(), log.time_s.back(),
            fmt::format(
                "the vehicle does not accelerate as its attitude leans, and would if the quaternion were {}: set aside",

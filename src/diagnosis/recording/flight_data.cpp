@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/recording/flight_labels.hpp"
 #include "diagnosis/recording/log_filters.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
 #include "diagnosis/recording/total_thrust.hpp"
@@ -470,7 +471,7 @@ FlightData read_alone(const FlightLog& original, const VehicleModel& vehicle, co
   const FlightLog& log = filters || averages ? changed : original;
   FlightData flight;
   flight.file = log.path;
-  flight.label = log.path.substr(log.path.find_last_of('/') + 1);
+  flight.label = label_of(log.path);
   flight.vehicle = vehicle;
   see_surroundings(log.meta.environment, flight.vehicle.environment);
   flight.late = options.late;

@@ -8,6 +8,7 @@
 
 #include "diagnosis/recording/clock_checks.hpp"
 #include "diagnosis/recording/flight_data.hpp"
+#include "diagnosis/recording/flight_labels.hpp"
 #include "diagnosis/recording/force_checks.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
 #include "util/quantiles.hpp"
@@ -32,10 +33,7 @@ class Checker {
 
  public:
   Checker(FlightLog& log, const VehicleModel& vehicle)
-      : log_(log),
-        vehicle_(vehicle),
-        label_(log.path.substr(log.path.find_last_of('/') + 1)),
-        step_s_(median_step(log.time_s)) {}
+      : log_(log), vehicle_(vehicle), label_(label_of(log.path)), step_s_(median_step(log.time_s)) {}
 
   std::vector<LogFinding> run() {
     for (const LogRepair& repair : log_.repairs)
@@ -549,7 +547,7 @@ std::vector<LogFinding> check_copies(const std::vector<FlightLog>& logs) {
                           logs[j].columns[c].values.begin(),
                           [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
       if (!same) continue;
-      const auto name = [](const FlightLog& log) { return log.path.substr(log.path.find_last_of('/') + 1); };
+      const auto name = [](const FlightLog& log) { return label_of(log.path); };
       found.push_back({name(logs[i]), "*", "duplicate", 0.0, logs[i].rows() ? logs[i].time_s.back() : 0.0,
                        fmt::format("is a copy of {}: set aside", name(logs[j])), true, false});
       break;

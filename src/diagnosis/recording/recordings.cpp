@@ -73,8 +73,6 @@ std::string nothing_usable(const Remarks& remarks) {
 
 }  // namespace
 
-std::string label_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
-
 Recordings read_recordings(const std::vector<std::string>& fit, const std::vector<std::string>& holdout,
                            const std::vector<std::string>& reference, const std::optional<std::string>& vehicle) {
   Recordings read;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "diagnosis/recording/flight_data.hpp"
+#include "diagnosis/recording/flight_labels.hpp"
 #include "diagnosis/result/diagnosis.hpp"
 #include "gustlab/flight_log.hpp"
 #include "gustlab/vehicle.hpp"
@@ -35,7 +36,5 @@ bool is_recorded(const std::vector<FlightLog>& logs, std::initializer_list<const
 std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const VehicleModel& vehicle,
                                 const ReadingOptions& options, const std::vector<double>& offset_s = {},
                                 std::size_t first = 0);
-// A path without its folders.
-std::string label_of(const std::string& path);
 
 }  // namespace gustlab::diagnosis

@@ -58,6 +58,7 @@ struct Rejected {
   std::string effect;
   double delta_chi2 = 0.0;
   std::string why;
+  std::vector<NamedValue> would_show = {};  // numbers from which on it would show, if nothing looked like it
 };
 
 // What would make an effect identifiable that is not: a kind for programs and for the page, beside the reason in words.
@@ -68,6 +69,7 @@ enum class Lack {
   raw_sensors,
   attitude_and_rate,
   attitude,
+  body_rate,
   motion,
   torque,
   accelerometer,

@@ -100,8 +100,9 @@ ordered_json records(const std::vector<Evidence>& evidence) {
 }  // namespace
 
 namespace {
-constexpr std::string_view lacks[] = {"other",    "vehicle_file", "surroundings", "raw_sensors",   "attitude_and_rate",
-                                      "attitude", "motion",       "torque",       "accelerometer", "excitation"};
+constexpr std::string_view lacks[] = {"other",     "vehicle_file", "surroundings", "raw_sensors", "attitude_and_rate",
+                                      "attitude",  "body_rate",    "motion",       "torque",      "accelerometer",
+                                      "excitation"};
 }
 
 std::string_view to_string(Lack lack) { return lacks[static_cast<std::size_t>(lack)]; }
@@ -181,8 +182,11 @@ ordered_json to_json(const Diagnosis& d) {
   for (const auto& [kind, says] : finding_lines(d.log_findings, d.flights.size()))
     out["log_findings_in_short"].push_back({{"kind", kind}, {"says", says}});
   out["rejected"] = ordered_json::array();
-  for (const Rejected& r : d.rejected)
+  for (const Rejected& r : d.rejected) {
     out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.delta_chi2)}, {"why", r.why}});
+    for (const NamedValue& v : r.would_show)
+      out["rejected"].back()["would_show"][v.name] = {{"value", number(v.value)}, {"unit", v.unit}};
+  }
   out["not_identifiable"] = ordered_json::array();
   for (const NotIdentifiable& n : d.not_identifiable) {
     ordered_json entry = {{"effect", n.effect}, {"why", n.why}};

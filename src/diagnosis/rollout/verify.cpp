@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "config/toml.hpp"
+#include "diagnosis/recording/flight_labels.hpp"
 #include "diagnosis/rollout/per_flight.hpp"
 #include "diagnosis/rollout/replay.hpp"
 #include "diagnosis/rollout/rollout.hpp"
@@ -131,7 +132,7 @@ Verification verify(const std::vector<FlightLog>& holdout, const VehicleModel& v
       before.push_back(std::move(nominal));
       if (result.window.empty()) {
         result.window = window_of(log, vehicle, vehicle.effects, augmented, jobs);
-        result.window_file = log.path.substr(log.path.find_last_of('/') + 1);
+        result.window_file = label_of(log.path);
       }
     } catch (const DataError&) {
       // a log without attitude cannot be flown; what it lacks is said under not_identifiable

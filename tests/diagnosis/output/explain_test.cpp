@@ -172,6 +172,27 @@ TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
   EXPECT_EQ(d.rejected[2].effect, "mass");
 }
 
+// information of 1e4 of every number in typical sizes: five standard errors are a twentieth of it
+TEST_F(Explained, OfEveryEffectThatFlightsWouldShowIsSaidThatItIsNotThere) {
+  found("mass", 0.05, 0.97);
+  const auto& groups = session.catalogue().groups();
+  for (int g = 0; g < std::ssize(groups); ++g)
+    if (groups[static_cast<std::size_t>(g)].candidate && !selection.find(g)) selection.alone.emplace_back(g, -1.0 - g);
+  const Diagnosis d = explained();
+  for (const EffectRow& row : effect_registry()) {
+    if (!row.diagnosable || row.column == ColumnFrom::nowhere) continue;
+    const auto has = [&](const auto& list) {
+      return std::ranges::any_of(list, [&](const auto& entry) { return entry.effect.starts_with(row.name); });
+    };
+    EXPECT_TRUE(has(d.effects) || has(d.rejected) || has(d.not_identifiable)) << row.name;
+  }
+  const auto scale = std::ranges::find(d.rejected, "thrust_scale", &Rejected::effect);
+  ASSERT_NE(scale, d.rejected.end());
+  ASSERT_EQ(scale->would_show.size(), 1u);
+  const Column& number = session.catalogue().columns()[static_cast<std::size_t>(column("thrust_scale"))];
+  EXPECT_NEAR(scale->would_show[0].value, 0.05 * number.natural, 1e-12);
+}
+
 // 40 s of flights hold 80 pieces of half a second
 TEST_F(Explained, AGustIsItsPartsTimesTheMass) {
   GustParts parts;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "diagnosis/recording/flight_labels.hpp"
 #include "diagnosis/recording/recordings.hpp"
 #include "diagnosis/result/diagnosis.hpp"
 #include "gustlab/errors.hpp"
@@ -97,6 +98,12 @@ TEST(Stretches, AreFlightsOfTheirOwn) {
     for (const LogColumn& column : flights[i].columns) EXPECT_THAT(column.values, SizeIs(300));
   }
   EXPECT_FALSE(is_flight_of("long.csv.gz", "long.csv"));
+  // what `gustlab run` writes has one name in every folder
+  EXPECT_EQ(label_of("out/fit/flight.csv (60 to 90 s)"), "fit/flight.csv (60 to 90 s)");
+  EXPECT_EQ(label_of("fit/flight.csv"), "fit/flight.csv");
+  EXPECT_EQ(label_of("/flight.csv"), "flight.csv");
+  EXPECT_EQ(label_of("./flight.csv"), "flight.csv");
+  EXPECT_EQ(label_of("out/fit/long.csv"), "long.csv");
 }
 
 TEST(Parts, AreAllRowsOnce) {
