@@ -187,6 +187,7 @@ class PX4(ImportCase):
         why = [(part["from_s"], part["to_s"]) for part in log["refused"] if part["why"].startswith("on the ground")]
         self.assertEqual(why, [(3.0, 5.1), (14.9, 17.0)])
         height[:] = 0.06
+        self.out = self.out.parent / "on_the_ground"
         code, log, _ = self.take(px4_flight(truth))
         self.assertEqual((code, log["flights"]), (3, []))
 
