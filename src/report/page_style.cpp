@@ -56,6 +56,7 @@ figcaption { margin-top: .5rem; max-width: 46rem; }
   padding: 0; list-style: none; }
 .legend svg { width: 26px; height: 10px; margin-right: .4rem; }
 details summary { cursor: pointer; color: var(--soft); font-size: .88rem; }
+pre { white-space: pre-wrap; }
 code { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: .88em; }
 footer { margin-top: 3rem; padding-top: 1rem; border-top: 1px solid var(--faint); color: var(--soft); font-size: .85rem; }
 svg { display: block; width: 100%; height: auto; }

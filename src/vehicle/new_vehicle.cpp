@@ -22,7 +22,8 @@ double arm_m(const NewVehicle& wanted) {
   return sum / static_cast<double>(wanted.hubs.size());
 }
 
-constexpr double least_thrust_to_weight = 1.05, most_thrust_to_weight = 100.0, most_mass_kg = 1e4;
+constexpr double least_thrust_to_weight = 1.05, most_thrust_to_weight = 100.0, most_mass_kg = 1e4, least_arm_m = 1e-3,
+                 most_arm_m = 100.0;
 // Of propellers' tips in hover: 53 m/s (Crazyflie), 58 m/s (1.2 kg on 10 inches), 8 m/s (AeroVelo's Atlas, flown by a man on pedals).
 constexpr double speed_of_sound_mps = 340.0, least_tip_speed_mps = 5.0;
 constexpr std::array<double, 2> usual_tip_speed_mps = {20.0, 200.0};
@@ -134,6 +135,10 @@ void check(const NewVehicle& wanted) {
   if (!(wanted.mass_kg.value < most_mass_kg))
     throw ConfigError(
         fmt::format("--mass: {} kg is no multirotor's (less than {} kg)", number(wanted.mass_kg.value), most_mass_kg));
+  if (!(arm_m(wanted) > least_arm_m && arm_m(wanted) < most_arm_m))
+    throw ConfigError(
+        fmt::format("--arm: {} m is no multirotor's ({} to {} m from the centre to a motor) check its unit",
+                    number(arm_m(wanted)), least_arm_m, most_arm_m));
   check_thrust(wanted);
   check_tips(wanted);
 }

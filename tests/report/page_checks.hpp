@@ -53,6 +53,8 @@ inline constexpr const char* layout_probe = R"js(<script>window.onload = () => {
     if (part.getBoundingClientRect().right > width + 1) said.push('wider than the page: ' + part.outerHTML.slice(0, 60));
   }
   for (const part of document.querySelectorAll('details')) part.open = true;
+  for (const part of document.querySelectorAll('pre'))
+    if (part.scrollWidth > part.clientWidth + 1) said.push('cut off: ' + part.textContent.slice(0, 60));
   for (const part of document.querySelectorAll('.scroll'))
     if (part.scrollWidth > part.clientWidth + 1 && !part.querySelector('table.heat'))
       said.push('scrolls sideways: ' + part.innerHTML.slice(0, 60));

@@ -349,6 +349,7 @@ class Damaged(ImportCase):
         """(what import says, columns written) of a log with a kilobyte and more of its middle harmed."""
         good = px4_flight(synthetic()).bytes()
         first = len(good) // 2
+        self.out = self.folder / f"out_{len(list(self.folder.iterdir()))}"   # another log of the same name is not written over the first
         code, out, err = self.run_import(self.write("bad.ulg", good[:first] + harm(good[first:first + 3000]) + good[first + 3000:]), "--out", self.out)
         self.assertEqual((code, err), (0, ""))
         return out, self.written("bad_1.csv")
@@ -374,6 +375,7 @@ class Damaged(ImportCase):
         # the highest byte of a time in the middle of the log, of the fastest topic
         stamps = [match.start() for match in re.finditer(rb"D\x00\x00", whole)]
         at = stamps[len(stamps) // 2] + 3
+        self.out = self.folder / "wrong_time"
         self.run_import(self.write("bad.ulg", whole[:at + 7] + b"\x01" + whole[at + 8:]), "--out", self.out)
         self.assertEqual(len(columns["time_s"]) - len(self.written("bad_1.csv")["time_s"]) in (0, 1), True)
         self.assertIn("the file is damaged in places: ", (self.out / "bad_1.meta.toml").read_text())

@@ -211,6 +211,7 @@ WRONG = (
                                                "whole vehicle check both, and their units"),
     (new(mass="1g"), 2, "--mass, --arm: 0.001 kg on 4 propellers of some 0.2828 m, which fit between the motors, hover with tips at 1.5 m/s; "),
     (new(mass="900kg"), 2, "faster than sound check both, and their units"),
+    (new(arm="1e-9m"), 2, "--arm: 1e-09 m is no multirotor's (0.001 to 100 m from the centre to a motor) check its unit"),
     (new(arm="1cm"), 2, "which fit between the motors, do not hover: their tips would move at 1297 m/s, faster than sound"),
     (new(hover=None, thrust_to_weight="0.5"), 2, "--thrust-to-weight: a vehicle with 0.5 does not fly"),
     (new(hover="0.99"), 2, "--hover: 0.99 is a thrust to weight of 1.017, and a vehicle with 1.017 does not fly"),

@@ -14,6 +14,7 @@
 #include "diagnosis/evidence/judge.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
+#include "diagnosis/selection/subset_search.hpp"
 #include "diagnosis/validation/regimes.hpp"
 
 namespace gustlab::diagnosis {
@@ -210,6 +211,14 @@ std::set<std::string_view> told_of(const Session& session, const Selection& sele
   return names;
 }
 
+// a wind beside what was found is felt by nothing
+bool blows_unfelt(const Session& session, const Selection& selection, int g) {
+  std::vector<int> beside = selection.groups();
+  beside.push_back(g);
+  return group_of(session, g).row->air == Airflow::wind &&
+         !SubsetSearch(session.catalogue(), session.vehicle(), 0.0).allowed(beside);
+}
+
 // what was withdrawn, the best of what was not chosen, and every other effect that these flights would show
 void list_rejected(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   constexpr std::size_t best = 5;
@@ -222,15 +231,23 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
   for (const auto& [g, delta_chi2] : selection.alone) others.emplace_back(delta_chi2, g);
   std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < others.size(); ++i) {
-    const Group& group = group_of(session, others[i].second);
+    const auto [gain, g] = others[i];
+    const Group& group = group_of(session, g);
     const bool first = told.insert(group.row->name).second;
-    if (i >= best && (!first || why_not_identifiable(session, selection, others[i].second))) continue;
-    out.rejected.push_back(
-        {group.rotor > 0 ? fmt::format("{} (rotor {})", group.row->name, group.rotor) : catalogue_name(group),
-         others[i].first,
-         others[i].first > 0.0 ? "makes the predictions too little better to be one more name"
-                               : "does not make the predictions better",
-         would_show(session, projected, group)});
+    if (i >= best && (!first || why_not_identifiable(session, selection, g))) continue;
+    const std::string name =
+        group.rotor > 0 ? fmt::format("{} (rotor {})", group.row->name, group.rotor) : catalogue_name(group);
+    if (blows_unfelt(session, selection, g))
+      out.rejected.push_back({name,
+                              gain,
+                              "without a drag, in the vehicle file or among what was found, no wind is felt: a steady "
+                              "one looks like a constant force",
+                              {}});
+    else
+      out.rejected.push_back({name, gain,
+                              gain > 0.0 ? "makes the predictions too little better to be one more name"
+                                         : "does not make the predictions better",
+                              would_show(session, projected, group)});
   }
 }
 

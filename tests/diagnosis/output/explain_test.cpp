@@ -62,8 +62,8 @@ class Explained : public ::testing::Test {
     flight.collective_only = collective_only;
     return flight;
   }
-  explicit Explained(bool collective_only = false)
-      : session({flight(collective_only), flight(collective_only)}, test::crazyflie(), 1) {
+  explicit Explained(bool collective_only = false, const VehicleModel& vehicle = test::crazyflie())
+      : session({flight(collective_only), flight(collective_only)}, vehicle, 1) {
     selection.value = session.value();
     selection.deviation = Eigen::VectorXd::Zero(session.catalogue().size());
     selection.noise_selected = session.noise;
@@ -191,6 +191,27 @@ TEST_F(Explained, OfEveryEffectThatFlightsWouldShowIsSaidThatItIsNotThere) {
   ASSERT_EQ(scale->would_show.size(), 1u);
   const Column& number = session.catalogue().columns()[static_cast<std::size_t>(column("thrust_scale"))];
   EXPECT_NEAR(scale->would_show[0].value, 0.05 * number.natural, 1e-12);
+}
+
+struct ExplainedWithoutDrag : Explained {
+  static VehicleModel vehicle() {
+    VehicleModel vehicle = test::crazyflie();
+    vehicle.effects.clear();
+    return vehicle;
+  }
+  ExplainedWithoutDrag() : Explained(false, vehicle()) {}
+};
+
+// the page said from which wind on it would show in a log of a vehicle that nothing holds back
+TEST_F(ExplainedWithoutDrag, AWindThatNothingFeelsIsNotSaidToBeAbsent) {
+  const int wind = session.catalogue().find("steady_wind");
+  selection.alone = {{wind, -3.0}};
+  const auto said = [&] { return explained().rejected.at(0); };
+  EXPECT_THAT(said().why, HasSubstr("no wind is felt"));
+  EXPECT_THAT(said().would_show, IsEmpty());
+  found("rotor_drag", 0.01, 0.97);
+  EXPECT_THAT(said().why, HasSubstr("does not make the predictions better"));
+  EXPECT_EQ(said().would_show.size(), 3u);
 }
 
 // 40 s of flights hold 80 pieces of half a second
