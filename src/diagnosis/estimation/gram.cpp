@@ -4,7 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
+#include "diagnosis/estimation/row_products.hpp"
 #include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
@@ -40,6 +42,14 @@ Eigen::MatrixXd Grams::total() const {
   return sum;
 }
 
+void Grams::add_known(int of_flight, double at_s, Eigen::MatrixXd more) {
+  block.push_back(std::move(more));
+  flight.push_back(of_flight);
+  time_s.push_back(at_s);
+  cluster.push_back(clusters++);
+  known.push_back(true);
+}
+
 void Grams::shift(const Eigen::VectorXd& d) {
   for (auto& b : block) {
     const Eigen::VectorXd move = b.topLeftCorner(columns, columns) * d;
@@ -64,21 +74,22 @@ void accumulate(const Whitened& whitened, const std::vector<int>& columns, int f
     std::size_t last = first;
     while (last < rows && std::floor((whitened.time_s[last] - start_s) / block_s) == index) ++last;
     // the rows of a block that count
-    Eigen::MatrixXd kept(static_cast<Eigen::Index>(last - first), width);
+    Rows kept = Rows::Zero(static_cast<Eigen::Index>(last - first), padded(width));
     Eigen::Index count = 0;
     for (std::size_t k = first; k < last; ++k)
-      if (whitened.warm[k]) kept.row(count++) = whitened.rows.row(static_cast<Eigen::Index>(k));
+      if (whitened.warm[k]) kept.row(count++).head(width) = whitened.rows.row(static_cast<Eigen::Index>(k));
     const double begin_s = whitened.time_s[first];
     first = last;
     if (count == 0) continue;
-    Eigen::MatrixXd local = Eigen::MatrixXd::Zero(width, width);
-    local.selfadjointView<Eigen::Lower>().rankUpdate(kept.topRows(count).transpose());
+    Rows local(padded(width), padded(width));
+    products_of_columns(kept, count, local);
     Eigen::MatrixXd full = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
-    for (Eigen::Index i = 0; i < width; ++i)
-      for (Eigen::Index j = 0; j < width; ++j)
-        full(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) = i < j ? local(j, i) : local(i, j);
+    for (Eigen::Index j = 0; j < width; ++j)
+      for (Eigen::Index i = 0; i < width; ++i)
+        full(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) = local(i, j);
     grams.block.push_back(std::move(full));
     grams.flight.push_back(flight);
+    grams.known.push_back(false);
     grams.time_s.push_back(begin_s);
     if (blocks++ % 2 == 0) last_cluster = grams.clusters++;
     grams.cluster.push_back(last_cluster);
@@ -92,6 +103,7 @@ void append(Grams&& more, Grams& grams) {
                      std::make_move_iterator(more.block.end()));
   grams.flight.insert(grams.flight.end(), more.flight.begin(), more.flight.end());
   grams.time_s.insert(grams.time_s.end(), more.time_s.begin(), more.time_s.end());
+  grams.known.insert(grams.known.end(), more.known.begin(), more.known.end());
   for (const int cluster : more.cluster) grams.cluster.push_back(grams.clusters + cluster);
   grams.clusters += more.clusters;
   grams.rows += more.rows;
@@ -140,8 +152,13 @@ Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>&
   const Eigen::MatrixXd total = grams.total();
   const auto size = static_cast<Eigen::Index>(columns.size());
   const Eigen::MatrixXd H = pick(total, columns, columns);
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(grams.clusters, size);
+  // what is known beforehand scatters as it is said to
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(grams.clusters, size), said = Eigen::MatrixXd::Zero(size, size);
   for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    if (grams.known[b]) {
+      said += pick(grams.block[b], columns, columns);
+      continue;
+    }
     const Eigen::VectorXd score =
         pick_last(grams.block[b], columns) - pick(grams.block[b], columns, columns) * coefficient;
     scores.row(grams.cluster[b]) += score.transpose();
@@ -155,7 +172,7 @@ Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>&
                                 (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
                                 scale.cwiseInverse().asDiagonal();
   const double small_sample = static_cast<double>(grams.clusters) / std::max(1, grams.clusters - 1);
-  return bread * (scores.transpose() * scores) * bread * small_sample;
+  return bread * (small_sample * scores.transpose() * scores + said) * bread;
 }
 
 double clustered_variance(const Grams& grams, const Eigen::VectorXd& pattern, const Eigen::VectorXd& left) {
@@ -164,7 +181,8 @@ double clustered_variance(const Grams& grams, const Eigen::VectorXd& pattern, co
   for (std::size_t b = 0; b < grams.block.size(); ++b) {
     const Eigen::VectorXd seen = grams.block[b] * pattern;
     information += seen.dot(pattern);
-    score[static_cast<std::size_t>(grams.cluster[b])] += seen.dot(left);
+    if (grams.known[b]) squares += seen.dot(pattern);
+    else score[static_cast<std::size_t>(grams.cluster[b])] += seen.dot(left);
   }
   for (const double s : score) squares += s * s;
   return squares / (information * information);

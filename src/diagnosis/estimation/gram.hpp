@@ -14,11 +14,14 @@ struct Grams {
   std::vector<int> flight;     // of each block
   std::vector<double> time_s;  // at which each block begins
   std::vector<int> cluster;    // blocks of one second belong together
+  std::vector<bool> known;     // of each block: not flown, but known beforehand
   int clusters = 0;
   double rows = 0.0;  // whitened innovations that count, at 125 Hz at most
   int columns = 0;
 
   Eigen::MatrixXd total() const;
+  // One more block and cluster, of what is known of a flight beforehand.
+  void add_known(int flight, double time_s, Eigen::MatrixXd block);
   // z becomes z + Φ d: coefficients are then counted from θ₀ − d.
   void shift(const Eigen::VectorXd& d);
 };

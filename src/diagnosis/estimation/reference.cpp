@@ -28,7 +28,7 @@ std::vector<Eigen::MatrixXd> parts_of(const Grams& grams) {
   const std::size_t count = one ? 3 : static_cast<std::size_t>(*last) + 1, size = grams.block.size();
   std::vector<Eigen::MatrixXd> parts(count, Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1));
   for (std::size_t b = 0; b < size; ++b)
-    parts[one ? 3 * b / size : static_cast<std::size_t>(grams.flight[b])] += grams.block[b];
+    parts[!one ? static_cast<std::size_t>(grams.flight[b]) : grams.known[b] ? 0 : 3 * b / size] += grams.block[b];
   return parts;
 }
 
@@ -115,10 +115,7 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
   Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(total.cols(), total.cols());
   for (std::size_t i = 0; i < known.size(); ++i) rest.row(known[i]) -= error.row(static_cast<Eigen::Index>(i));
   for (Eigen::MatrixXd& block : grams.block) block = rest.transpose() * block * rest;
-  grams.block.push_back(error.transpose() * H * error);
-  grams.flight.push_back(0);
-  grams.time_s.push_back(0.0);
-  grams.cluster.push_back(grams.clusters++);
+  grams.add_known(0, 0.0, error.transpose() * H * error);
   return grams;
 }
 

@@ -74,4 +74,30 @@ void subtract_product(Rows& out, Eigen::Index first, Eigen::Index rows, const do
   }
 }
 
+GUSTLAB_WIDEST
+void products_of_columns(const Rows& rows, Eigen::Index count, Rows& sum) {
+  const Eigen::Index stride = rows.cols(), last = stride / pack_size;
+  // four columns by two packs at a time, the packs below the diagonal by symmetry
+  for (Eigen::Index i = 0; i < stride; i += pack_size)
+    for (Eigen::Index c = i / pack_size; c < last; c += 2) {
+      const bool two = c + 1 < last;
+      Pack left[pack_size] = {}, right[pack_size] = {};
+      const double* row = rows.data();
+      for (Eigen::Index k = 0; k < count; ++k, row += stride) {
+        const Pack first = packs(row)[c], second = packs(row)[two ? c + 1 : c];
+        for (Eigen::Index r = 0; r < pack_size; ++r) {
+          left[r] += row[i + r] * first;
+          right[r] += row[i + r] * second;
+        }
+      }
+      for (Eigen::Index r = 0; r < pack_size; ++r) {
+        Pack* to = packs(sum.data() + (i + r) * stride) + c;
+        to[0] = left[r];
+        if (two) to[1] = right[r];
+      }
+    }
+  for (Eigen::Index i = 0; i < stride; ++i)
+    for (Eigen::Index j = 0; j < i; ++j) sum(i, j) = sum(j, i);
+}
+
 }  // namespace gustlab::diagnosis

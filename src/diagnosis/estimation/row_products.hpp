@@ -1,5 +1,5 @@
 // Products of small matrices that are kept as rows. Every number of a row goes through the same operations in the same order, so
-// that vectors of any width give the same bits: these two run in the widest that the processor has, all else in those that every
+// that vectors of any width give the same bits: these run in the widest that the processor has, all else in those that every
 // processor has.
 #pragma once
 
@@ -37,5 +37,8 @@ void multiply(const SparseRow* A, Eigen::Index rows, const Rows& in, Rows& out, 
 // i < inner.
 void subtract_product(Rows& out, Eigen::Index first, Eigen::Index rows, const double* C, Eigen::Index row_step,
                       Eigen::Index column_step, const Rows& in, Eigen::Index inner, Eigen::Index width);
+
+// sum = rowsᵀ rows of the first `count` rows; columns of both are a multiple of pack_size.
+void products_of_columns(const Rows& rows, Eigen::Index count, Rows& sum);
 
 }  // namespace gustlab::diagnosis

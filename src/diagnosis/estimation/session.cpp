@@ -325,7 +325,8 @@ std::vector<int> Session::present(const std::vector<int>& columns) const {
 Eigen::VectorXd Session::beside_trims(const std::vector<int>& columns) {
   Grams now = flown_grams(columns);
   // learned on filtered logs, they made the offsets that a vehicle has anyway a centre of mass beside a lost rotor
-  if (!shoots()) noise.torque_trim = likeliest_trims(catalogue_, columns, value_, now, noise.torque_trim);
+  if (!shoots())
+    noise.torque_trim = likeliest_trims(catalogue_, columns, value_, now, usual_trims(vehicle_), noise.torque_trim);
   know_beforehand(catalogue_, noise.torque_trim, value_, now);
   return solve(now.total(), columns, 1e-4).coefficient;
 }

@@ -424,6 +424,7 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
       grams.flight.push_back(static_cast<int>(f));
       grams.time_s.push_back(flights[f].time_s[w]);
       grams.cluster.push_back(grams.clusters++);
+      grams.known.push_back(false);
       grams.rows += static_cast<double>(window_rows);
     }
   }
@@ -438,10 +439,7 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
     prior(c, catalogue_size) = prior(catalogue_size, c) = row[0] * row[1];
     prior(catalogue_size, catalogue_size) += row[1] * row[1];
   }
-  grams.block.push_back(std::move(prior));
-  grams.flight.push_back(0);
-  grams.time_s.push_back(0.0);
-  grams.cluster.push_back(grams.clusters++);
+  grams.add_known(0, 0.0, std::move(prior));
   return grams;
 }
 

@@ -18,9 +18,13 @@ using TrimVariance = std::array<double, 3>;  // of each axis, (rad/s²)²
 void know_beforehand(const Catalogue& catalogue, const TrimVariance& variance, const Eigen::VectorXd& value,
                      Grams& grams);
 
-// The likeliest variances beside the effects of some columns, from Gram matrices that know_beforehand has not been told of: EM, from
-// `variance`. One flight alone says nothing of them.
+// As large as a centre of mass that moves by some hundredth of an arm from flight to flight makes them.
+TrimVariance usual_trims(const VehicleModel& vehicle);
+
+// The likeliest variances about what all flights share (a centre of mass that nobody has named yet is no trim) and beside the effects of
+// some columns, from Gram matrices that know_beforehand has not been told of: EM, from `variance`. `usual` counts as one flight more, since
+// two that agree by chance say little. One flight alone says nothing of trims.
 TrimVariance likeliest_trims(const Catalogue& catalogue, const std::vector<int>& columns, const Eigen::VectorXd& value,
-                             const Grams& grams, TrimVariance variance);
+                             const Grams& grams, const TrimVariance& usual, TrimVariance variance);
 
 }  // namespace gustlab::diagnosis

@@ -87,21 +87,25 @@ void measure_flights(const Session& session, const Selection& selection, const W
   const Grams& grams = selection.grams;
   const int flights = static_cast<int>(session.flights().size());
   struct Sum {
-    double information = 0.0, left = 0.0;
+    double information = 0.0, left = 0.0, known = 0.0;
   };
   std::vector<Sum> of_flight(static_cast<std::size_t>(flights)),
       of_cluster(static_cast<std::size_t>(flights * parts_of_flight));
-  double all = 0.0;
+  double all = 0.0, squares = 0.0;
   for (std::size_t b = 0; b < grams.block.size(); ++b) {
     const Eigen::VectorXd seen = grams.block[b] * w.pattern;
     const double information = seen.dot(w.pattern), left = seen.dot(w.left);
     all += information;
-    for (Sum* sum :
-         {&of_flight[static_cast<std::size_t>(grams.flight[b])], &of_cluster[static_cast<std::size_t>(cluster[b])]})
-      sum->information += information, sum->left += left;
+    Sum& flight = of_flight[static_cast<std::size_t>(grams.flight[b])];
+    flight.information += information, flight.left += left;
+    if (grams.known[b]) {  // scatters as it is said to
+      flight.known += information, squares += information;
+      continue;
+    }
+    Sum& part = of_cluster[static_cast<std::size_t>(cluster[b])];
+    part.information += information, part.left += left;
   }
   if (!(all > 0.0)) return;
-  double squares = 0.0;
   for (const Sum& sum : of_cluster) squares += sum.left * sum.left;
   out.clustered_inflation = squares / all;
   double mean = 0.0, weight = 0.0;
@@ -117,7 +121,8 @@ void measure_flights(const Session& session, const Selection& selection, const W
       variance += std::pow(part.left - (share.share - 1.0) * part.information, 2);
     }
     share.deviation =
-        std::sqrt(std::max(variance * parts_of_flight / (parts_of_flight - 1.0), sum.information)) / sum.information;
+        std::sqrt(std::max(sum.known + variance * parts_of_flight / (parts_of_flight - 1.0), sum.information)) /
+        sum.information;
     mean += share.share / std::pow(share.deviation, 2), weight += 1.0 / std::pow(share.deviation, 2);
   }
   // random effects, DerSimonian & Laird 1986

@@ -210,9 +210,17 @@ class Lineariser {
       return propagate(evaluate, from, time_s(k), interval_s, sample.voltage_V, rotors_.substeps, speed(k), rise(k));
     };
     const Point next = run(x_[k]);
-    out_.b[k] = last ? Vector12::Zero() : next.minus(x_[k + 1]);
+    out_.b[k] = last ? Vector12::Zero() : (out_.torque_known ? next : turned_as_recorded(next, k)).minus(x_[k + 1]);
     for (int i = 0; need_F_ && i < error_size; ++i)
       out_.F[k].col(i) = run(x_[k].plus(i, step_of(i))).minus(next) / step_of(i);
+  }
+
+  // Of torques that nobody knows: the rates are as they were recorded, and turn the body by their mean. With those of this sample alone
+  // attitudes would come half an interval early, and a pose would seem late by as much.
+  Point turned_as_recorded(Point next, std::size_t k) const {
+    next.rate = x_[k + 1].rate;
+    next.attitude = x_[k].attitude * exp_rotation(0.5 * out_.interval_s[k] * (x_[k].rate + next.rate));
+    return next;
   }
 
   // what the sensors say beyond what the model says, and how an accelerometer depends on the motion

@@ -30,11 +30,11 @@ std::vector<double> inclusion(const Session& session, const Grams& grams, const 
     for (const bool half : {true, false}) {
       Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1);
       double blocks = 0.0;
-      for (std::size_t b = 0; b < grams.block.size(); ++b)
-        if (first[static_cast<std::size_t>(grams.cluster[b])] == half) {
-          gram += grams.block[b];
-          blocks += 1.0 / static_cast<double>(grams.block.size());
-        }
+      for (std::size_t b = 0; b < grams.block.size(); ++b) {
+        const bool drawn = first[static_cast<std::size_t>(grams.cluster[b])] == half;
+        if (drawn || grams.known[b]) gram += grams.block[b];
+        if (drawn) blocks += 1.0 / static_cast<double>(grams.block.size());
+      }
       const auto by_size = search.run(project_out(gram, session.biases()), most, 5);
       for (const int g : SubsetSearch::choose(by_size, decisions::materiality * grams.rows * blocks).groups)
         ++share[static_cast<std::size_t>(g)];

@@ -35,8 +35,9 @@ LinearFlight with_forces(const LinearFlight& flight, const Session& session, con
       for (Eigen::Index i = 0; i < tested; ++i) {
         if (column.group != selection.findings[static_cast<std::size_t>(i)].group) continue;
         const double size = (selection.value[flight.columns[j]] - column.nominal) / column.natural;
-        // what moves nothing is a sensor's error and no force
-        if (flight.B[k].col(at).head<6>().isZero(0.0)) continue;
+        // what moves nothing is a sensor's error and no force; that of a body is seen from where the pose has its origin, which no file knows
+        if (catalogue.group(column.group).row->place == Place::body || flight.B[k].col(at).head<6>().isZero(0.0))
+          continue;
         B.col(own + i).head<6>() += size * flight.B[k].col(at).head<6>();
         D.col(own + i).tail<3>() += size * flight.D[k].col(at).tail<3>();
       }

@@ -75,8 +75,8 @@ Information information_of(const Session& session, const Selection& selection, c
     if (column.group == finding.group) own[c] = coefficient;
   }
   Information known;
-  for (const Eigen::MatrixXd& block : grams.block) {
-    const Eigen::VectorXd pattern = block * own;
+  for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    const Eigen::VectorXd pattern = grams.known[b] ? Eigen::VectorXd::Zero(own.size()) : (grams.block[b] * own).eval();
     known.information.push_back(pattern.dot(own));
     known.remaining.push_back(pattern.dot(left));
   }

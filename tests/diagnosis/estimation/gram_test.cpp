@@ -30,6 +30,7 @@ struct Rows {
     for (int b = 0; b < blocks; ++b) {
       grams.block.push_back(block(b).transpose() * block(b));
       grams.cluster.push_back(b / 2);
+      grams.known.push_back(false);
       grams.flight.push_back(0);
       grams.time_s.push_back(0.5 * b);
     }

@@ -24,7 +24,7 @@ Grams one_block(const Eigen::MatrixXd& rows) {
   Grams grams;
   grams.columns = static_cast<int>(rows.cols()) - 1;
   grams.block = {rows.transpose() * rows};
-  grams.flight = {0}, grams.time_s = {0.0}, grams.cluster = {0}, grams.clusters = 1,
+  grams.flight = {0}, grams.time_s = {0.0}, grams.cluster = {0}, grams.known = {false}, grams.clusters = 1,
   grams.rows = static_cast<double>(rows.rows());
   return grams;
 }

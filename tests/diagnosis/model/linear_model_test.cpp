@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/estimation/session.hpp"
+#include "diagnosis/model/propagation.hpp"
+#include "support/flight_data.hpp"
 #include "support/sessions.hpp"
 #include "support/trials.hpp"
+#include "support/vehicles.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
@@ -36,6 +39,33 @@ TEST(LinearModel, ForcesAloneSeeALag) {
       for (const auto& D : flight.D)
         largest = std::max(largest, D.col(static_cast<Eigen::Index>(j)).tail<3>().cwiseAbs().maxCoeff());
   EXPECT_GT(largest, 0.005);  // m/s² per natural size
+}
+
+// with the rate of the first sample alone attitudes came half an interval early: 12 ms of a late pose were 6 ms
+TEST(LinearModel, TorquesThatNobodyKnowsTurnTheBodyAsItsRatesWereRecorded) {
+  const VehicleModel vehicle = test::crazyflie();
+  constexpr double sample_s = 0.01, frequency_radps = 12.0;
+  FlightData flight = test::flight_of(
+      vehicle, 1.0, sample_s,
+      [](double t) {
+        Motion m;
+        m.attitude_WB = exp_rotation({0.3 * std::sin(frequency_radps * t), 0.0, 0.0});
+        m.body_rate_B_radps.x() = 0.3 * frequency_radps * std::cos(frequency_radps * t);
+        return m;
+      },
+      [&](double) { return test::all_at(vehicle.hover_speed_radps()); });
+  flight.collective_only = true;
+  const Catalogue catalogue(vehicle, 1, {Need::attitude | Need::motion, false, false, false});
+  LinearFlight linear;
+  linearise(flight, 0, catalogue, catalogue.nominal(), {}, linear);
+  ASSERT_FALSE(linear.torque_known);
+  double largest = 0.0;
+  for (const Vector12& b : linear.b) {
+    largest = std::max(largest, b.segment<3>(6).cwiseAbs().maxCoeff());
+    EXPECT_EQ(b.tail<3>().norm(), 0.0);
+  }
+  // half an interval of 43 rad/s² would be 2e-3 rad
+  EXPECT_LT(largest, 1e-4);
 }
 
 // An accelerometer that is one row late shows of a load's force what it was one row before.

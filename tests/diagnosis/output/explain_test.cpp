@@ -71,7 +71,8 @@ class Explained : public ::testing::Test {
     selection.grams.columns = session.catalogue().size();
     selection.grams.block = {1e4 *
                              Eigen::MatrixXd::Identity(session.catalogue().size() + 1, session.catalogue().size() + 1)};
-    selection.grams.cluster = {0}, selection.grams.flight = {0}, selection.grams.time_s = {0.0};
+    selection.grams.cluster = {0}, selection.grams.flight = {0}, selection.grams.time_s = {0.0},
+    selection.grams.known = {false};
     selection.grams.clusters = 1, selection.grams.rows = 1e4;
   }
   int column(const char* group) const {

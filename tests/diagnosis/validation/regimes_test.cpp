@@ -48,6 +48,7 @@ class RegimesOf : public ::testing::Test {
       selection.grams.block.push_back(block);
       selection.grams.flight.push_back(0);
       selection.grams.cluster.push_back(b);
+      selection.grams.known.push_back(false);
       selection.grams.time_s.push_back(0.5 * b);
     }
     return regimes(session, selection).front();
