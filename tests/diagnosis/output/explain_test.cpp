@@ -167,7 +167,7 @@ TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
   const Diagnosis d = explained();
   ASSERT_EQ(d.rejected.size(), 3u);
   EXPECT_EQ(d.rejected[0].effect, "gyro_scale");
-  EXPECT_THAT(d.rejected[0].why, HasSubstr("0.08"));
+  EXPECT_THAT(d.rejected[0].why, HasSubstr("8 % likely"));
   EXPECT_EQ(d.rejected[1].effect, "rotor_loss (rotor 2)");
   EXPECT_EQ(d.rejected[2].effect, "mass");
 }
