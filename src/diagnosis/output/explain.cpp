@@ -226,6 +226,9 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
     out.rejected.push_back({record.effect, record.delta_chi2,
                             fmt::format("its own evidence makes it {:.0f} % likely", 100.0 * record.probability)});
   std::set<std::string_view> told = told_of(session, selection, out);
+  std::size_t at = out.rejected.size() - challenge.withdrawn.size();
+  for (const Evidence& record : challenge.withdrawn)
+    if (Rejected& one = out.rejected[at++]; record.rotor > 0) one.effect += fmt::format(" (rotor {})", record.rotor);
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   std::vector<std::pair<double, int>> others;
   for (const auto& [g, delta_chi2] : selection.alone) others.emplace_back(delta_chi2, g);

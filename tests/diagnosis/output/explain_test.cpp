@@ -160,6 +160,15 @@ TEST_F(Explained, WhatFlightsDoNotExciteIsSaidOnce) {
   for (const NotIdentifiable& n : d.not_identifiable) EXPECT_NE(n.effect, "mass");
 }
 
+// a page named "rotor loss" twice, and no rotor
+TEST_F(Explained, AWithdrawnLossSaysOfWhichRotor) {
+  Evidence& gone = challenge.withdrawn.emplace_back();
+  gone.effect = "rotor_loss", gone.rotor = 3, gone.delta_chi2 = 12.0, gone.probability = 0.01;
+  const Diagnosis d = explained();
+  ASSERT_FALSE(d.rejected.empty());
+  EXPECT_EQ(d.rejected[0].effect, "rotor_loss (rotor 3)");
+}
+
 TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
   Evidence& gone = challenge.withdrawn.emplace_back();
   gone.effect = "gyro_scale", gone.delta_chi2 = 12.0, gone.probability = 0.08;
