@@ -141,7 +141,8 @@ void fit_flights(const FitArguments& options) {
 }
 
 // the input's map into the file: as it is where rotor speeds have a scale, otherwise as the input that hovers and how thrust rises
-void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::string& source, std::string& text) {
+void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::string& file, const std::string& source,
+              std::string& text) {
   const auto& c = *stand.input_thrust;
   const std::string map = fmt::format("[{:.5g}, {:.5g}, {:.5g}]", c[0], c[1], c[2]), key = stand.input + "_thrust";
   const std::string says =
@@ -154,10 +155,10 @@ void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::
   const double hover = square == 0.0 ? wanted_N / linear
                                      : (std::sqrt(linear * linear + 4.0 * square * wanted_N) - linear) / (2.0 * square);
   if (!(hover > 0.0 && hover < 1.0))
-    throw DataError(
-        fmt::format("the rotor on the stand does not carry its share of the weight, {:.3g} N, at any {} (check "
-                    "--vehicle and the unit of thrust)",
-                    vehicle.hover_thrust_N(), stand.input));
+    throw DataError(fmt::format(
+        "{}: a rotor of the vehicle carries {:.3g} N in hover, and thrust does not rise to that as {} rises "
+        "(check --vehicle and the unit of thrust)",
+        file, vehicle.hover_thrust_N(), stand.input));
   set_key(text, "thrust", "hover", fmt::format("{:.5g}", hover * full),
           fmt::format("{} that carries the weight: {}", stand.input, source));
   set_key(text, "actuator", "throttle_curve", fmt::format("{:.4g}", std::clamp(square / (linear + square), 0.0, 1.0)),
@@ -181,7 +182,7 @@ void fit_stand(const FitArguments& options) {
     drop_key(text, "thrust", "hover");
     drop_key(text, "actuator", "throttle_curve");
   }
-  if (stand.input_thrust) take_map(stand, vehicle, source, text);
+  if (stand.input_thrust) take_map(stand, vehicle, options.thrust_stand, source, text);
   set("coefficient", stand.coefficient_Ns2, "N/(rad/s)^2");
   set("torque_ratio", stand.torque_ratio_m, "m");
   if (stand.nominal_voltage_V)

@@ -10,7 +10,7 @@ from .outcome import Outcome
 from .problems import USAGE, ImportFailure
 from .tables import Table, read_csv, read_parquet
 from .usd_log import read_usd
-from .vehicle_file import shipped
+from .vehicle_file import read_vehicle, shipped
 from .write_log import sidecar_text
 
 
@@ -27,6 +27,15 @@ def read_table(path: Path, column_map: ColumnMap) -> Table:
     return read_csv(path)
 
 
+def fits_rotors(column_map: ColumnMap, vehicle, given: str) -> None:
+    """A map for another number of rotors than the vehicle has is refused."""
+    for name in ("actuator", "rotor_speed"):
+        columns = column_map.get(name, "columns") or []
+        if vehicle and vehicle.rotors and columns and column_map.get(name, "kind") != "collective_thrust" and len(columns) != len(vehicle.rotors):
+            raise ImportFailure(f"{given.removesuffix('.toml')}.toml:1:1: [{name}] has {len(columns)} columns, and the vehicle {vehicle.reference} has "
+                                f"{len(vehicle.rotors)} rotors; give the vehicle that flew", USAGE)
+
+
 def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options) -> Outcome:
     table = read_table(path, column_map)
     reference = vehicle.reference if vehicle else column_map.get("", "vehicle")
@@ -36,6 +45,8 @@ def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options)
     if "/" not in reference and not reference.endswith(".toml") and reference not in shipped():
         raise ImportFailure(f'{options.map.removesuffix(".toml")}.toml:1:1: there is no vehicle "{reference}" under models/ (a path ends in .toml); '
                             f"{suggest(reference, shipped())}", USAGE)
+    known = vehicle or (read_vehicle(reference, options.out) if reference in shipped() else None)
+    fits_rotors(column_map, known, options.map)
     flight = convert(table, column_map)
     inspect(flight, column_map, table, options.from_s, options.to_s, options.whole)
     usable = all(f.severity != "error" for f in flight.findings)

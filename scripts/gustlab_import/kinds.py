@@ -33,6 +33,8 @@ def kind_of(path: Path) -> str:
     kind = ENDINGS.get(path.suffix.lower())
     if kind:
         return kind
+    if head.startswith(b"rosbag2_bagfile_information"):
+        raise ImportFailure(f"{path}: describes a ROS 2 bag and holds no samples; give the .db3 or .mcap beside it", USAGE)
     known = ", ".join(dict.fromkeys(ENDINGS))
     raise ImportFailure(f"{path}: byte 0: no log format that is known begins like this, and `{path.suffix}` is none of {known}",
                         USAGE)
@@ -52,6 +54,8 @@ def reader_of(kind: str, path: Path):
     if kind == "usd":
         from .read_usd_names import read_usd_by_names
         return read_usd_by_names
+    if kind == "csv" and path.with_suffix(".meta.toml").is_file():
+        raise ImportFailure(f"{path}: is a flight log already ({path.with_suffix('.meta.toml').name} is beside it); give it to `gustlab diagnose`", USAGE)
     if kind in ("csv", "parquet"):
         built_in = ", ".join(sorted(p.stem for p in MAPS.glob("*.toml")))
         raise ImportFailure(f"{path}: a {kind} file needs a column map: --map NAME|FILE.toml (built in: {built_in}); `gustlab defaults column-map` prints one to begin with", USAGE)

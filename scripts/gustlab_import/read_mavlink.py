@@ -21,6 +21,7 @@ STANDARD_GRAVITY = 9.80665
 # EV.Id (AP_Logger, LogEvent): what arms, disarms, lands and takes off
 ARMED, DISARMED, LANDED, FLYING = (10, 15), (11,), (18,), (28,)
 CRASH_CHECK = 12                       # ERR.Subsys
+LAST_s = 0.1                            # before a log's end: nothing that flew comes after it
 MOTOR_FUNCTIONS = range(33, 41)        # SERVOn_FUNCTION of motors 1 to 8
 FRAMES = {(1, 0): "quadrotor +", (1, 1): "quadrotor x", (2, 0): "hexarotor +", (2, 1): "hexarotor x", (3, 0): "octorotor +",
           (3, 1): "octorotor x"}
@@ -154,9 +155,19 @@ class _DataFlash(_Messages):
         events = [(t, e) for t, e in events if np.isfinite(t)] or self.untimed_events()
         self.out.armed = self.state(events, ARMED, DISARMED)
         self.out.flying = self.state(events, FLYING, LANDED)
+        self.crashes()
+
+    def crashes(self) -> None:
+        """Cuts where the crash check fired; a log that ends there has nothing to cut, and says it."""
         for t, m in self.messages.get("ERR", []):
-            if m.Subsys == CRASH_CHECK and m.ECode == 1 and np.isfinite(t):
-                self.out.breaks.append((t - self.zero, "the vehicle's crash check fired"))
+            if m.Subsys != CRASH_CHECK or m.ECode != 1:
+                continue
+            at = t - self.zero if np.isfinite(t) else m._timestamp - self.first_stamp()
+            if at < self.out.end_s - LAST_s:
+                self.out.breaks.append((at, "the vehicle's crash check fired"))
+            else:
+                self.out.findings.append(Finding("gap", "time_s", self.out.end_s, self.out.end_s, "warning",
+                                                 "the vehicle's crash check fired, and the log ends: the last seconds may be a fall"))
 
     def untimed_events(self) -> list:
         return [(m._timestamp - self.first_stamp(), m.Id) for _, m in self.messages.get("EV", [])]

@@ -48,7 +48,7 @@ def read_vehicle(wanted: str, beside) -> Vehicle:
             raise ImportFailure(f'{path}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}") make one with `gustlab vehicle new`', USAGE)
         return Vehicle(reference, _rotors(path, document), _inputs(document))
     except tomllib.TOMLDecodeError as error:
-        raise ImportFailure(f"{path}:1:1: --vehicle: {error}", USAGE) from error
+        raise ImportFailure(f"{path}:1:1: --vehicle: not a vehicle file ({error}) give its vehicle.toml", USAGE) from error
     except (OSError, UnicodeDecodeError, xml.ParseError) as error:
         raise ImportFailure(f"{path}:1:1: --vehicle: cannot be read ({error})", USAGE) from error
 

@@ -188,9 +188,12 @@ std::string horizon_section(const nlohmann::ordered_json& diagnosis, const Diagn
                                               : fmt::format(". Left out: {}.", escape(figures.windows_left_out));
   if (!figures.horizons.empty() && !figures.horizons.front().before_low.empty())
     caption += " Bars: 95 % intervals (block bootstrap).";
-  return "<section><h2>How much better it predicts</h2><p>On held-out flights, which were not used to find the "
-         "effects. The "
-         "noise floor is what the sensors alone would give.</p><figure>" +
+  const char* on =
+      one_flight_is_cut(diagnosis) ? "the last third of the flight, which was" : "held-out flights, which were";
+  return fmt::format(
+             "<section><h2>How much better it predicts</h2><p>On {} not used to find the effects. The noise "
+             "floor is what the sensors alone would give.</p><figure>",
+             on) +
          legend(with_after(
              diagnosis,
              {{"before", "simulation as it was"}, {"noise", "noise floor"}, {"hold", "no model: values kept"}})) +
@@ -371,7 +374,8 @@ std::string window_section(const nlohmann::ordered_json& diagnosis, const Diagno
         " Predictions start anew from the recorded state every {:g} s; the noise floor is that of predictions so far "
         "ahead.",
         restart_s);
-  if (!torque_is_told(diagnosis)) caption += " These logs tell no torque, so predictions follow the recorded attitude.";
+  if (!torque_is_told(diagnosis))
+    caption += " These logs do not tell fast torques, so predictions follow the recorded attitude.";
   return "<section><h2>Before and after, over a stretch of flight</h2><figure>" +
          legend(with_after(diagnosis,
                            {{"measured", "flown"}, {"before", "simulation as it was"}, {"noise", "noise floor"}})) +

@@ -59,7 +59,7 @@ std::string suspected(const Json& diagnosis) {
                     : paragraph(fmt::format("Suspected, and not named because {}: {}.", why, list_in_words(names)));
   std::vector<std::string> likely;
   for (const Json& effect : part(diagnosis, "suspected"))
-    likely.push_back(plain_name(effect) + " (" + sure(number(effect, "confidence")) + ")");
+    likely.push_back(uncapital(headline_of(effect, diagnosis)) + " (" + sure(number(effect, "confidence")) + ")");
   if (!likely.empty()) words += paragraph("More likely than not, and not proved: " + list_in_words(likely) + ".");
   return words;
 }
@@ -74,12 +74,15 @@ std::string header(const Json& diagnosis) {
     if (const double duration = number(flight, "duration_s"); std::isfinite(duration)) seconds += duration;
   }
   const std::string normal = reference == 0 ? "" : fmt::format("{} for reference, ", reference);
-  return fmt::format(
-      "<header><p class=\"kind\">Diagnosis of {} · {} flight{} to find, {}{} to check, {:.0f} s in "
-      "all</p><h1>{}</h1>{}{}{}{}</header>",
-      escape(text(diagnosis, "vehicle")), fit, fit == 1 ? "" : "s", normal, held_out, seconds,
-      escape(one_sentence(diagnosis)), verdict_badge(text(diagnosis, "verdict")),
-      paragraph(gain_sentence(diagnosis), "lead"), headlines(diagnosis), suspected(diagnosis));
+  std::string uses = fmt::format("{} flight{} to find, {}{} to check", fit, fit == 1 ? "" : "s", normal,
+                                 held_out == 0 ? "none" : std::to_string(held_out));
+  if (one_flight_is_cut(diagnosis))
+    uses = "1 flight, its first two thirds to find and its last third to check" +
+           (reference == 0 ? "" : fmt::format(", {} for reference", reference));
+  return fmt::format("<header><p class=\"kind\">Diagnosis of {} · {}, {:.0f} s in all</p><h1>{}</h1>{}{}{}{}</header>",
+                     escape(text(diagnosis, "vehicle")), uses, seconds, escape(one_sentence(diagnosis)),
+                     verdict_badge(text(diagnosis, "verdict")), paragraph(gain_sentence(diagnosis), "lead"),
+                     headlines(diagnosis), suspected(diagnosis));
 }
 
 std::string log_findings(const Json& diagnosis) {
@@ -95,26 +98,28 @@ std::string region(const Json& where) {
   const bool above = where.contains("above");
   const double limit = number(where, above ? "above" : "below"), share = number(where, "share");
   std::string words = variable.name;
-  if (std::isfinite(limit)) words += fmt::format(" {} {:.3g} {}", above ? "above" : "below", limit, variable.unit);
+  if (std::isfinite(limit))
+    words += fmt::format(" {} {} {}", above ? "above" : "below", short_figure(limit), variable.unit);
   if (std::isfinite(share)) words += fmt::format(" ({:.0f} % of it)", 100.0 * share);
   return words;
 }
 
 // what a channel shows, in words that its own numbers bear out: nothing, too little to matter, or where
-std::string shows(const Json& entry) {
+std::string shows(const Json& entry, bool acted_on) {
   const double above = number(entry, "rms") / number(entry, "noise_rms") - 1.0;
   if (entry.value("significant", false)) {
     std::vector<std::string> regions;
     for (const Json& item : part(entry, "where")) regions.push_back(region(item));
     const std::string where = regions.empty() ? "everywhere" : escape(list_in_words(regions));
     // what lasts is proved by many samples long before it shows in their size
-    return above < 0.05 ? "a faint pattern under the noise" + (regions.empty() ? "" : ": " + where) : where;
+    return above < 0.05 ? "a faint pattern, no larger than the noise" + (regions.empty() ? "" : ": " + where) : where;
   }
   // many samples prove a pattern that is far below what matters
   const bool pattern = number(entry, "p_value") < 1e-3;
   const char* words = !pattern ? (above < 0.5 ? "no more than noise" : "more than noise, in no pattern that is sure")
                       : above < 0.005 ? "a pattern far below the noise; too small to matter"
                       : above < 0.5   ? "a pattern, too small to matter"
+                      : acted_on      ? "more than noise: what was found acts here"
                                       : "more than noise, and still too small to matter";
   return fmt::format("<span class=\"soft\">{}</span>", words);
 }
@@ -125,27 +130,52 @@ std::string times_noise(double above) {
   return above < 9.0 ? fmt::format("{:.2f} ×", 1.0 + above) : fmt::format("{:.0f} ×", 1.0 + above);
 }
 
+// an effect between command and rotor was named, or a delay in the recording: what such a channel shows is no trifle
+bool something_acts_on(const Json& diagnosis, const std::string& channel) {
+  const Json& effects = part(diagnosis, "effects");
+  return std::any_of(effects.begin(), effects.end(), [&](const Json& effect) {
+    return (channel == "actuation" && text(effect, "place") == "actuation") ||
+           (channel == "timing" && text(effect, "effect").ends_with("_delay"));
+  });
+}
+
+// why a channel says nothing in these logs, empty where it does
+std::string not_judged(const Json& diagnosis, const std::string& channel) {
+  if (channel.starts_with("torque") && !torque_is_told(diagnosis)) return "these logs do not tell fast torques";
+  const Json& blind = part(diagnosis, "not_identifiable");
+  const auto untold = [&](const char* name) {
+    return std::any_of(blind.begin(), blind.end(), [&](const Json& entry) { return text(entry, "effect") == name; });
+  };
+  const bool late = channel == "actuation" && untold("motor_lag") && untold("actuation_delay");
+  return late ? "these logs do not tell how late the rotors answer" : "";
+}
+
 std::string where(const Json& diagnosis) {
   const Json& mismatch = part(diagnosis, "mismatch");
   if (mismatch.empty()) return "";
-  const bool torque_told = torque_is_told(diagnosis);
   double full = 1.0;
   for (const Json& entry : mismatch)
     if (const double ratio = number(entry, "rms") / number(entry, "noise_rms");
-        std::isfinite(ratio) && (torque_told || !text(entry, "channel").starts_with("torque")))
+        std::isfinite(ratio) && not_judged(diagnosis, text(entry, "channel")).empty())
       full = std::max(full, ratio);
   std::string rows;
   for (const Json& entry : mismatch) {
     const double rms = number(entry, "rms"), noise = number(entry, "noise_rms"), above = rms / noise - 1.0;
     const Display display = display_of("", text(entry, "unit"), std::isfinite(noise) ? std::max(rms, noise) : rms);
-    const bool judged = torque_told || !text(entry, "channel").starts_with("torque");
-    const auto size = [&](double value) { return judged ? figure(display.factor * value) + " " + display.unit : "–"; };
+    const std::string unjudged = not_judged(diagnosis, text(entry, "channel"));
+    const bool judged = unjudged.empty();
+    const auto size = [&](double value) {
+      // next to nothing is nothing
+      const double shown = std::abs(value) < 1e-5 * noise ? 0.0 : display.factor * value;
+      return judged ? figure(shown) + " " + display.unit : "–";
+    };
     rows += fmt::format(
         "<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td class=\"where\">{}</td></tr>",
         escape(plain_channel(text(entry, "channel"))), judged ? svg::bar(rms / noise, 1.0, full) : "",
         escape(size(rms)), escape(size(noise)), judged ? times_noise(above) : "–",
-        judged ? shows(entry) : "<span class=\"soft\">not judged: these logs tell no torque</span>");
+        judged ? shows(entry, something_acts_on(diagnosis, text(entry, "channel")))
+               : fmt::format("<span class=\"soft\">not judged: {}</span>", unjudged));
   }
   return "<p>The difference between simulation and recording, channel by channel, before anything was added. The "
          "tick is what noise and calm air alone would leave.</p>" +
@@ -154,17 +184,13 @@ std::string where(const Json& diagnosis) {
              rows);
 }
 
-// "delta" is said as what it is
-std::string plain_parameter(const std::string& name) {
-  return name == "delta" || name.starts_with("delta_") ? "change" + plain_label(name.substr(5)) : plain_label(name);
-}
-
-std::string parameter_row(const std::string& name, const Json& entry, const std::string& flight) {
+std::string parameter_row(const std::string& effect, const std::string& name, const Json& entry,
+                          const std::string& flight) {
   const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
   const Display display = display_of(name, text(entry, "unit"), std::abs(value));
   return fmt::format(
-      "<tr><td class=\"name\">{}</td>{}<td class=\"n\">{}</td><td>{}</td></tr>", escape(plain_parameter(name)),
-      flight.empty() ? "" : fmt::format("<td>{}</td>", escape(flight)),
+      "<tr><td class=\"name\">{}</td>{}<td class=\"n\">{}</td><td>{}</td></tr>",
+      escape(parameter_in_words(effect, name)), flight.empty() ? "" : fmt::format("<td>{}</td>", escape(flight)),
       // a number that nothing was said of stands at zero
       value == 0.0 && half > 0.0 ? "not told" : with_half_width(display.factor * value, display.factor * half),
       escape(display.unit));
@@ -172,11 +198,12 @@ std::string parameter_row(const std::string& name, const Json& entry, const std:
 
 std::string parameters(const Json& effect) {
   std::string rows, flight_rows;
+  const std::string of = text(effect, "effect");
   const Json& per_flight = part(effect, "per_flight");
   for (const auto& [name, entry] : part(effect, "parameters").items())
-    if (name != "rotor") rows += parameter_row(name, entry, "");
+    if (name != "rotor") rows += parameter_row(of, name, entry, "");
   for (const auto& [flight, values] : per_flight.items())
-    for (const auto& [name, entry] : values.items()) flight_rows += parameter_row(name, entry, flight);
+    for (const auto& [name, entry] : values.items()) flight_rows += parameter_row(of, name, entry, flight);
   const char* head = per_flight.empty() ? "value ± 95 %" : "mean of the flights ± 95 %";
   const std::string table = rows.empty() ? "" : card_table({{"parameter"}, {head, true}, {"unit"}}, rows);
   if (flight_rows.empty()) return table;
@@ -249,13 +276,16 @@ std::string evidence_table(const Json& diagnosis) {
     const bool flown = share.size() > 1 && share[1].is_number() && z.size() > 1 && z[1].is_number() && z[1] != 0.0;
     const auto gain = [&](const char* key) { return figure(three_digits(number(record, key))); };
     const double p = number(record, "surrogate_p");
+    // its probability is that beside the effect that is named
+    const std::string named = named_instead_of(diagnosis, record);
     rows += fmt::format(
         "<tr><td class=\"name\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td class=\"n\">{} / {}</td>"
         "<td class=\"n\">{}</td></tr>",
-        escape(plain_name(record)), sure(number(record, "probability")), gain("delta_chi2"), gain("robust_delta_chi2"),
-        std::isfinite(p) ? probability(p) : "–", record.value("flights_for", 0), record.value("flights_against", 0),
-        flown ? whole_percent(share[1].get<double>()) : "–");
+        escape(plain_name(record)),
+        named.empty() ? sure(number(record, "probability")) : escape("in place of " + named), gain("delta_chi2"),
+        gain("robust_delta_chi2"), std::isfinite(p) ? probability(p) : "–", record.value("flights_for", 0),
+        record.value("flights_against", 0), flown ? whole_percent(share[1].get<double>()) : "–");
   }
   if (rows.empty()) return "";
   return "<details><summary>Evidence, one line a candidate</summary>" +
@@ -352,15 +382,15 @@ const char* what_title(const Json& diagnosis) {
 }
 
 // rows of a table: what each number of an effect or a sensor is, with its interval
-std::string rows_of_parameters(const std::string& of, const Json& parameters) {
+std::string rows_of_parameters(const std::string& effect, const std::string& of, const Json& parameters) {
   std::string rows;
   for (const auto& [name, entry] : parameters.items()) {
     if (name == "rotor") continue;
     const double value = number(entry, "value"), half = two_sided_95 * number(entry, "std");
     const Display display = display_of(name, text(entry, "unit"), std::abs(value));
     rows += fmt::format("<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>", escape(of),
-                        escape(plain_parameter(name)), with_half_width(display.factor * value, display.factor * half),
-                        escape(display.unit));
+                        escape(parameter_in_words(effect, name)),
+                        with_half_width(display.factor * value, display.factor * half), escape(display.unit));
   }
   return rows;
 }
@@ -369,7 +399,7 @@ std::string rows_of_parameters(const std::string& of, const Json& parameters) {
 std::string reference_effects(const Json& diagnosis) {
   std::string rows;
   for (const Json& effect : part(diagnosis, "reference_effects"))
-    rows += rows_of_parameters(plain_name(effect), part(effect, "parameters"));
+    rows += rows_of_parameters(text(effect, "effect"), plain_name(effect), part(effect, "parameters"));
   if (rows.empty()) return "";
   return "<p>Against the vehicle file. It is taken as normal, and only what changed since is named above.</p>" +
          card_table({{"effect"}, {"parameter"}, {"value ± 95 %", true}, {"unit"}}, rows);
@@ -378,9 +408,9 @@ std::string reference_effects(const Json& diagnosis) {
 std::string calibration(const Json& diagnosis) {
   std::string rows;
   for (const Json& effect : part(diagnosis, "calibration"))
-    rows += rows_of_parameters(plain_name(effect), part(effect, "parameters"));
+    rows += rows_of_parameters(text(effect, "effect"), plain_name(effect), part(effect, "parameters"));
   for (const Json& bias : part(diagnosis, "sensor_biases"))
-    rows += rows_of_parameters(text(bias, "sensor"), part(bias, "parameters"));
+    rows += rows_of_parameters("", text(bias, "sensor"), part(bias, "parameters"));
   if (rows.empty()) return "";
   return "<p>Small corrections below the reporting tolerances: the usual scatter of a build, not missing physics.</p>" +
          card_table({{"of"}, {"parameter"}, {"value ± 95 %", true}, {"unit"}}, rows);
@@ -391,11 +421,13 @@ std::string disturbance(const Json& diagnosis) {
   for (const Json& entry : part(diagnosis, "disturbance")) {
     // as in the table of channels
     if (!torque_is_told(diagnosis) && text(entry, "group").starts_with("torque")) continue;
+    const Display time = display_of("", "s", number(entry, "correlation_time_s"));
     rows += fmt::format(
         "<tr><td class=\"name\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{} "
-        "s</td></tr>",
+        "{}</td></tr>",
         escape(plain_channel(text(entry, "group"))), figure(number(entry, "before")), figure(number(entry, "after")),
-        escape(display_of("", text(entry, "unit"), 1.0).unit), figure(number(entry, "correlation_time_s")));
+        escape(display_of("", text(entry, "unit"), 1.0).unit),
+        figure(time.factor * number(entry, "correlation_time_s")), time.unit);
   }
   if (rows.empty()) return "";
   return "<p>What still pushes the vehicle at random: turbulence, and whatever has no name. It comes and goes over the "
@@ -408,6 +440,24 @@ bool of_torques_alone(const Json& alarm) {
   return !channels.empty() && std::all_of(channels.begin(), channels.end(), [](const Json& channel) {
     return channel.is_string() && channel.get<std::string>().starts_with("torque");
   });
+}
+
+// "what is left depends on position, velocity and time", in one line
+void say_once(std::vector<std::pair<std::string, std::string>>& lines) {
+  constexpr std::string_view begin = "what is left depends on ";
+  std::vector<std::string> variables;
+  std::size_t first = lines.size();
+  for (std::size_t i = 0; i < lines.size();) {
+    if (!lines[i].second.starts_with(begin)) {
+      ++i;
+      continue;
+    }
+    variables.push_back(lines[i].second.substr(begin.size()));
+    first = std::min(first, i);
+    if (variables.size() > 1) lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(i));
+    else ++i;
+  }
+  if (!variables.empty()) lines[first].second = std::string(begin) + list_in_words(variables);
 }
 
 // alarms in words, one line for all sensors whose innovations are correlated; none of torques that the logs do not tell
@@ -425,6 +475,7 @@ std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& diagnos
   }
   if (!sensors.empty())
     lines[at].second = "what the model does not predict comes in runs of several samples in " + list_in_words(sensors);
+  say_once(lines);
   return lines;
 }
 
@@ -460,15 +511,16 @@ std::vector<Untold> by_reason(const Json& list) {
   return groups;
 }
 
-// "1.3 %"; "x 0.40 m/s, y 0.41 m/s" where there are several numbers
+// "1.3 %"; "forward 27 mm, left 27 mm" where there are several numbers, "exponent 0.17" where there is no unit
 std::string would_show(const Json& rejected) {
+  const std::string effect = text(rejected, "effect");
   std::vector<std::string> sizes;
   const Json& numbers = part(rejected, "would_show");
   for (const auto& [name, entry] : numbers.items()) {
     const double size = number(entry, "value");
     const Display display = display_of(name, text(entry, "unit"), size);
-    sizes.push_back((numbers.size() > 1 ? plain_parameter(name) + " " : "") +
-                    fmt::format("{:.2g}", display.factor * size) +
+    const bool said = numbers.size() > 1 || display.unit.empty();
+    sizes.push_back((said ? parameter_in_words(effect, name) + " " : "") + short_figure(display.factor * size) +
                     (display.unit.empty() || display.unit == "°" ? "" : " ") + display.unit);
   }
   return sizes.empty() ? "–" : fmt::format("{}", fmt::join(sizes, ", "));
@@ -492,9 +544,14 @@ std::string cannot_tell(const Json& diagnosis) {
     const std::string name = plain_name(entry);
     if (std::find(said.begin(), said.end(), name) != said.end()) continue;
     said.push_back(name);
-    rows += fmt::format(
-        "<tr><td class=\"name\">{}</td><td class=\"where\">{}</td><td>{}</td><td class=\"n\">{}</td></tr>",
-        escape(name), escape(text(entry, "why")), escape(would_show(entry)), figure(number(entry, "delta_score")));
+    const std::string named = named_instead_of(diagnosis, entry);
+    const std::string why = named.empty()
+                                ? text(entry, "why")
+                                : "in place of " + named + " it would fit as well; beside it little is left for it";
+    rows +=
+        fmt::format("<tr><td class=\"name\">{}</td><td class=\"where\">{}</td><td>{}</td><td class=\"n\">{}</td></tr>",
+                    escape(name), escape(why), named.empty() ? escape(would_show(entry)) : "–",
+                    figure(number(entry, "delta_score")));
   }
   if (!rows.empty())
     html +=
@@ -548,9 +605,13 @@ std::string flights(const Json& diagnosis) {
 
 std::string footer(const Json& diagnosis) {
   const std::string model = text(diagnosis, "augmented_model");
-  std::string words =
-      "Intervals are 95 %. Held-out flights were never used to choose or to fit an effect, save for what belongs to "
-      "each flight alone.";
+  const Json& all = part(diagnosis, "flights");
+  const bool checked =
+      std::any_of(all.begin(), all.end(), [](const Json& flight) { return text(flight, "role") == "holdout"; });
+  std::string words = "Intervals are 95 %.";
+  if (checked)
+    words += fmt::format(" {} never used to choose or to fit an effect, save for what belongs to each flight alone.",
+                         one_flight_is_cut(diagnosis) ? "The last third was" : "Held-out flights were");
   if (!model.empty() && !hover_alone(diagnosis) &&
       (!part(diagnosis, "effects").empty() || !part(diagnosis, "residual_model").empty()))
     return fmt::format(

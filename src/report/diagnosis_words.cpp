@@ -52,10 +52,9 @@ std::string gain_in_words(const Json& diagnosis) {
     return fmt::format("{} {}", decimals(factor * metres, factor * to < 10.0 ? 1 : 0), unit);
   };
   if (length(to) == length(from)) return "";
-  return fmt::format(
-      "the position predicted {:g} s ahead is wrong by {} instead of {}, on flights that were not "
-      "used to find it",
-      horizons[best].get<double>(), length(to), length(from));
+  return fmt::format("the position predicted {:g} s ahead is wrong by {} instead of {}, on {} not used to find it",
+                     horizons[best].get<double>(), length(to), length(from),
+                     one_flight_is_cut(diagnosis) ? "the last third of the flight, which was" : "flights that were");
 }
 
 // what the residual is and where: the strongest channel with its first region
@@ -75,7 +74,8 @@ std::string where_in_words(const Json& diagnosis) {
     const bool above = where[0].contains("above");
     const double limit = number(where[0], above ? "above" : "below");
     if (std::isfinite(limit))
-      words += fmt::format(", when {} is {} {:.3g} {}", variable.name, above ? "above" : "below", limit, variable.unit);
+      words += fmt::format(", when {} is {} {} {}", variable.name, above ? "above" : "below", short_figure(limit),
+                           variable.unit);
   }
   return words;
 }
@@ -90,7 +90,7 @@ std::string findings_in_words(const Json& diagnosis) {
     std::string clause = headline_of(effects[i], diagnosis);
     if (!alike.empty()) clause += " (or " + (alike.size() == 1 ? alike.front() : "what looks the same") + ")";
     // a sentence goes on in small letters
-    if (i > 0) clause.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(clause.front())));
+    if (i > 0) clause = uncapital(clause);
     clauses.push_back(clause);
   }
   if (effects.size() > most)
@@ -142,7 +142,8 @@ std::vector<std::string> alike_in_words(const Json& effect) {
 
 std::string plain_name(const Json& effect) {
   const std::string name = text(effect, "effect");
-  const double rotor = number(part(part(effect, "parameters"), "rotor"), "value");
+  const double fitted = number(part(part(effect, "parameters"), "rotor"), "value");
+  const double rotor = std::isfinite(fitted) ? fitted : number(effect, "rotor");
   return plain_label(std::isfinite(rotor) ? fmt::format("{}#{:.0f}", name, rotor) : name);
 }
 
@@ -227,6 +228,8 @@ Display display_of(const std::string& parameter, const std::string& unit, double
   if (unit == "s" && magnitude < 1.0) return {1e3, "ms"};
   if (unit == "N" && magnitude < 0.1) return {1e3, "mN"};
   if (unit == "N m" && magnitude < 0.1) return magnitude < 1e-3 ? Display{1e6, "µN m"} : Display{1e3, "mN m"};
+  if (unit == "kg" && magnitude < 0.1) return {1e3, "g"};
+  if (unit == "1/s" && parameter == "rate") return {6000.0, "%/min"};
   if (unit == "rad") return {degrees, "°"};
   if (unit == "-" || unit == "–" || unit.empty()) {
     const bool share = parameter.starts_with("delta") || parameter == "loss";
@@ -237,6 +240,11 @@ Display display_of(const std::string& parameter, const std::string& unit, double
 
 std::string capital(std::string words) {
   if (!words.empty()) words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
+  return words;
+}
+
+std::string uncapital(std::string words) {
+  if (!words.empty()) words.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(words.front())));
   return words;
 }
 
@@ -256,6 +264,38 @@ std::string figure(double value) {
   if (exponent < -3 || exponent > 5)
     return fmt::format("{} × 10{}", decimals(value / std::pow(10.0, exponent), 2), superscript(exponent));
   return decimals(value, std::max(0, 2 - exponent));
+}
+
+std::string short_figure(double value) {
+  if (!std::isfinite(value)) return "–";
+  if (value == 0.0) return "0";
+  const int exponent = static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-12));
+  const double unit = std::pow(10.0, exponent - 1), rounded = unit * std::round(value / unit);
+  if (exponent < -4 || exponent > 5)
+    return signed_text(fmt::format("{:.2g} × 10{}", rounded / std::pow(10.0, exponent), superscript(exponent)));
+  return signed_text(exponent > 0 ? fmt::format("{:.0f}", rounded) : fmt::format("{:.2g}", rounded));
+}
+
+bool one_flight_is_cut(const Json& diagnosis) {
+  const Json& flights = part(diagnosis, "flights");
+  const auto is = [](const char* role) { return [role](const Json& flight) { return text(flight, "role") == role; }; };
+  const auto found = std::find_if(flights.begin(), flights.end(), is("fit"));
+  const auto checks = std::find_if(flights.begin(), flights.end(), is("holdout"));
+  return found != flights.end() && checks != flights.end() && !text(*found, "file").empty() &&
+         text(*found, "file") == text(*checks, "file");
+}
+
+std::string named_instead_of(const Json& diagnosis, const Json& entry) {
+  const std::string name = text(entry, "effect");
+  const Json& effects = part(diagnosis, "effects");
+  const auto same = [&](const Json& other) { return other.is_string() && other.get<std::string>() == name; };
+  for (const Json& effect : effects)
+    if (text(effect, "effect") == name) return "";
+  for (const Json& effect : effects) {
+    const Json& alike = part(effect, "class");
+    if (std::any_of(alike.begin(), alike.end(), same)) return plain_name(effect);
+  }
+  return "";
 }
 
 std::string with_half_width(double value, double half_width) {
@@ -301,8 +341,8 @@ std::string one_sentence(const Json& diagnosis) {
     return "In hover the flights" + (vehicle.empty() ? "" : " of " + vehicle) +
            " agree with each other; nothing else can be told from them.";
   if (verdict == Verdict::consistent && compared)
-    return "Nothing changed since the reference flights" + (vehicle.empty() ? "" : " of " + vehicle) +
-           " beyond noise and calm air.";
+    return std::string(part(diagnosis, "suspected").empty() ? "Nothing changed" : "Nothing is proved to have changed") +
+           " since the reference flights" + (vehicle.empty() ? "" : " of " + vehicle) + " beyond noise and calm air.";
   if (verdict == Verdict::consistent)
     return model + " agrees with these flights: nothing is " +
            (part(diagnosis, "suspected").empty() ? "left" : "proved") + " beyond noise and calm air.";

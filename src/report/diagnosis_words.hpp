@@ -34,6 +34,7 @@ struct Variable {
 Variable plain_variable(const std::string& variable);
 std::string plain_place(const std::string& place);
 std::string capital(std::string words);
+std::string uncapital(std::string words);
 // false where only forces were judged: the recorded attitude was followed; a diagnosis that does not say judged both
 bool torque_is_told(const nlohmann::ordered_json& diagnosis);
 
@@ -46,7 +47,7 @@ struct Display {
 };
 // m/s^2 as m/s²
 std::string written_unit(std::string unit);
-// Small m, s, N, N m in thousandths, rad as degrees, relative changes in percent; everything else as it is.
+// Small m, s, N, N m, kg in thousandths, what is lost a second in percent a minute, rad as degrees, relative changes in percent; everything else as it is.
 Display display_of(const std::string& parameter, const std::string& unit, double magnitude);
 // Three significant digits, or a power of ten.
 std::string figure(double value);
@@ -56,6 +57,12 @@ std::string with_half_width(double value, double half_width);
 std::string probability(double p);
 std::string sure(double confidence);
 
+// Two significant digits, or a power of ten.
+std::string short_figure(double value);
+// The only flight was cut: the part that found, and the part that checks.
+bool one_flight_is_cut(const Json& diagnosis);
+// The named effect that these flights cannot tell from this entry, empty when there is none.
+std::string named_instead_of(const Json& diagnosis, const Json& entry);
 // Mean commands of hover are all that such logs tell.
 bool hover_alone(const Json& diagnosis);
 // Flights were named with --reference, and what is found is what changed since.

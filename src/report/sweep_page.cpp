@@ -25,6 +25,15 @@ constexpr std::size_t rmse = 0;  // of tracking_metrics
 
 std::string metres(double value) { return std::isnan(value) ? "–" : fmt::format("{:.3f}", value); }
 
+// decimals with which no spread of a column is written as 0.000
+int digits_of(const std::vector<TableCell>& cells, std::size_t metric) {
+  int digits = 3;
+  for (const TableCell& cell : cells)
+    if (const double sd = cell.errors[metric].sd; sd > 0.0)
+      while (digits < 5 && sd < 0.5 * std::pow(10.0, -digits)) ++digits;
+  return digits;
+}
+
 std::optional<double> number_of(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
@@ -167,9 +176,11 @@ std::string Sweep::table() const {
                         escape(cell.controller), cell.completed, cell.total);
     for (std::size_t m = 0; m < tracking_metrics.size(); ++m) {
       const Summary& error = cell.errors[m];
-      rows += fmt::format("<td class=\"n\">{}{}</td>", metres(error.mean),
-                          std::isnan(error.sd) ? "" : fmt::format(" ± {:.3f}", error.sd));
-      if (m == rmse) rows += fmt::format("<td>{}</td>", svg::bar(error.mean, NAN, full));
+      const int digits = digits_of(cells_, m);
+      rows += fmt::format("<td class=\"n\">{}{}</td>",
+                          std::isnan(error.mean) ? "–" : fmt::format("{:.{}f}", error.mean, digits),
+                          std::isnan(error.sd) ? "" : fmt::format(" ± {:.{}f}", error.sd, digits));
+      if (m == rmse) rows += fmt::format("<td data-label=\"mean RMSE\">{}</td>", svg::bar(error.mean, NAN, full));
     }
     rows += "</tr>";
   }

@@ -138,7 +138,7 @@ std::string gusts(const Json& effect) {
   return fmt::format("Gusts push it with {} (rms)", length_of(effect, "N", {"sigma_xy", "sigma_z"}));
 }
 
-// what is said, and what the numbers are compared with at its end: "more" than "its model"
+// what is said, and what the numbers are compared with at its end: "more" than "its model"; empty: than in other flights alone
 struct Headline {
   std::string line;
   const char* against = nullptr;
@@ -171,8 +171,8 @@ const Words table[] = {
      }},
     {"rotor_loss",
      [](E e) -> Headline {
-       return {"Rotor " + rotor(e) + " gives " + size_of(e, "loss") + (down(e, "loss") ? " more" : " less") +
-               " thrust"};
+       return {"Rotor " + rotor(e) + " gives " + size_of(e, "loss") + (down(e, "loss") ? " more" : " less") + " thrust",
+               ""};
      },
      [](E e) -> Text {
        return down(e, "loss") ? "It leans away from rotor " + rotor(e) + ", which the controller holds down."
@@ -206,7 +206,7 @@ const Words table[] = {
     {"motor_lag", [](E e) -> Headline { return {"The motors answer with a lag of " + size_of(e, "time_constant")}; },
      [](E) -> Text { return "It feels soft; high gains in attitude make it shake."; }},
     {"actuation_delay", [](E e) -> Headline { return {"Commands reach the rotors " + size_of(e, "delay") + " late"}; },
-     [](E) -> Text { return "High gains in attitude make it shake, though every answer is exact."; }},
+     [](E) -> Text { return "High gains in attitude make it shake: the rotors do what is asked, but later."; }},
     {"thrust_curve", [](E) -> Headline { return {"Thrust does not follow the square of rotor speed exactly"}; },
      [](E) -> Text { return "Right in hover, the throttle is wrong in hard climbs and in descents."; }},
     {"saturation", [](E e) -> Headline { return {limits(e)}; },
@@ -332,11 +332,30 @@ std::string headline_of(const Json& effect, const Json& diagnosis) {
   if (const Words* words = words_for(text(effect, "effect"))) {
     const auto [line, against] = words->headline(effect);
     const std::string normal = normal_flights(effect, diagnosis);
-    if (against) return line + " than " + (normal.empty() ? against : "in " + normal);
-    return normal.empty() ? line : line + ", on top of " + normal;
+    if (normal.empty()) return against && *against ? line + " than " + against : line;
+    return against ? line + " than in " + normal : line + ", beyond what " + normal + " show";
   }
   const std::string says = text(effect, "says");
   return capital(plain_name(effect)) + (says.empty() ? "" : ": " + says);
+}
+
+std::string parameter_in_words(const std::string& effect, const std::string& parameter) {
+  struct Axes {
+    std::array<const char*, 5> effects;
+    std::array<const char*, 3> axes, words;
+  };
+  static const Axes known[] = {
+      {{"rotor_tilt", "center_of_mass", "imu_lever"}, {"x", "y", "z"}, {"forward", "left", "up"}},
+      {{"constant_force", "steady_wind"}, {"x", "y", "z"}, {"toward world x", "toward world y", "up"}},
+      {{"attitude_offset", "yaw_offset"}, {"x", "y", "z"}, {"roll", "pitch", "yaw"}},
+      {{"inertia"}, {"delta_x", "delta_y", "delta_z"}, {"change in roll", "change in pitch", "change in yaw"}}};
+  for (const auto& [effects, axes, words] : known)
+    if (std::any_of(effects.begin(), effects.end(), [&](const char* name) { return name && effect == name; }))
+      for (std::size_t i = 0; i < axes.size(); ++i)
+        if (parameter == axes[i]) return words[i];
+  // "delta" is said as what it is
+  const bool change = parameter == "delta" || parameter.starts_with("delta_");
+  return change ? "change" + plain_label(parameter.substr(5)) : plain_label(parameter);
 }
 
 std::string notice_of(const Json& effect) {

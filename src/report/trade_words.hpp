@@ -18,6 +18,9 @@ std::string headline_of(const Json& effect, const Json& diagnosis = Json::object
 std::string notice_of(const Json& effect);
 bool has_trade_words(const std::string& effect);
 
+// "forward" for x of a vector in the body, "toward world x", "change in roll": what a number of this effect is.
+std::string parameter_in_words(const std::string& effect, const std::string& parameter);
+
 // Named effects of diagnosis.json: the most certain first, of those that are equally certain the one that explains most.
 std::vector<Json> in_order_of_weight(const Json& diagnosis);
 

@@ -25,6 +25,8 @@ constexpr std::string_view format_name = "gustlab-vehicle/1";
 std::string vehicle_file(const std::string& name_or_path, const std::string& from_file) {
   if (name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml"))
     return (fs::path(from_file).parent_path() / name_or_path).lexically_normal().string();
+  if (name_or_path.ends_with(".xml") && fs::exists(name_or_path))
+    throw ConfigError(name_or_path + ": an MJCF and no vehicle file; give the vehicle.toml that names it");
   const std::vector<std::string> names = vehicle_names();
   if (std::find(names.begin(), names.end(), name_or_path) == names.end()) {
     // the folder that `gustlab vehicle new --out` made is easily taken for the vehicle

@@ -1,6 +1,7 @@
 #include "vehicle/thrust_stand.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -131,6 +132,9 @@ ThrustStand read_thrust_stand(const std::string& csv_path) {
   out.input = as_throttle ? "throttle" : as_pwm ? "pwm" : "";
   if (as_throttle || as_pwm) fit_input(as_throttle ? *as_throttle : *as_pwm, *measured_thrust_N, voltage_V, out);
   else out.unknown.emplace_back("the map from the input to thrust: there is no column throttle, pulse_us or pwm");
+  if (!out.coefficient_Ns2 && !out.torque_ratio_m && !out.input_thrust)
+    throw DataError(
+        fmt::format("{}: nothing can be told from these rows ({})", csv_path, fmt::join(out.unknown, "; ")));
   return out;
 }
 

@@ -210,7 +210,7 @@ TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
                                                         Not(HasSubstr("follow the recorded attitude"))));
   diagnosis["torque_told"] = false;
   EXPECT_THAT(diagnosis_page(diagnosis, figures),
-              AllOf(HasSubstr("not judged: these logs tell no torque"), Not(HasSubstr(">everywhere<")),
+              AllOf(HasSubstr("not judged: these logs do not tell fast torques"), Not(HasSubstr(">everywhere<")),
                     Not(HasSubstr("Roll torque")), Not(HasSubstr("Roll and pitch: how far off")),
                     Not(HasSubstr("Unexplained disturbance")), Not(HasSubstr("yaw torque is disturbed")),
                     HasSubstr("lift is left"), HasSubstr("follow the recorded attitude")));
@@ -305,7 +305,7 @@ TEST(DiagnosisPage, SaysNoPatternEverywhereWhereTheNoiseIsAsLarge) {
     return html.substr(at, html.find("</tr>", at) - at);
   };
   EXPECT_THAT(row(0.401, 0.401, 1e-20, true),
-              AllOf(HasSubstr("a faint pattern under the noise"), Not(HasSubstr("everywhere"))));
+              AllOf(HasSubstr("a faint pattern, no larger than the noise"), Not(HasSubstr("everywhere"))));
   EXPECT_THAT(row(0.401, 0.401, 1e-20, false), HasSubstr("a pattern far below the noise; too small to matter"));
   EXPECT_THAT(row(0.259, 0.479, 0.4, false), AllOf(HasSubstr("no more than noise"), HasSubstr("class=\"n\">–</td>")));
   EXPECT_THAT(row(3.1, 1.0, 0.4, false),
@@ -423,6 +423,147 @@ TEST(DiagnosisPage, ShowsNoSizeOfWhatIsNotJudged) {
   const std::size_t at = html.find("pitch torque</td>");
   ASSERT_NE(at, std::string::npos);
   EXPECT_THAT(html.substr(at, html.find("</tr>", at) - at), AllOf(Not(HasSubstr("µN m")), HasSubstr("not judged")));
+}
+
+// the page of one flight spoke of a second one to check, and of flights that were not used
+TEST(DiagnosisPage, OneFlightIsSaidToBeCutAndNoFlightIsSaidToCheck) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["flights"] = {{{"file", "a.csv"}, {"role", "fit"}, {"duration_s", 40.0}},
+                          {{"file", "a.csv"}, {"role", "holdout"}, {"duration_s", 20.0}}};
+  const std::string cut = diagnosis_page(diagnosis, example_figures());
+  for (const char* wanted : {"1 flight, its first two thirds to find and its last third to check, 60 s in all",
+                             "on the last third of the flight, which was not used to find it",
+                             "On the last third of the flight, which was not used to find the effects.",
+                             "The last third was never used to choose or to fit an effect"})
+    EXPECT_THAT(cut, HasSubstr(wanted));
+  EXPECT_THAT(cut, AllOf(Not(HasSubstr("On held-out flights")), Not(HasSubstr("1 to check"))));
+  diagnosis["flights"] = {{{"file", "a.csv"}, {"role", "fit"}, {"duration_s", 40.0}},
+                          {{"file", "b.csv"}, {"role", "reference"}, {"duration_s", 20.0}}};
+  diagnosis.erase("fit");
+  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+              AllOf(HasSubstr("1 flight to find, 1 for reference, none to check, 60 s in all"),
+                    Not(HasSubstr("Held-out flights were never"))));
+}
+
+// one page said that commands are 41 ms late or that motors lag, that both are too small to matter, and that a lag is not there
+TEST(DiagnosisPage, DoesNotContradictWhatItNames) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["effects"][0] = {{"effect", "actuation_delay"},
+                             {"place", "actuation"},
+                             {"confidence", 0.96},
+                             {"says", "the rotors obey a command of a while ago"},
+                             {"parameters", {{"delay", {{"value", 0.041}, {"std", 0.003}, {"unit", "s"}}}}},
+                             {"class", {"actuation_delay", "motor_lag"}}};
+  diagnosis["mismatch"].push_back({{"channel", "actuation"},
+                                   {"significant", false},
+                                   {"p_value", 1e-38},
+                                   {"rms", 0.032},
+                                   {"noise_rms", 0.004},
+                                   {"unit", "s"}});
+  diagnosis["rejected"].push_back({{"effect", "motor_lag"},
+                                   {"delta_score", -10.8},
+                                   {"why", "does not make the predictions better"},
+                                   {"would_show", {{"time_constant", {{"value", 0.011}, {"unit", "s"}}}}}});
+  diagnosis["evidence"] = {{{"effect", "motor_lag"}, {"probability", 0.004}, {"delta_chi2", 500.0}}};
+  const std::string html = diagnosis_page(diagnosis, {});
+  const auto row = [&](const std::string& begin, const std::string& of) {
+    const std::size_t at = html.find(of, html.find(begin));
+    return html.substr(at, html.find("</tr>", at) - at);
+  };
+  EXPECT_THAT(row("Where it differs", "answer to commands"),
+              AllOf(HasSubstr("more than noise: what was found acts here"), Not(HasSubstr("too small to matter"))));
+  EXPECT_THAT(row("Looked at and not named", "motor lag"),
+              AllOf(HasSubstr("in place of actuation delay it would fit as well; beside it little is left for it"),
+                    Not(HasSubstr("does not make")), Not(HasSubstr("11 ms"))));
+  EXPECT_THAT(row("Evidence, one line", "motor lag"),
+              AllOf(HasSubstr("in place of actuation delay"), Not(HasSubstr("0 %"))));
+}
+
+// lift was 144 times the noise on a page that began with "nothing changed"; which of two rotors; 1.64 × 10⁻⁵ ms
+TEST(DiagnosisPage, WhatIsOnlyLikelyIsSaidWithItsSize) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["verdict"] = "consistent";
+  diagnosis["suspected"] = {diagnosis["effects"][1], diagnosis["effects"][2]};
+  diagnosis["effects"] = Json::array();
+  diagnosis["flights"][0]["role"] = "reference";
+  diagnosis["suspected"][0]["confidence"] = 0.77;
+  diagnosis["evidence"] = {{{"effect", "rotor_loss"}, {"rotor", 3}, {"probability", 0.01}}};
+  diagnosis["mismatch"][0]["rms"] = 1e-9;
+  const std::string html = diagnosis_page(diagnosis, {});
+  for (const char* wanted :
+       {"Nothing is proved to have changed since the reference flights of crazyflie beyond noise and calm air.",
+        "More likely than not, and not proved: the vehicle weighs 8.1 % more than its model (77 %) and rotor 3 gives",
+        ">loss of rotor 3</td>", ">0 mN</td>"})
+    EXPECT_THAT(html, HasSubstr(wanted));
+}
+
+// a lag of 820 ms "everywhere" beside "how late a torque is, is not told" made every other bar invisible
+TEST(DiagnosisPage, ALagThatCannotBeToldIsNotJudged) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["mismatch"].push_back(
+      {{"channel", "actuation"}, {"significant", true}, {"rms", 0.82}, {"noise_rms", 0.003}, {"unit", "s"}});
+  const auto row = [&] {
+    const std::string html = diagnosis_page(diagnosis, {});
+    const std::size_t at = html.find("answer to commands");
+    return html.substr(at, html.find("</tr>", at) - at);
+  };
+  EXPECT_THAT(row(), HasSubstr("820 ms"));
+  for (const char* name : {"motor_lag", "actuation_delay"})
+    diagnosis["not_identifiable"].push_back({{"effect", name}, {"why", "it was filtered"}, {"lack", "raw_sensors"}});
+  EXPECT_THAT(row(),
+              AllOf(HasSubstr("not judged: these logs do not tell how late the rotors answer"), Not(HasSubstr("820"))));
+}
+
+// "2.2e-07 N s²", "0.00077 kg", "0.17" of what
+TEST(DiagnosisPage, WhatWouldShowHasAUnitOrAName) {
+  Json diagnosis = example_diagnosis();
+  const auto of = [&](const char* effect, const char* parameter, double value, const char* unit) {
+    diagnosis["rejected"] = {
+        {{"effect", effect}, {"why", "no"}, {"would_show", {{parameter, {{"value", value}, {"unit", unit}}}}}}};
+    const std::string html = diagnosis_page(diagnosis, {});
+    const std::size_t at = html.find(">", html.find("data-label=\"would show from\"")) + 1;
+    return html.substr(at, html.find("</td>", at) - at);
+  };
+  EXPECT_EQ(of("flapping_torque", "coefficient", 2.16e-7, "N s^2"), "2.2 × 10⁻⁷ N s²");
+  EXPECT_EQ(of("slung_load", "mass", 7.7e-4, "kg"), "0.77 g");
+  EXPECT_EQ(of("battery_sag", "exponent", 0.17, "-"), "exponent 0.17");
+  EXPECT_EQ(of("battery_sag", "rate", 2.2e-4, "1/s"), "1.3 %/min");
+  EXPECT_EQ(of("mass", "delta", 0.0056, "-"), "0.56 %");
+  EXPECT_EQ(of("yaw_offset", "z", 0.00295, "rad"), "0.17°");
+  EXPECT_EQ(of("translational_lift", "coefficient", 1234.0, "N"), "1200 N");
+}
+
+// x, y and z of a vector are said as directions
+TEST(DiagnosisPage, AnAxisIsSaidInWords) {
+  Json diagnosis = example_diagnosis();
+  const Json number = {{"value", 0.0543}, {"std", 0.0017}, {"unit", "rad"}};
+  while (diagnosis["effects"].size() > 1) diagnosis["effects"].erase(1);
+  diagnosis["calibration"] = Json::array();
+  const auto names = [&](const char* effect, const char* parameter) {
+    diagnosis["effects"][0]["effect"] = effect;
+    diagnosis["effects"][0]["parameters"] = {{parameter, number}};
+    const std::string html = diagnosis_page(diagnosis, {});
+    for (const char* words : {"forward", "left", "up", "roll", "pitch", "toward world x", "change in roll", "height"})
+      if (html.find(fmt::format("<td data-label=\"parameter\" class=\"name\">{}</td>", words)) != std::string::npos)
+        return std::string(words);
+    return std::string();
+  };
+  EXPECT_EQ(names("rotor_tilt", "x"), "forward");
+  EXPECT_EQ(names("center_of_mass", "z"), "up");
+  EXPECT_EQ(names("constant_force", "x"), "toward world x");
+  EXPECT_EQ(names("attitude_offset", "y"), "pitch");
+  EXPECT_EQ(names("inertia", "delta_x"), "change in roll");
+}
+
+// three lines that say that something is left
+TEST(DiagnosisPage, SaysOnceOnWhatTheRestDepends) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["alarms"] = {{{"kind", "omnibus"}, {"says", "what is left depends on position"}},
+                         {{"kind", "omnibus"}, {"says", "what is left depends on velocity"}},
+                         {{"kind", "omnibus"}, {"says", "what is left depends on time"}}};
+  EXPECT_THAT(
+      diagnosis_page(diagnosis, {}),
+      HasSubstr("<li><strong>A pattern is left</strong>: what is left depends on position, velocity and time.</li>"));
 }
 
 TEST(TradeWords, EveryEffectThatADiagnosisNamesHasThem) {

@@ -110,6 +110,15 @@ TEST(PageChecks, SeeWhatIsTooWideForAPhone) {
   EXPECT_EQ(misfits(html, 1200), "");
 }
 
+// "0.006 ± 0.000"; on a phone the bar stood alone
+TEST(SweepPage, ASpreadHasADigitAndTheBarATitle) {
+  Results results = grid();
+  for (ResultRow& row : results.rows) row.rmse_z_m = 0.006 + 2e-5 * row.replicate;
+  const std::string html = sweep_page(results, {});
+  EXPECT_THAT(
+      html, AllOf(HasSubstr("± 0.00003</td>"), Not(HasSubstr("± 0.000<")), HasSubstr("<td data-label=\"mean RMSE\">")));
+}
+
 TEST(SweepPage, FitsAPhoneAndADesk) { expect_fits(sweep_page(grid(), round_paths())); }
 
 }  // namespace

@@ -182,7 +182,7 @@ class DataFlash(FormatCase):
 
     LAYOUT = {"Q": "Q", "f": "f", "C": "H", "H": "H", "B": "B", "c": "h", "N": "16s", "Z": "64s", "n": "4s", "h": "h", "M": "B"}
 
-    def write_log(self, version: str = "ArduCopter V4.5.1 (abcdef01)", speeds_every: int = 0, parameters=(), pulses=None):
+    def write_log(self, version: str = "ArduCopter V4.5.1 (abcdef01)", speeds_every: int = 0, parameters=(), pulses=None, crash_s=None, ends_s=20.0):
         out, formats = b"", {}
 
         def define(number, name, kinds, columns):
@@ -207,12 +207,13 @@ class DataFlash(FormatCase):
         define(8, "BAT", "Qf", "TimeUS,Volt")
         define(9, "XKF4", "QBB", "TimeUS,C,PI")
         define(10, "ESC", "QBf", "TimeUS,Instance,RPM")
+        define(11, "ERR", "BB", "Subsys,ECode")   # as old firmwares write it: without a time
         put("MSG", 10**6, version.encode())
         for name, value in (("FRAME_CLASS", 1), ("FRAME_TYPE", 1), ("AHRS_EKF_TYPE", 3), ("MOT_PWM_MIN", 1100), ("MOT_PWM_MAX", 1900),
                             ("SERVO1_FUNCTION", 33), ("SERVO2_FUNCTION", 34), ("SERVO3_FUNCTION", 36), ("SERVO4_FUNCTION", 35), *parameters):
             put("PARM", 10**6, name.encode(), float(value))
         noise = np.random.default_rng(5)
-        for k in range(2000):
+        for k in range(round(100 * ends_s)):
             t = 0.01 * k
             us = 10**6 + round(1e6 * t)
             for event, at in ((10, 2.0), (28, 3.0), (18, 17.0), (11, 18.0)):
@@ -227,6 +228,8 @@ class DataFlash(FormatCase):
             for output in range(4) if speeds_every and k % speeds_every == 0 else ():
                 # one speed controller answers after the other
                 put("ESC", us + 300 * output, output, 5000.0 + 1000.0 * output + 50.0 * np.sin(t))
+            if crash_s is not None and abs(t - crash_s) < 1e-9:
+                put("ERR", 12, 1)
             if k % 2 == 0:
                 others = noise.normal(size=2)
                 put("RCOU", us, *(pulses(t) if pulses else (1500, 1480, *(round(v) for v in 1500 + 20 * others))), 0, 0, 65000, 65000)
@@ -254,6 +257,15 @@ class DataFlash(FormatCase):
         self.assertIn("core 1 of 2", (self.out / "flight_1.meta.toml").read_text())
         # motor 3 is on output 4
         self.assertIn("RCOU C1 to C3", log["flights"][0]["sources"]["u"])
+
+    def test_a_crash_check_without_a_time_cuts_and_is_said(self):
+        _, log, _ = self.take(self.write_log(crash_s=10.0))
+        self.assertEqual([part["why"] for part in log["refused"] if 9.9 < part["to_s"] < 10.1], ["the vehicle's crash check fired"])
+        self.assertEqual([(round(flight["from_s"], 1), round(flight["to_s"], 1)) for flight in log["flights"]], [(3.0, 10.0), (10.0, 17.0)])
+        # the last that a log says
+        _, log, _ = self.take(self.write_log(crash_s=14.99, ends_s=15.0))
+        self.assertEqual([finding["says"] for finding in log["findings"] if "crash" in finding["says"]],
+                         ["the vehicle's crash check fired, and the log ends: the last seconds may be a fall"])
 
     def test_speeds_of_the_controllers_follow_the_outputs(self):
         _, log, _ = self.take(self.write_log(speeds_every=2))

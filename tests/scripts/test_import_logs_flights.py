@@ -66,6 +66,14 @@ class FlightComputers(ImportCase):
         _, log, _ = self.take("px4_vtol_gap.ulg")
         self.assertFound(log["findings"], "gap", "nothing at all was logged for 19.5 min")
 
+    def test_the_crash_is_said(self):
+        _, log, _ = self.take("ardupilot_quad_136s.bin")
+        self.assertFound(log["findings"], "gap", "the vehicle's crash check fired, and the log ends")
+
+    def test_the_description_of_a_bag_is_no_log(self):
+        code, _, err = self.run_import(LOGS / "ros2_metadata.yaml", "--out", self.out)
+        self.assertEqual((code, "give the .db3 or .mcap beside it" in err), (2, True), err)
+
     def test_a_voltage_that_reads_nothing_is_not_used(self):
         _, log, _ = self.take("ardupilot_quad_136s.bin")
         self.assertFound(log["findings"], "out_of_range", "reads 0.0 to 0.0 V: not used")

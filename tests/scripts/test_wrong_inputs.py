@@ -72,6 +72,15 @@ def files():
              "number.toml": MAP.replace('["x", "y", "z"]', "[1, 2, 3]"), "order.toml": MAP.replace('"xyzw"', '"xxyw"'), "steam.toml": MAP.replace('"pwm"', '"steam"'),
              "two_times.toml": MAP + '[time]\ncolumn = "t"\n', "signs.toml": MAP.replace('["x", "y", "z"]', '["x", "y", "z"]\nsigns = [1, 1]'),
              "infinite.toml": MAP.replace('["x", "y", "z"]', '["x", "y", "z"]\nsigns = [inf, nan, 1]'), "range.toml": MAP.replace('kind = "pwm"', 'kind = "pwm"\nrange = [5, 5]')}
+    made |= {"own.csv": b"time_s,px\n0,0\n", "own.meta.toml": b'format = "gustlab-flight-log/1"\n', "metadata.yaml": b"rosbag2_bagfile_information:\n  version: 4\n",
+             "five.toml": MAP.replace('"m4"]', '"m4", "gx"]'), "fortnight.toml": MAP.replace("[time]", '[time]\nunit = "fortnight"'),
+             "excel.toml": MAP.replace('"csv"', '"excel"'), "hex.csv": table.replace(lines[5].split(",")[2], "0x1F"), "tabs.csv": table.replace(",", "\t"),
+             "three.toml": VEHICLE.replace('[[rotor]]\nsite = "d"\ndirection = "cw"\n', ""),
+             "turn.toml": VEHICLE.replace('"ccw"', '"left"', 1), "one_site.toml": VEHICLE.replace('"b"', '"a"'), "speed.toml": VEHICLE.replace("0.5", "1.5"),
+             "weightless.toml": VEHICLE.replace("body.xml", "weightless.xml"), "weightless.xml": BODY.replace('mass="1.2"', 'mass="0"'),
+             "tied.toml": VEHICLE.replace("body.xml", "tied.xml"), "tied.xml": BODY.replace("<freejoint/>", ""), "nobody_there.toml": VEHICLE.replace("body.xml", "gone.xml"),
+             "falls.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{9 - k}\n" for k in range(10)), "held.csv": "throttle,thrust_N\n" + "0.5,3\n" * 10,
+             "pushed.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{-k}\n" for k in range(10)), "ampere.csv": "throttle,current\n" + "0.5,3\n" * 10}
     made |= {f"nonsense{kind}": NONSENSE for kind in (".ulg", ".bin", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".parquet", ".csv", ".toml")}
     return {name: text.encode() if isinstance(text, str) else text for name, text in made.items()}
 
@@ -180,7 +189,16 @@ WRONG = (
     (log("n" * 300), 3, "cannot be read (File name too long)"),
     (log("good.ulg", "good.ulg"), 2, "good.ulg: would be written over good.ulg (both give good); use two --out"),
     (log("good.ulg", "--from", "inf"), 2, "invalid seconds value: 'inf'"),
+    (log("own.csv"), 2, "own.csv: is a flight log already (own.meta.toml is beside it); give it to `gustlab diagnose`"),
+    (log("metadata.yaml"), 2, "metadata.yaml: describes a ROS 2 bag and holds no samples; give the .db3 or .mcap beside it"),
+    (log("good.ulg", "--vehicle", "three.toml"), 2, "good.ulg: 4 motors are logged and the vehicle ../three.toml has 3 rotors"),
+    (log("good.ulg", "--vehicle", "body.xml"), 2, "body.xml:1:1: --vehicle: not a vehicle file ("),
+    (table("hex.csv"), 3, "hex.csv:6:3: `0x1F` in column `y` is not a number"),
+    (table("tabs.csv"), 3, "tabs.csv:1:1: cells are separated by tabs; write commas"),
     # column maps
+    (table("good.csv", "five.toml"), 2, "five.toml:1:1: [actuator] has 5 columns, and the vehicle crazyflie has 4 rotors; give the vehicle that flew"),
+    (table("good.csv", "fortnight.toml"), 2, 'fortnight.toml:5:9: unit = "fortnight" is not a unit of time'),
+    (table("good.csv", "excel.toml"), 2, 'kind = "excel" is not known; one of: csv'),
     (table("good.csv", "same.toml"), 2, "[actuator] names column `m1` twice"),
     (table("good.csv", "nowhere.toml"), 2, 'nowhere.toml:1:1: there is no vehicle "crazyfly" under models/ (a path ends in .toml); did you mean `crazyflie`?'),
     (table("good.csv", "nothing.toml"), 2, "nothing.toml:1:1: `format` is missing"),
@@ -205,6 +223,10 @@ WRONG = (
     (new(arm="0x1m"), 2, '"0x1m" is not a number with a unit'),
     (new(arm=None), 2, "--arm is missing"),
     (new(hover=None), 2, "--thrust-to-weight or --hover is missing"),
+    (new(mass="1,2kg"), 2, '--mass: "1,2kg" is not a number with a unit'),
+    (new(hover="60"), 2, "--hover: 60 is no hover throttle (it is between 0 and 1)"),
+    (new(throttle_curve="2"), 2, "--throttle-curve: 2 is not a number from 0 to 1"),
+    (new(thrust_to_weight="2"), 2, "--hover and --thrust-to-weight are two answers to one question: keep one"),
     (new(layout="hex"), 2, 'did you mean "hexa"?'),
     (new(prop="40in"), 2, "overlap"),
     (new(arm="1m", prop="30in", mass="1g"), 2, "--mass, --prop: 0.001 kg on 4 propellers of 0.762 m hover with tips at 0.56 m/s; propellers of that size are heavier than the "
@@ -239,11 +261,22 @@ WRONG = (
     (["vehicle", "check", "hover.toml"], 2, '"hover" must be positive'),
     (["vehicle", "check", "key.toml"], 2, 'unknown key "radius" did you mean "radius_m"?'),
     (["vehicle", "check", "body.toml"], 2, "words.csv:1:"),
+    (["vehicle", "check", "body.xml"], 2, "body.xml: an MJCF and no vehicle file; give the vehicle.toml that names it"),
+    (["vehicle", "check", "turn.toml"], 2, 'turn.toml:5:13: "left" is not a direction write "ccw" or "cw"'),
+    (["vehicle", "check", "one_site.toml"], 2, 'one_site.toml:7:8: site "a" carries two rotors'),
+    (["vehicle", "check", "speed.toml"], 2, '"hover" of 1.5 is no actuator input (throttle is 0 to 1, rotor speed 20 to 8000 rad/s'),
+    (["vehicle", "check", "weightless.toml"], 2, "weightless.xml:1: not a model that MuJoCo takes"),
+    (["vehicle", "check", "tied.toml"], 2, "tied.xml: a vehicle has exactly one free joint"),
+    (["vehicle", "check", "nobody_there.toml"], 2, 'nobody_there.toml:2:8: there is no file "gone.xml"'),
     (["vehicle", "fit", "--out", "out"], 2, "flight logs or --thrust-stand FILE.csv, one of them"),
     (["vehicle", "fit", "good.csv", "--vehicle", "vehicle.toml", "--out", "out"], 3, "a log needs its sidecar"),
     (["vehicle", "fit", "missing.csv", "--out", "out"], 3, "missing.csv: cannot read"),
     (stand("few.csv"), 3, "1 rows are too few"),
     (stand("stand.csv"), 3, "throttle is from 0 to 1"),
+    (stand("falls.csv"), 3, "falls.csv: a rotor of the vehicle carries 2.94 N in hover, and thrust does not rise to that as throttle rises"),
+    (stand("held.csv"), 3, "held.csv: nothing can be told from these rows ("),
+    (stand("pushed.csv"), 3, "pushed.csv: no row has thrust above zero"),
+    (stand("ampere.csv"), 3, 'ampere.csv:1:1: column "thrust_N" is missing'),
     (stand("nonsense.csv"), 3, "nonsense.csv:1:"),
 )
 

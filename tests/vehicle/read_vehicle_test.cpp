@@ -156,6 +156,7 @@ TEST(ReadVehicle, ErrorsNameThePlaceAndWhatToDo) {
               StartsWith("vehicle.toml:18:1: unknown key \"radius\" did you mean \"radius_m\"?"));
   EXPECT_THAT(broken_toml("coefficient = 1e-3", "coefficient = 1e-3\nhover = 0.5"),
               HasSubstr("both \"coefficient\" and \"hover\" are here"));
+  EXPECT_THAT(broken_toml("coefficient = 1e-3", "hover = 1.5"), HasSubstr("rotor speed 20 to 8000 rad/s"));
   EXPECT_THAT(broken_toml("coefficient = 1e-3", "hover = 70000"), HasSubstr("\"hover\" of 70000 is no actuator input"));
   EXPECT_THAT(broken_toml("[thrust]", "[actuator]\nthrottle_curve = 0.3\n[thrust]"),
               HasSubstr("there is no [thrust] hover"));

@@ -90,8 +90,8 @@ TEST(ThrustStand, ReadsGramsRevolutionsAndPulses) {
 
 TEST(ThrustStand, SaysWhatATableCannotTell) {
   const TemporaryFolder folder;
-  const ThrustStand two = read_thrust_stand(table(folder, "throttle,thrust_N", 6, [](int i) {
-    return std::vector<double>{i % 2 == 0 ? 0.3 : 0.6, i % 2 == 0 ? 1.0 : 3.0};
+  const ThrustStand two = read_thrust_stand(table(folder, "throttle,thrust_N,torque_Nm", 6, [](int i) {
+    return std::vector<double>{i % 2 == 0 ? 0.3 : 0.6, i % 2 == 0 ? 1.0 : 3.0, i % 2 == 0 ? 0.01 : 0.03};
   }));
   EXPECT_FALSE(two.input_thrust);
   EXPECT_THAT(two.unknown, Contains(HasSubstr("fewer than three inputs")));
@@ -102,6 +102,7 @@ TEST(ThrustStand, SaysWhatATableCannotTell) {
   EXPECT_THROW(read_thrust_stand(rows("thrust_N", 6, {-1.0})), DataError);
   EXPECT_THROW(read_thrust_stand(rows("speed_radps", 6, {1.0})), DataError);
   EXPECT_THROW(read_thrust_stand(rows("thrust_N,throttle", 6, {1.0, 40.0})), DataError);
+  EXPECT_THROW(read_thrust_stand(rows("thrust_N,throttle", 6, {1.0, 0.5})), DataError);  // one row, six times
 }
 
 }  // namespace

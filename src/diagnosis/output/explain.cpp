@@ -44,7 +44,7 @@ std::optional<NotIdentifiable> why_not_identifiable(const Session& session, cons
   if (session.catalogue().loop_answers() && group.row->latency != Latency::none && !selection.find(g))
     return NotIdentifiable{
         catalogue_name(group),
-        "within half a second the recorded loop answers what disturbs the vehicle: how late a torque is is not told",
+        "within half a second the recorded loop answers what disturbs the vehicle: how late a torque comes is not told",
         Lack::raw_sensors};
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   double best = std::numeric_limits<double>::infinity();
@@ -224,8 +224,11 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
   constexpr std::size_t best = 5;
   for (const Evidence& record : challenge.withdrawn)
     out.rejected.push_back({record.effect, record.delta_chi2,
-                            fmt::format("its own evidence gives it a probability of {:.2f}", record.probability)});
+                            fmt::format("its own evidence makes it {:.0f} % likely", 100.0 * record.probability)});
   std::set<std::string_view> told = told_of(session, selection, out);
+  std::size_t at = out.rejected.size() - challenge.withdrawn.size();
+  for (const Evidence& record : challenge.withdrawn)
+    if (Rejected& one = out.rejected[at++]; record.rotor > 0) one.effect += fmt::format(" (rotor {})", record.rotor);
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   std::vector<std::pair<double, int>> others;
   for (const auto& [g, delta_chi2] : selection.alone) others.emplace_back(delta_chi2, g);

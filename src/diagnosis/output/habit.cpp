@@ -223,10 +223,11 @@ void offer_habit(const Session& session, const std::vector<FlightLog>& holdout, 
   out.habit = {
       {"effect", effect},
       {"says",
-       fmt::format("half a second ahead the body rate is predicted to {:.2g} rad/s by the recorded actuators, to "
-                   "{:.2g} by leaving it as it is, and to {:.2g} by the habit of the loop that was recorded; the "
-                   "habit is no physics, and true of no other loop",
-                   physics, held, predicted)},
+       fmt::format(
+           "half a second ahead the body rate is predicted within {:.2g} rad/s by the recorded actuators, within "
+           "{:.2g} by keeping it as it is, and within {:.2g} by the habit of the loop that was recorded; the "
+           "habit is no physics, and true of no other loop",
+           physics, held, predicted)},
       {"fit", nlohmann::ordered_json::object()}};
   for (const std::string_view name : fit_quantity_names)
     out.habit["fit"][std::string(name)] = with.fit.at(std::string(name)).at("after");

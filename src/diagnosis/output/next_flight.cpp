@@ -30,7 +30,7 @@ struct Candidate {
 
 std::string numbers(const std::vector<double>& values) {
   std::string text;
-  for (const double v : values) text += fmt::format("{}{:.6g}", text.empty() ? "[" : ", ", v);
+  for (const double v : values) text += fmt::format("{}{:.3g}", text.empty() ? "[" : ", ", v);
   return text + "]";
 }
 
@@ -41,8 +41,8 @@ std::vector<Candidate> library(const VehicleModel& vehicle, double ground_m) {
   const auto circle = [&](const char* how, double speed_mps) {
     return Candidate{"circle",
                      how,
-                     {{"radius_m", fmt::format("{:.6g}", radius_m)},
-                      {"period_s", fmt::format("{:.6g}", 2.0 * M_PI * radius_m / (speed_mps * pace))},
+                     {{"radius_m", fmt::format("{:.3g}", radius_m)},
+                      {"period_s", fmt::format("{:.3g}", 2.0 * M_PI * radius_m / (speed_mps * pace))},
                       {"center_m", center},
                       {"ramp_s", "2.0"},
                       {"start", "\"reference\""}}};
@@ -63,8 +63,8 @@ std::vector<Candidate> library(const VehicleModel& vehicle, double ground_m) {
           circle("fast", 1.8),
           {"lemniscate",
            "back and forth",
-           {{"amplitude_m", fmt::format("{:.6g}", 0.9 * size)},
-            {"period_s", fmt::format("{:.6g}", 5.5 * pace)},
+           {{"amplitude_m", fmt::format("{:.3g}", 0.9 * size)},
+            {"period_s", fmt::format("{:.3g}", 5.5 * pace)},
             {"center_m", center},
             {"ramp_s", "2.0"}}},
           {"multisine",
@@ -75,13 +75,13 @@ std::vector<Candidate> library(const VehicleModel& vehicle, double ground_m) {
             {"frequencies_z_hz", numbers(z)},
             {"center_m", center},
             {"yaw_amplitude_rad", "1.2"},
-            {"yaw_frequency_hz", fmt::format("{:.6g}", 0.25 / pace)}}},
+            {"yaw_frequency_hz", fmt::format("{:.3g}", 0.25 / pace)}}},
           {"spiral",
            "climbing",
-           {{"radius_m", fmt::format("{:.6g}", radius_m)},
+           {{"radius_m", fmt::format("{:.3g}", radius_m)},
             {"turns", "3"},
-            {"length_s", fmt::format("{:.6g}", flight_s * pace)},
-            {"climb_m", fmt::format("{:.6g}", 3.0 * size)},
+            {"length_s", fmt::format("{:.3g}", flight_s * pace)},
+            {"climb_m", fmt::format("{:.3g}", 3.0 * size)},
             {"center_m", center},
             {"ramp_s", "2.0"}}},
           {"waypoints",

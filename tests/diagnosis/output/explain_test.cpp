@@ -161,6 +161,15 @@ TEST_F(Explained, WhatFlightsDoNotExciteIsSaidOnce) {
   for (const NotIdentifiable& n : d.not_identifiable) EXPECT_NE(n.effect, "mass");
 }
 
+// a page named "rotor loss" twice, and no rotor
+TEST_F(Explained, AWithdrawnLossSaysOfWhichRotor) {
+  Evidence& gone = challenge.withdrawn.emplace_back();
+  gone.effect = "rotor_loss", gone.rotor = 3, gone.delta_chi2 = 12.0, gone.probability = 0.01;
+  const Diagnosis d = explained();
+  ASSERT_FALSE(d.rejected.empty());
+  EXPECT_EQ(d.rejected[0].effect, "rotor_loss (rotor 3)");
+}
+
 TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
   Evidence& gone = challenge.withdrawn.emplace_back();
   gone.effect = "gyro_scale", gone.delta_chi2 = 12.0, gone.probability = 0.08;
@@ -168,7 +177,7 @@ TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
   const Diagnosis d = explained();
   ASSERT_EQ(d.rejected.size(), 3u);
   EXPECT_EQ(d.rejected[0].effect, "gyro_scale");
-  EXPECT_THAT(d.rejected[0].why, HasSubstr("0.08"));
+  EXPECT_THAT(d.rejected[0].why, HasSubstr("8 % likely"));
   EXPECT_EQ(d.rejected[1].effect, "rotor_loss (rotor 2)");
   EXPECT_EQ(d.rejected[2].effect, "mass");
 }
