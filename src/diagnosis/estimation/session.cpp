@@ -264,8 +264,12 @@ void Session::suspect_load(const Swing& swing, std::vector<std::vector<Vector3>>
 void Session::suspect_limit(double limit_radps) {
   catalogue_.set_speed_limit(limit_radps);
   for_each_flight([&](std::size_t f) {
-    flights_[f].limit_change =
-        limit_changes(flights_[f], static_cast<int>(f), catalogue_, value_, {limit_radps}).front();
+    FlightData& flight = flights_[f];
+    const int index = static_cast<int>(f);
+    if (flight.measured_speed.empty())
+      flight.limit_change = limit_changes(flight, index, catalogue_, value_, {limit_radps}).front();
+    else if (!linear_[f].predicted.empty())
+      flight.limit_speed_change = limit_speed_changes(flight, index, catalogue_, value_, {limit_radps}).front();
   });
 }
 

@@ -18,4 +18,9 @@ void compare_speeds(const FlightData& flight, int flight_index, const Catalogue&
 void compare_speeds_again(const FlightData& flight, int flight_index, const Catalogue& catalogue,
                           const Eigen::VectorXd& value, LinearFlight& out);
 
+// What lower speed limits change of the speeds that commands predict: of each, one row per sample [rad/s].
+std::vector<std::vector<RotorArray>> limit_speed_changes(const FlightData& flight, int flight_index,
+                                                         const Catalogue& catalogue, const Eigen::VectorXd& value,
+                                                         const std::vector<double>& limits_radps);
+
 }  // namespace gustlab::diagnosis

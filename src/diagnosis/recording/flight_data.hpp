@@ -120,6 +120,8 @@ struct FlightData {
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
   // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected
   std::vector<Eigen::Matrix<double, 6, 1>> limit_change;
+  std::vector<RotorArray>
+      limit_speed_change;  // the same of the speeds that commands predict, where others are measured; rad/s
   std::vector<CommandInnovation> command_innovation;  // see command_innovation.hpp, per sample; empty: not known
   double sample_s = 0.01;                             // median interval
   int substeps = 4;                // per sample interval, on the instants at which commands were logged

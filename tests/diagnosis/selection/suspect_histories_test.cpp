@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/limit_scan.hpp"
 #include "support/sessions.hpp"
@@ -32,6 +34,38 @@ TEST(LimitScanOfFlights, GainsWhatItsColumnGainsInTheGramMatrices) {
   left(session.biases()) = -solve(total, session.biases()).coefficient;
   const double seen = total.col(column).dot(left);
   EXPECT_NEAR(found.delta_chi2, seen * seen / total(column, column), 1e-6 * found.delta_chi2);
+}
+
+// measured speeds drive the body, which then says nothing of a limit: they say it themselves
+struct LimitOfMeasuredSpeeds : ::testing::Test {
+  Unexplained limited{R"({type = "saturation", max_speed = 2120})", {"pose", "gyroscope", "rotor_speed"}, 0.0};
+  Session& session = limited.session;
+};
+
+TEST_F(LimitOfMeasuredSpeeds, IsSuspectedWhereItIs) {
+  suspect_histories(session, session.value(), {});
+  EXPECT_NEAR(limited.group(ColumnFrom::speed_limit).limit_radps, 2120.0, 30.0);
+  for (const FlightData& flight : session.flights()) {
+    EXPECT_EQ(flight.limit_speed_change.size(), flight.samples.size());
+    EXPECT_TRUE(flight.limit_change.empty());
+  }
+}
+
+TEST_F(LimitOfMeasuredSpeeds, GainsWhatItsColumnGainsInTheGramMatrices) {
+  const LimitScan found = scan_limit(session, session.biases());
+  session.suspect_limit(found.limit_radps);
+  session.linearise(session.value(), session.all_columns());
+  const int column = limited.group(ColumnFrom::speed_limit).columns.front();
+  EXPECT_TRUE(session.seen_in_speeds(session.catalogue().find(ColumnFrom::speed_limit)));
+  const Eigen::MatrixXd total = session.grams().total();
+  const double seen = total(column, total.cols() - 1);
+  EXPECT_NEAR(found.delta_chi2, seen * seen / total(column, column), 1e-6 * found.delta_chi2);
+  // with the limit in its place nothing of it is left
+  Eigen::VectorXd value = session.value();
+  value[column] = 1.0;
+  session.predict_at(value);
+  const Eigen::MatrixXd rest = session.grams().total();
+  EXPECT_LT(std::abs(rest(column, rest.cols() - 1)), 0.1 * std::abs(seen));
 }
 
 TEST(SuspectHistories, ALowerLimitIsSuspectedWhereItIs) {
