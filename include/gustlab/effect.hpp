@@ -180,6 +180,7 @@ struct EffectRow {
   bool describes = false;    // what the diagnosis writes for a remainder without a name
   bool commanded = false;    // seen only in how the vehicle answers its commands
   bool on_command = false;   // changes how fast a commanded rotor turns (on_actuation)
+  bool built_in = false;     // of parts that stay as they are: no flight differs in it from another of the same vehicle
   bool per_rotor = false;    // one candidate for each rotor, by its integer parameter `rotor`
   ColumnFrom column = ColumnFrom::model;
   Airflow air = Airflow::ignored;

@@ -283,6 +283,7 @@ constexpr EffectRow rows[] = {
      .place = Place::wrench,
      .order = 10,
      .commanded = true,
+     .built_in = true,
      .needs = Need::torque | Need::rotor_speed,
      .says = "spinning rotors react to being sped up and turned",
      .shows_in = "yaw steps",

@@ -21,11 +21,15 @@ std::pair<std::string, int> name_of(const Catalogue& catalogue, const Column& co
   return {catalogue.group(column.group).label, column.parameter};
 }
 
+bool has_one_flight(const Grams& grams) {
+  return std::ranges::all_of(grams.flight, [](int flight) { return flight == 0; });
+}
+
 // Gram matrices of each flight; of one alone, of its thirds
 std::vector<Eigen::MatrixXd> parts_of(const Grams& grams) {
-  const auto last = std::max_element(grams.flight.begin(), grams.flight.end());
-  const bool one = last == grams.flight.end() || *last == 0;
-  const std::size_t count = one ? 3 : static_cast<std::size_t>(*last) + 1, size = grams.block.size();
+  const bool one = has_one_flight(grams);
+  const std::size_t count = one ? 3 : static_cast<std::size_t>(std::ranges::max(grams.flight)) + 1,
+                    size = grams.block.size();
   std::vector<Eigen::MatrixXd> parts(count, Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1));
   for (std::size_t b = 0; b < size; ++b)
     parts[!one ? static_cast<std::size_t>(grams.flight[b]) : grams.known[b] ? 0 : 3 * b / size] += grams.block[b];
@@ -115,7 +119,9 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
   Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(total.cols(), total.cols());
   for (std::size_t i = 0; i < known.size(); ++i) rest.row(known[i]) -= error.row(static_cast<Eigen::Index>(i));
   for (Eigen::MatrixXd& block : grams.block) block = rest.transpose() * block * rest;
+  // rows of flights, and no more known than these
   grams.add_known(0, 0.0, error.transpose() * H * error);
+  grams.known.back() = false;
   return grams;
 }
 

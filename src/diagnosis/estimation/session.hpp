@@ -78,7 +78,7 @@ class Session {
   // Each flight on a thread of its own; what a body writes belongs to its flight.
   void for_each_flight(const std::function<void(std::size_t)>& body) const;
   // Changes against these numbers are looked for from now on; they are known only as surely as that.
-  void compare_with(Reference reference) { reference_ = std::move(reference); }
+  void compare_with(Reference reference) { reference_ = std::move(reference), catalogue_.hide_built_in(); }
   const std::optional<Reference>& reference() const { return reference_; }
   void take_weights(const Session& other);
   bool shoots() const { return !shooting_flights_.empty(); }

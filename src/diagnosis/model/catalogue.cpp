@@ -297,6 +297,11 @@ void Catalogue::hide_torque_gains() {
     if (needs_torque_gain(*group.row)) group.candidate = false;
 }
 
+void Catalogue::hide_built_in() {
+  for (Group& group : groups_)
+    if (group.row->built_in) group.candidate = false;
+}
+
 void Catalogue::freeze(int column) {
   const int g = columns_[static_cast<std::size_t>(column)].group;
   std::erase(groups_[static_cast<std::size_t>(g)].columns, column);

@@ -129,6 +129,8 @@ class Catalogue {
   void set_speed_limit(double limit_radps);
   // The recorded loop answers what disturbs the vehicle: what only the torque per command shows is no candidate any more.
   void hide_torque_gains();
+  // Changes between flights are looked for: what is built in is no candidate any more.
+  void hide_built_in();
   // A number that ran away from what is known of it beforehand stays as the vehicle file has it, and leaves its group to the others.
   void freeze(int column);
   // Sensor effects and rate biases of one flight, as smoothing takes them out.

@@ -215,11 +215,10 @@ class Lineariser {
       out_.F[k].col(i) = run(x_[k].plus(i, step_of(i))).minus(next) / step_of(i);
   }
 
-  // Of torques that nobody knows: the rates are as they were recorded, and turn the body by their mean. With those of this sample alone
-  // attitudes would come half an interval early, and a pose would seem late by as much.
+  // Of torques that nobody knows: the body turns by the mean of its recorded rates. With that of this sample alone attitudes would come half an
+  // interval early, and a pose would seem late by as much.
   Point turned_as_recorded(Point next, std::size_t k) const {
-    next.rate = x_[k + 1].rate;
-    next.attitude = x_[k].attitude * exp_rotation(0.5 * out_.interval_s[k] * (x_[k].rate + next.rate));
+    next.attitude = x_[k].attitude * exp_rotation(0.5 * out_.interval_s[k] * (x_[k].rate + x_[k + 1].rate));
     return next;
   }
 

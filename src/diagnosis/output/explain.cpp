@@ -113,15 +113,14 @@ bool fill_rivals(const Session& session, const Selection& selection, const Findi
   const bool commanded = group_of(session, finding.group).row->commanded;
   for (const Rival& rival : finding.rivals) {
     const std::string name = catalogue_name(group_of(session, rival.group));
-    // few blocks may carry a whole effect: a rival that keeps less than half of its gain is no equal, whatever the spread
-    const bool equal = rival.z < equivalent_z && rival.delta_chi2 < most_lost_to_rival * finding.delta_chi2;
     // or no farther apart than what unpredicted commands explain
+    const bool alike = equal(rival, finding);
     const bool equivalent =
-        equal || (commanded && rival.delta_chi2 <
+        alike || (commanded && rival.delta_chi2 <
                                    std::min(selection.unpredicted_delta_chi2, most_lost_to_rival * finding.delta_chi2));
     effect.confusable.push_back({name, equivalent, rival.z, rival.delta_chi2});
     if (equivalent) effect.classmates.push_back(name);
-    trim = trim || (equal && rival.below_tolerance);
+    trim = trim || (alike && rival.below_tolerance);
   }
   return trim;
 }

@@ -363,7 +363,11 @@ class Selector {
     const Fit fit = say_values(result, chosen, total);
     for (const int g : chosen) result.findings.push_back(finding_of(result, chosen, total, fit, g));
     rivals(result, chosen, fit);
-    const std::vector<double> included = inclusion(s_, result.grams, chosen, left_out_);
+    std::map<int, std::vector<int>> equals;
+    for (const Finding& finding : result.findings)
+      for (const Rival& rival : finding.rivals)
+        if (equal(rival, finding)) equals[finding.group].push_back(rival.group);
+    const std::vector<double> included = inclusion(s_, result.grams, chosen, left_out_, equals);
     for (Finding& finding : result.findings) finding.inclusion = included[static_cast<std::size_t>(finding.group)];
     for (const int g : SubsetSearch(catalogue_, s_.vehicle(), 0.0).candidates) {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;

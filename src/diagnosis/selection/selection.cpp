@@ -14,4 +14,8 @@ const Finding* Selection::find(int group) const {
   return nullptr;
 }
 
+bool equal(const Rival& rival, const Finding& finding) {
+  return rival.z < decisions::equivalent_z && rival.delta_chi2 < decisions::most_lost_to_rival * finding.delta_chi2;
+}
+
 }  // namespace gustlab::diagnosis

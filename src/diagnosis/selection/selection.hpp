@@ -31,6 +31,10 @@ struct Finding {
   std::vector<Rival> rivals;      // best first
 };
 
+// Whether these flights do not distinguish the two. Few blocks may carry a whole effect: a rival that keeps less than half of its gain is no
+// equal, whatever the spread.
+bool equal(const Rival& rival, const Finding& finding);
+
 struct Selection {
   std::vector<Finding> findings;  // in catalogue order
   Eigen::VectorXd value;          // SI, all columns

@@ -16,7 +16,7 @@ constexpr int half_samples = 40;
 }  // namespace
 
 std::vector<double> inclusion(const Session& session, const Grams& grams, const std::vector<int>& chosen,
-                              const std::set<int>& left_out) {
+                              const std::set<int>& left_out, const std::map<int, std::vector<int>>& equals) {
   std::vector<double> share(session.catalogue().groups().size(), 0.0);
   if (chosen.empty()) return share;
   SubsetSearch search(session.catalogue(), session.vehicle(), std::log(grams.rows));
@@ -36,8 +36,11 @@ std::vector<double> inclusion(const Session& session, const Grams& grams, const 
         if (drawn) blocks += 1.0 / static_cast<double>(grams.block.size());
       }
       const auto by_size = search.run(project_out(gram, session.biases()), most, 5);
-      for (const int g : SubsetSearch::choose(by_size, decisions::materiality * grams.rows * blocks).groups)
-        ++share[static_cast<std::size_t>(g)];
+      const std::vector<int> found = SubsetSearch::choose(by_size, decisions::materiality * grams.rows * blocks).groups;
+      const auto is_found = [&](int g) { return std::ranges::count(found, g) > 0; };
+      for (const int g : found) ++share[static_cast<std::size_t>(g)];
+      for (const auto& [g, others] : equals)
+        if (!is_found(g) && std::ranges::any_of(others, is_found)) ++share[static_cast<std::size_t>(g)];
     }
   }
   for (double& s : share) s /= half_samples;

@@ -60,10 +60,7 @@ TEST(LinearModel, TorquesThatNobodyKnowsTurnTheBodyAsItsRatesWereRecorded) {
   linearise(flight, 0, catalogue, catalogue.nominal(), {}, linear);
   ASSERT_FALSE(linear.torque_known);
   double largest = 0.0;
-  for (const Vector12& b : linear.b) {
-    largest = std::max(largest, b.segment<3>(6).cwiseAbs().maxCoeff());
-    EXPECT_EQ(b.tail<3>().norm(), 0.0);
-  }
+  for (const Vector12& b : linear.b) largest = std::max(largest, b.segment<3>(6).cwiseAbs().maxCoeff());
   // half an interval of 43 rad/s² would be 2e-3 rad
   EXPECT_LT(largest, 1e-4);
 }
