@@ -155,9 +155,6 @@ int main(int argc, char** argv) {
   // MuJoCo's memory of one flight (some 13 MB, of which little is touched) goes back to the system with the flight. Without this,
   // glibc takes it from the heap after the first flight, and how much of the heap is touched then depends on where things lie.
   mallopt(M_MMAP_THRESHOLD, 8 << 20);
-  // a diagnosis takes and gives back the same memory hundreds of times: it is kept
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
-  mallopt(M_TOP_PAD, 64 << 20);
 #endif
   const int code = run(argc, argv);
   errno = 0;
