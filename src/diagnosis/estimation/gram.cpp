@@ -42,12 +42,12 @@ Eigen::MatrixXd Grams::total() const {
   return sum;
 }
 
-void Grams::add_known(int of_flight, double at_s, Eigen::MatrixXd more) {
+void Grams::add(int of_flight, double at_s, Eigen::MatrixXd more, bool is_known) {
   block.push_back(std::move(more));
   flight.push_back(of_flight);
   time_s.push_back(at_s);
   cluster.push_back(clusters++);
-  known.push_back(true);
+  known.push_back(is_known);
 }
 
 void Grams::shift(const Eigen::VectorXd& d) {

@@ -20,8 +20,8 @@ struct Grams {
   int columns = 0;
 
   Eigen::MatrixXd total() const;
-  // One more block and cluster, of what is known of a flight beforehand.
-  void add_known(int flight, double time_s, Eigen::MatrixXd block);
+  // One more block, which is a cluster of its own. `is_known`: of what is known of a flight beforehand.
+  void add(int flight, double time_s, Eigen::MatrixXd block, bool is_known);
   // z becomes z + Φ d: coefficients are then counted from θ₀ − d.
   void shift(const Eigen::VectorXd& d);
 };

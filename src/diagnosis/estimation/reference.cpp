@@ -120,8 +120,7 @@ Grams beside_reference(const Catalogue& catalogue, const Reference& reference, G
   for (std::size_t i = 0; i < known.size(); ++i) rest.row(known[i]) -= error.row(static_cast<Eigen::Index>(i));
   for (Eigen::MatrixXd& block : grams.block) block = rest.transpose() * block * rest;
   // rows of flights, and no more known than these
-  grams.add_known(0, 0.0, error.transpose() * H * error);
-  grams.known.back() = false;
+  grams.add(0, 0.0, error.transpose() * H * error, false);
   return grams;
 }
 

@@ -420,11 +420,7 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
       for (std::size_t i = 0; i < at.size(); ++i)
         for (std::size_t j = 0; j < at.size(); ++j)
           full(at[i], at[j]) = local(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      grams.block.push_back(std::move(full));
-      grams.flight.push_back(static_cast<int>(f));
-      grams.time_s.push_back(flights[f].time_s[w]);
-      grams.cluster.push_back(grams.clusters++);
-      grams.known.push_back(false);
+      grams.add(static_cast<int>(f), flights[f].time_s[w], std::move(full), false);
       grams.rows += static_cast<double>(window_rows);
     }
   }
@@ -439,7 +435,7 @@ Grams shooting_grams(const std::vector<ShotFlight>& flights, const ShootingWeigh
     prior(c, catalogue_size) = prior(catalogue_size, c) = row[0] * row[1];
     prior(catalogue_size, catalogue_size) += row[1] * row[1];
   }
-  grams.add_known(0, 0.0, std::move(prior));
+  grams.add(0, 0.0, std::move(prior), true);
   return grams;
 }
 

@@ -47,7 +47,7 @@ void know_beforehand(const Catalogue& catalogue, const TrimVariance& variance, c
     block(c, z) += row[0] * row[1], block(z, c) += row[0] * row[1];
     block(z, z) += row[1] * row[1];
   }
-  for (auto& [flight, of_flight] : known) grams.add_known(flight, of_flight.first, std::move(of_flight.second));
+  for (auto& [flight, of_flight] : known) grams.add(flight, of_flight.first, std::move(of_flight.second), true);
 }
 
 TrimVariance usual_trims(const VehicleModel& vehicle) {

@@ -79,7 +79,7 @@ TEST_F(Stability, WhatIsKnownBeforehandIsInEveryHalf) {
   EXPECT_EQ(share(inclusion(session, flown, chosen), "mass"), 0.0);
   Eigen::MatrixXd small = Eigen::MatrixXd::Zero(flown.columns + 1, flown.columns + 1);
   small(bias, bias) = 1e9;
-  flown.add_known(0, 0.0, small);
+  flown.add(0, 0.0, small, true);
   EXPECT_EQ(share(inclusion(session, flown, chosen), "mass"), 1.0);
 }
 
