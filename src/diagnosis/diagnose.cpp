@@ -279,8 +279,8 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   say_first(recordings.set_aside, {&recordings.remarks, &aligned.remarks, &fitted.remarks}, out);
   out.flights.insert(out.flights.end(), fitted.used.begin(), fitted.used.end());
 
-  // what only commands show depends on those that were not logged
-  if (aligned.thrust_jitters || (aligned.commands_jitter && !aligned.attitude))
+  // what only commands show depends on those that were not logged; with a pose their sum, or its mean, is enough
+  if (aligned.commands_jitter && !aligned.attitude)
     suspect(out, "only suspected: the commands were sampled from a faster loop",
             [](const EffectFinding& effect) { return !find_effect(effect.effect)->commanded; });
 

@@ -46,12 +46,6 @@ std::vector<FlightData> at_own_rate(const std::vector<FlightLog>& logs, const Ve
   return raw;
 }
 
-bool thrust_is_smooth(const std::vector<FlightData>& flights) {
-  return std::all_of(flights.begin(), flights.end(), [](const FlightData& flight) {
-    return thrust_jitter_share(flight) < decisions::most_command_jitter;
-  });
-}
-
 // commands give forces, and torques over a while
 void keep_slow_torques(Aligned& aligned) {
   aligned.reading.forces_only = true;
@@ -106,9 +100,7 @@ Aligned align(const Recordings& recordings) {
   if (fit_apart || holdout_apart) keep_slow_torques(out);
   out.offset_s = command_offsets(out.raw_fit, out.raw_holdout, out.vehicle, findings);
   out.commands_jitter = out.hold_unknown && find_jitter(out.raw_fit, findings);
-  // the sum of the commands jitters less than their differences: it gives the forces
-  out.thrust_jitters = out.commands_jitter && !thrust_is_smooth(out.raw_fit);
-  if (out.commands_jitter && !out.thrust_jitters && out.attitude) {
+  if (out.commands_jitter && out.attitude) {
     keep_slow_torques(out);
     out.remarks.notes.emplace_back(
         "the commanded torques are not known between samples: only forces, and torques over two seconds, are judged");

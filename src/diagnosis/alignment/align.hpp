@@ -16,7 +16,6 @@ struct Aligned {
   bool attitude = false;         // is recorded
   bool hold_unknown = false;     // how commands are held between samples
   bool commands_jitter = false;  // they were sampled from a faster loop
-  bool thrust_jitters = false;   // and their sum with them, so that they do not give forces either
   Remarks remarks;
 
   bool was_filtered() const { return reading.common_filter_s > 0.0; }

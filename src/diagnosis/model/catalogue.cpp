@@ -84,6 +84,8 @@ std::optional<NotIdentifiable> why_not_observable(const EffectRow& row, const Ca
     if (!shifts_torques(row)) return because("these logs tell torques over two seconds alone", lack);
   }
   if (row.needs_any != Need::nothing && !seen.observes(row.needs_any)) return because(row.lacking, Lack::other);
+  if (seen.thrust_jitters && (row.commanded || row.on_command) && row.in_hover == InHover::nothing)
+    return because("the commanded thrust jitters from sample to sample: only its mean is known", Lack::torque);
   if (seen.trims && !row.hidden_by_filter.empty()) return because(row.hidden_by_filter, Lack::raw_sensors);
   return std::nullopt;
 }

@@ -94,6 +94,7 @@ class Catalogue {
     bool smoothing = false;  // and how much less the commands were smoothed
     bool slow_commands = false;
     bool mean_torques = false;     // over a while: see mean_torques.hpp
+    bool thrust_jitters = false;   // as the torques do: of the commands only means are known
     bool inertial_unused = false;  // an accelerometer was recorded, and is not used: see ReadingOptions::forces_only
     bool observes(Need need) const { return (observable & need) != Need::nothing; }
   };

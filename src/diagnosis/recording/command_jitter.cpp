@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "diagnosis/result/decisions.hpp"
+
 namespace gustlab::diagnosis {
 
 namespace {
@@ -29,7 +31,7 @@ std::vector<double> sums_at_commands(const FlightData& flight, const OfRotor& we
 
 // white share of such a sum
 double white_share(const FlightData& flight, const OfRotor& weight) {
-  if (flight.collective_only || flight.commands.empty()) return 0.0;
+  if (flight.commands.empty()) return 0.0;
   const std::vector<double> total = sums_at_commands(flight, weight);
   if (total.size() < 200) return 0.0;
   constexpr double slow_s = 2.0;
@@ -49,6 +51,7 @@ double white_share(const FlightData& flight, const OfRotor& weight) {
 }  // namespace
 
 double command_jitter_share(const FlightData& flight) {
+  if (flight.collective_only) return 0.0;
   double largest = 0.0;
   for (int axis = 0; axis < 2; ++axis)
     largest = std::max(largest, white_share(flight, [axis](const Rotor& rotor, const VehicleModel& vehicle) {
@@ -59,6 +62,11 @@ double command_jitter_share(const FlightData& flight) {
 
 double thrust_jitter_share(const FlightData& flight) {
   return white_share(flight, [](const Rotor& rotor, const VehicleModel&) { return rotor.thrust_coefficient_Ns2; });
+}
+
+bool only_mean_thrust_known(const FlightData& flight) {
+  return flight.each_rotor && !flight.hold_known &&
+         thrust_jitter_share(*flight.each_rotor) >= decisions::most_command_jitter;
 }
 
 }  // namespace gustlab::diagnosis

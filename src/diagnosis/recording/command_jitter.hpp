@@ -12,5 +12,7 @@ namespace gustlab::diagnosis {
 double command_jitter_share(const FlightData& flight);
 // The same of the total thrust, whose feedback through position and height is slower.
 double thrust_jitter_share(const FlightData& flight);
+// Where the torques of a log were not known from sample to sample: whether its thrust is not either, but for its mean.
+bool only_mean_thrust_known(const FlightData& flight);
 
 }  // namespace gustlab::diagnosis

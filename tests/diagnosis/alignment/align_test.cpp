@@ -128,15 +128,14 @@ TEST(Align, JudgesForcesAloneWhereTheLogsAreOnTwoClocks) {
   EXPECT_TRUE(align(with_clocks_apart(trial)).reading.forces_only);
 }
 
-// forces alone for another reason do not make a thrust known that jitters
-TEST(Align, SaysThatTheThrustJittersWhereTheClocksAreApartToo) {
+// forces alone for another reason do not make commands known that jitter
+TEST(Align, SaysThatCommandsJitterWhereTheClocksAreApartToo) {
   const TemporaryFolder folder;
   const DiagnoseOptions trial = flown(folder);
   sample_jitter(trial);
   const Aligned found = align(with_clocks_apart(trial));
   EXPECT_TRUE(found.reading.forces_only);
   EXPECT_TRUE(found.commands_jitter);
-  EXPECT_TRUE(found.thrust_jitters);
 }
 
 }  // namespace

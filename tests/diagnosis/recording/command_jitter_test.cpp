@@ -14,6 +14,8 @@ namespace gustlab::diagnosis {
 namespace {
 
 using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 // 20 s of a Crazyflie's commands at 100 Hz: roll and pitch swing at 1 and 1.5 Hz, and every rotor jitters
@@ -174,6 +176,22 @@ TEST(CommandJitterTrials, LeavesWhatShiftsTheTorques) {
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.002, 2e-4);
   EXPECT_NEAR(d.effects[0].parameters[1].value, -0.001, 2e-4);
   EXPECT_FALSE(d.torque_told);
+}
+
+// the loop of the simulator's own benchmark: the thrust jitters with the torques, and motors rise faster than they fall
+TEST(CommandJitterTrials, OfTheThrustLeavesItsMean) {
+  const TemporaryFolder folder;
+  test::TrialSettings settings = sampled_loop("pid", 2.0);
+  settings.fit = {"circle"};
+  settings.holdout = {"multisine"};
+  settings.duration_s = 20.0;
+  settings.concealed = R"({type = "mass", delta = 0.06})";
+  const DiagnoseOptions trial = test::fly_trial(folder, settings);
+  const Diagnosis d = diagnose_saying(trial, Hold::unknown);
+  EXPECT_THAT(d.not_identifiable, Contains(Field(&NotIdentifiable::why, HasSubstr("thrust jitters"))));
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_EQ(d.effects[0].effect, "mass");
+  EXPECT_NEAR(d.effects[0].parameters[0].value, 0.06, 0.012);
 }
 
 TEST(CommandJitterTrials, DoesNotConcernSmoothCommandsWhoseHoldIsUnknown) {
