@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
 
 #include "diagnosis/estimation/session.hpp"
@@ -30,6 +32,13 @@ double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
 
 }  // namespace
 
+bool is_likeliest(double later_s, const std::function<double(double)>& gain) {
+  const double most = gain(later_s);
+  return most >= decisions::least_offset_gain && std::ranges::all_of(std::array{0.5, 1.5}, [&](double share) {
+           return gain(share * later_s) <= decisions::most_beside_offset * most;
+         });
+}
+
 std::vector<double> command_offsets(const std::vector<FlightData>& fit, const std::vector<FlightData>& held,
                                     const VehicleModel& vehicle, std::vector<LogFinding>& findings) {
   std::vector<const FlightData*> all;
@@ -49,11 +58,12 @@ std::vector<double> command_offsets(const std::vector<FlightData>& fit, const st
     // a controller that answers sensor noise moves the correlation's peak, not the likelihood's; a lag that all flights share
     // moves both, but then the promptest flight does not refute later commands, either
     const double later_s = *delay[i] - least;
-    const auto gain = [&](const FlightData& flight) {
-      return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, later_s);
+    const auto gain = [&](const FlightData& flight, double at_s) {
+      return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, at_s);
     };
-    const double own = gain(*all[i]);
-    if (own < decisions::least_offset_gain || gain(*all[promptest]) > -decisions::least_offset_loss) continue;
+    if (!is_likeliest(later_s, [&](double at_s) { return gain(*all[i], at_s); }) ||
+        gain(*all[promptest], later_s) > -decisions::least_offset_loss)
+      continue;
     offset[i] = later_s;
     findings.push_back({all[i]->label, "u1…uN", "delay", all[i]->start_s, all[i]->start_s + all[i]->duration_s(),
                         fmt::format("the vehicle answers its rotors {:.0f} ms later than in the promptest flight: "

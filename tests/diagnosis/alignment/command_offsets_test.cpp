@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "support/sessions.hpp"
 
 namespace gustlab::diagnosis {
@@ -39,6 +41,19 @@ TEST_F(CommandOffsets, WhatAllShareIsPhysicsAndARecordingHasOneClock) {
   flights[0].commands.delay(early_s);
   flights[1].file = flights[0].file;
   EXPECT_EQ(offsets(), (std::vector<double>{0.0, 0.0}));
+}
+
+// a parabola with its top at `at_s`, and as a racer in rough air had it: no more at 24 ms than at 12 or 36
+TEST(Likeliest, IsAPeakAndNoSlope) {
+  const auto parabola = [](double at_s) {
+    return [at_s](double x) { return 400.0 * (1.0 - std::pow((x - at_s) / at_s, 2)); };
+  };
+  EXPECT_TRUE(is_likeliest(0.024, parabola(0.024)));
+  EXPECT_TRUE(is_likeliest(0.024, parabola(0.026)));
+  EXPECT_FALSE(is_likeliest(0.024, parabola(0.012)));
+  EXPECT_FALSE(is_likeliest(0.024, parabola(0.048)));
+  EXPECT_FALSE(is_likeliest(0.024, [](double x) { return x < 0.02 ? 180.0 : 134.6; }));
+  EXPECT_FALSE(is_likeliest(0.024, [&](double x) { return 0.2 * parabola(0.024)(x); }));  // too little
 }
 
 }  // namespace
