@@ -117,7 +117,7 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
                        [](const FlightData& f) { return !f.commands_filtered; }),
            std::any_of(flights_.begin(), flights_.end(), commands_are_slower),
            std::all_of(flights_.begin(), flights_.end(), [](const FlightData& f) { return f.each_rotor != nullptr; }),
-           std::any_of(flights_.begin(), flights_.end(), only_mean_thrust_known),
+           only_mean_thrust_known(flights_),
            std::any_of(flights_.begin(), flights_.end(), [](const FlightData& f) { return f.inertial_unused; })}),
       linear_(flights_.size()),
       each_rotor_(flights_.size()),

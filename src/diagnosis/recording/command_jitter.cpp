@@ -29,44 +29,60 @@ std::vector<double> sums_at_commands(const FlightData& flight, const OfRotor& we
   return sums;
 }
 
-// white share of such a sum
-double white_share(const FlightData& flight, const OfRotor& weight) {
-  if (flight.commands.empty()) return 0.0;
+// Of a flight's commands: sums over them of the square of what is faster than half a hertz, and of its white part.
+struct Squares {
+  double white = 0.0, all = 0.0;
+};
+
+Squares squares_of(const FlightData& flight, const OfRotor& weight) {
   const std::vector<double> total = sums_at_commands(flight, weight);
-  if (total.size() < 200) return 0.0;
+  if (total.size() < 200) return {};
   constexpr double slow_s = 2.0;
   const auto half = static_cast<std::size_t>(0.5 * slow_s * static_cast<double>(total.size()) / flight.duration_s());
   // what is slower than the window's mean is trim
-  double variance = 0.0, running = 0.0;
+  Squares squares;
+  double running = 0.0;
   for (std::size_t k = 0; k < 2 * half + 1 && k < total.size(); ++k) running += total[k];
   std::size_t count = 0;
   for (std::size_t k = half; k + half + 1 < total.size(); ++k, ++count) {
-    variance += std::pow(total[k] - running / static_cast<double>(2 * half + 1), 2);
+    squares.all += std::pow(total[k] - running / static_cast<double>(2 * half + 1), 2);
     running += total[k + half + 1] - total[k - half];
   }
-  if (count == 0 || variance == 0.0) return 0.0;
-  return std::min(1.0, std::pow(third_difference_noise(total), 2) * static_cast<double>(count) / variance);
+  squares.white = std::pow(third_difference_noise(total), 2) * static_cast<double>(count);
+  return squares;
+}
+
+double white_share(const std::vector<const FlightData*>& flights, const OfRotor& weight) {
+  Squares sum;
+  for (const FlightData* flight : flights) {
+    if (flight->commands.empty()) continue;
+    const Squares own = squares_of(*flight, weight);
+    sum.white += own.white, sum.all += own.all;
+  }
+  return sum.all > 0.0 ? std::min(1.0, sum.white / sum.all) : 0.0;
 }
 
 }  // namespace
 
-double command_jitter_share(const FlightData& flight) {
-  if (flight.collective_only) return 0.0;
+double command_jitter_share(std::vector<const FlightData*> flights) {
+  std::erase_if(flights, [](const FlightData* flight) { return flight->collective_only; });
   double largest = 0.0;
   for (int axis = 0; axis < 2; ++axis)
-    largest = std::max(largest, white_share(flight, [axis](const Rotor& rotor, const VehicleModel& vehicle) {
+    largest = std::max(largest, white_share(flights, [axis](const Rotor& rotor, const VehicleModel& vehicle) {
                          return (rotor.position_B_m - vehicle.center_of_mass_B_m).cross(rotor.axis_B)[axis];
                        }));
   return largest;
 }
 
-double thrust_jitter_share(const FlightData& flight) {
-  return white_share(flight, [](const Rotor& rotor, const VehicleModel&) { return rotor.thrust_coefficient_Ns2; });
+double thrust_jitter_share(const std::vector<const FlightData*>& flights) {
+  return white_share(flights, [](const Rotor& rotor, const VehicleModel&) { return rotor.thrust_coefficient_Ns2; });
 }
 
-bool only_mean_thrust_known(const FlightData& flight) {
-  return flight.each_rotor && !flight.hold_known &&
-         thrust_jitter_share(*flight.each_rotor) >= decisions::most_command_jitter;
+bool only_mean_thrust_known(const std::vector<FlightData>& flights) {
+  std::vector<const FlightData*> sampled;
+  for (const FlightData& flight : flights)
+    if (flight.each_rotor && !flight.hold_known) sampled.push_back(flight.each_rotor.get());
+  return thrust_jitter_share(sampled) >= decisions::most_command_jitter;
 }
 
 }  // namespace gustlab::diagnosis

@@ -42,23 +42,26 @@ FlightData commanded(double swing_radps, double jitter_radps) {
   return flight;
 }
 
+double command_share(const FlightData& flight) { return command_jitter_share({&flight}); }
+double thrust_share(const FlightData& flight) { return thrust_jitter_share({&flight}); }
+
 TEST(CommandJitter, IsTheWhiteShareOfTheCommandedTorque) {
-  EXPECT_LT(command_jitter_share(commanded(50.0, 0.0)), 0.01);
-  EXPECT_GT(command_jitter_share(commanded(0.0, 50.0)), 0.85);
+  EXPECT_LT(command_share(commanded(50.0, 0.0)), 0.01);
+  EXPECT_GT(command_share(commanded(0.0, 50.0)), 0.85);
   // four rotors swing together (variance 4² 50²/2) and jitter alone (4 · 40²)
-  EXPECT_NEAR(command_jitter_share(commanded(50.0, 40.0)), 6400.0 / (6400.0 + 20000.0), 0.03);
+  EXPECT_NEAR(command_share(commanded(50.0, 40.0)), 6400.0 / (6400.0 + 20000.0), 0.03);
 }
 
 // set points at 100 Hz beside an inertial unit at 500 Hz
 TEST(CommandJitter, IsThatOfTheCommandsWhateverElseIsLoggedFaster) {
   for (const double jitter_radps : {0.0, 40.0}) {
     FlightData flight = commanded(50.0, jitter_radps);
-    const double slow = command_jitter_share(flight);
+    const double slow = command_share(flight);
     const std::vector<Sample> samples = flight.samples;
     flight.samples.clear();
     for (const Sample& sample : samples)
       for (int k = 0; k < 5; ++k) flight.samples.push_back({.time_s = sample.time_s + 0.002 * k});
-    EXPECT_NEAR(command_jitter_share(flight), slow, 0.02);
+    EXPECT_NEAR(command_share(flight), slow, 0.02);
   }
 }
 
@@ -76,7 +79,7 @@ TEST(CommandJitter, IsThatOfTheAxisThatJittersMore) {
         row[i] += std::copysign(jitter_radps, flight.vehicle.rotors[i].position_B_m[1 - axis]);
     }
     flight.commands = CommandRecord(flight.commands.time_s(), speed, false);
-    EXPECT_GT(command_jitter_share(flight), 0.7) << axis;
+    EXPECT_GT(command_share(flight), 0.7) << axis;
   }
 }
 
@@ -90,7 +93,13 @@ TEST(CommandJitter, OutsideOfTheFlightDoesNotCount) {
   flight.commands = CommandRecord(flight.commands.time_s(), speed, false);
   flight.samples = {flight.samples.begin() + 800, flight.samples.begin() + 1200};
   flight.start_s = flight.samples.front().time_s;
-  EXPECT_LT(command_jitter_share(flight), 0.01);
+  EXPECT_LT(command_share(flight), 0.01);
+}
+
+// variances 6400 and 20000 beside 6400 alone
+TEST(CommandJitter, OfSeveralFlightsIsThatOfAllTogether) {
+  const FlightData swings = commanded(50.0, 40.0), hovers = commanded(0.0, 40.0);
+  EXPECT_NEAR(command_jitter_share({&swings, &hovers}), 12800.0 / (12800.0 + 20000.0), 0.03);
 }
 
 TEST(CommandJitter, OfTheTorquesLeavesTheThrust) {
@@ -109,8 +118,8 @@ TEST(CommandJitter, OfTheTorquesLeavesTheThrust) {
     speed.push_back(row);
   }
   flight.commands = CommandRecord(time_s, speed, false);
-  EXPECT_GT(command_jitter_share(flight), 0.7);
-  EXPECT_LT(thrust_jitter_share(flight), 0.01);
+  EXPECT_GT(command_share(flight), 0.7);
+  EXPECT_LT(thrust_share(flight), 0.01);
 }
 
 // a 500 Hz loop, logged at 100 Hz; the geometric controller's commands change at every tick, those of PID hardly do
