@@ -40,8 +40,6 @@ constexpr const char* outputs[] = {"diagnosis.json", "augmented.toml", "report.h
 // an existing folder is replaced only when it holds a former diagnosis and nothing else
 void check_out(const std::filesystem::path& out) {
   if (!std::filesystem::exists(out)) return;
-  if (!std::filesystem::is_directory(out))
-    throw ConfigError(fmt::format("{}: is a file (--out is a folder) name another", out.string()));
   for (const auto& entry : std::filesystem::directory_iterator(out))
     if (std::find(std::begin(outputs), std::end(outputs), entry.path().filename().string()) == std::end(outputs))
       throw ConfigError(fmt::format("{}: holds {} (only a former diagnosis is replaced) name another folder",
@@ -204,8 +202,8 @@ std::string model_file(const diagnosis::Diagnosis& result) {
 
 diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted,
                                    const std::string& key) {
-  check_out(out);
   check_folder_can_be_made(out);
+  check_out(out);
   check_flights(wanted);
 #ifdef __GLIBC__
   // a diagnosis takes and gives back the same memory hundreds of times: a tenth of its time went to the system

@@ -121,7 +121,7 @@ WRONG = (
     (["import", "good.csv", "other/good.csv", "--map", "good.toml", "--out", "out"], 2, "use two --out"),
     (log("good.ulg", "--wh"), 2, "gustlab: unrecognized arguments: --wh"),
     (log(""), 2, 'gustlab: there is an empty word behind "import"'),
-    (["import", "good.ulg", "--out", "good.csv"], 2, "--out good.csv: is a file (flight logs go into a folder); give a folder"),
+    (["import", "good.ulg", "--out", "good.csv"], 2, "--out good.csv: good.csv is a file, not a folder (flight logs go into a folder); give a folder"),
     (log("good.ulg", "--vehicle", "numbers.toml"), 2, 'numbers.xml:1:1: --vehicle: pos="left" of site "b" (three numbers are needed)'),
     (["import", "good.csv", "--map", "good.toml", "--from", "100", "--out", "out"], 2, "good.csv: no sample after 100 s"),
     # which file
