@@ -278,7 +278,7 @@ class WrongInput(InFolder):
         (self.folder / "taken" / "vehicle.toml").touch()
         (self.folder / "file").touch()
         for arguments, words in (
-            (["vehicle"], "A subcommand is required"),
+            (["vehicle"], "a command is missing"),
             (["vehicle", "nwe"], 'unknown command "nwe" did you mean "new"?'),
             (changed(drop=["--mass"]), "--mass is required"),
             (changed(drop=["--arm"]), "--arm is missing"),

@@ -250,7 +250,7 @@ WRONG = (
     (new(from_log="cut.bfl"), 3, "cut.bfl: a log of PX4 (.ulg) or ArduPilot (.bin) is needed"),
     (new(from_log="folder"), 3, "folder: a folder; give the log in it"),
     # vehicle check and vehicle fit
-    (["vehicle"], 2, "gustlab: A subcommand is required (see gustlab vehicle --help)"),
+    (["vehicle"], 2, "gustlab: a command is missing (see gustlab vehicle --help)"),
     (["vehicle", "make"], 2, 'gustlab: unknown command "make" (see gustlab vehicle --help)'),
     (["vehicle", "chek", "crazyflie"], 2, 'gustlab: unknown command "chek" did you mean "check"?'),
     (["vehicle", "check", "taken"], 2, 'did you mean "taken/vehicle.toml"?'),
