@@ -139,9 +139,8 @@ bool something_acts_on(const Json& diagnosis, const Json& channel) {
   });
 }
 
-bool lists(const Json& list, const Json& effect) {
-  return std::any_of(list.begin(), list.end(),
-                     [&](const Json& entry) { return entry.value("effect", Json()) == effect; });
+bool lists(const Json& list, const std::string& effect) {
+  return std::any_of(list.begin(), list.end(), [&](const Json& entry) { return text(entry, "effect") == effect; });
 }
 
 // why the size of a channel says nothing, empty where it does
@@ -151,11 +150,12 @@ std::string no_size(const Json& diagnosis, const Json& channel) {
   // of what would show there, nothing can be told, or nothing that another name does not do as well
   std::vector<std::string> names, instead;
   for (const Json& effect : part(channel, "effects")) {
-    const std::string name = plain_label(effect.get<std::string>());
-    if (lists(part(diagnosis, "effects"), effect))
+    if (!effect.is_string()) continue;
+    const std::string key = effect.get<std::string>(), name = plain_label(key);
+    if (lists(part(diagnosis, "effects"), key))
       return "what was found acts here: " + name + ", whose size stands above";
     const std::string named = named_instead_of(diagnosis, {{"effect", effect}});
-    if (named.empty() && !lists(part(diagnosis, "not_identifiable"), effect)) return "";
+    if (named.empty() && !lists(part(diagnosis, "not_identifiable"), key)) return "";
     names.push_back(name);
     if (!named.empty() && std::find(instead.begin(), instead.end(), named) == instead.end()) instead.push_back(named);
   }
@@ -426,7 +426,7 @@ std::string reference_effects(const Json& diagnosis) {
 std::string calibration(const Json& diagnosis) {
   std::string rows;
   for (const Json& effect : part(diagnosis, "calibration"))
-    if (!lists(part(diagnosis, "not_identifiable"), effect.value("effect", Json())))
+    if (!lists(part(diagnosis, "not_identifiable"), text(effect, "effect")))
       rows += rows_of_parameters(text(effect, "effect"), plain_name(effect), part(effect, "parameters"));
   for (const Json& bias : part(diagnosis, "sensor_biases"))
     rows += rows_of_parameters("", text(bias, "sensor"), part(bias, "parameters"));
