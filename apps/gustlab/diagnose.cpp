@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "commands.hpp"
 #include "diagnose.hpp"
@@ -17,6 +18,7 @@
 #include "gustlab/flight_log.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "report/diagnosis_lines.hpp"
 #include "report/diagnosis_page.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
@@ -40,8 +42,6 @@ constexpr const char* outputs[] = {"diagnosis.json", "augmented.toml", "report.h
 // an existing folder is replaced only when it holds a former diagnosis and nothing else
 void check_out(const std::filesystem::path& out) {
   if (!std::filesystem::exists(out)) return;
-  if (!std::filesystem::is_directory(out))
-    throw ConfigError(fmt::format("{}: is a file (--out is a folder) name another", out.string()));
   for (const auto& entry : std::filesystem::directory_iterator(out))
     if (std::find(std::begin(outputs), std::end(outputs), entry.path().filename().string()) == std::end(outputs))
       throw ConfigError(fmt::format("{}: holds {} (only a former diagnosis is replaced) name another folder",
@@ -82,10 +82,12 @@ void add_motors(const FlightLog& log, DiagnosisFigures::Window& window) {
   const std::size_t first = row_at(shown.front()), last = std::min(row_at(shown.back()) + 1, log.rows());
   const auto bin_of = [&](std::size_t row) { return std::floor((log.time_s[row] - shown.front()) / bin_s); };
   const bool speeds = log.count("u") == 0;
+  const bool total = !speeds && log.meta.actuator == ActuatorKind::collective_thrust;
   const char* prefix = speeds ? "rotor" : "u";
   for (int i = 1; i <= log.count(prefix); ++i) {
     const std::vector<double>& values = *log.find(fmt::format("{}{}", prefix, i));
     DiagnosisFigures::Trace motor;
+    motor.name = total ? "total thrust" : fmt::format("rotor {}", i);
     double sum_time_s = 0.0, sum = 0.0, n = 0.0;
     for (std::size_t row = first; row < last; ++row) {
       if (std::isfinite(values[row])) sum_time_s += log.time_s[row], sum += values[row], ++n;
@@ -148,13 +150,15 @@ DiagnosisFigures figures_of(const diagnosis::Diagnosis& result, const diagnosis:
 
 // an unusable flight is set aside, but one that is not there is a slip of the hand
 void check_flights(const diagnosis::DiagnoseOptions& wanted) {
+  std::set<std::filesystem::path> seen;
   for (const auto* paths : {&wanted.fit, &wanted.holdout, &wanted.reference})
     for (const std::string& path : *paths) {
-      if (std::count(paths->begin(), paths->end(), path) > 1)
-        throw ConfigError(fmt::format("{}: is given twice", path));
       sidecar_path(path);  // refuses what is no flight log
       if (const std::string why = why_unreadable(path); !why.empty())
         throw DataError(fmt::format("{}: cannot read ({})", path, why));
+      if (!seen.insert(std::filesystem::canonical(path)).second)
+        throw ConfigError(
+            fmt::format("{}: is given twice (a flight is fitted, held out or a reference) leave one out", path));
     }
 }
 
@@ -179,14 +183,7 @@ void run(const DiagnoseArguments& options) {
   progress.end();
   for (const auto& [kind, says] : diagnosis::finding_lines(result.log_findings, result.flights.size()))
     spdlog::warn("{}: {}", kind, says);
-  fmt::print("{}: {}", result.vehicle, to_string(result.verdict));
-  for (const auto& effect : result.effects) {
-    fmt::print("\n  {}", effect.effect);
-    for (const auto& value : effect.parameters)
-      fmt::print(" {} = {:.4g}{}", value.name, value.value, value.unit == "-" ? "" : " " + value.unit);
-    fmt::print(" (confidence {:.2f})", effect.confidence);
-  }
-  fmt::print("\n");
+  fmt::print("{}", diagnosis_lines(result));
 }
 
 }  // namespace
@@ -204,8 +201,8 @@ std::string model_file(const diagnosis::Diagnosis& result) {
 
 diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted,
                                    const std::string& key) {
-  check_out(out);
   check_folder_can_be_made(out);
+  check_out(out);
   check_flights(wanted);
 #ifdef __GLIBC__
   // a diagnosis takes and gives back the same memory hundreds of times: a tenth of its time went to the system

@@ -85,13 +85,16 @@ std::string key_of(const FlightSet& set) {
 // what a diagnosis says in one line
 struct Said {
   std::string verdict;
-  std::vector<std::string> named;
+  std::vector<std::string> named, alike;  // "mass"; "mass or thrust_scale", where the flights cannot tell them apart
 };
 Said read_said(const std::string& folder) {
   const std::string path = (fs::path(folder) / "diagnosis.json").string();
   const auto document = nlohmann::ordered_json::parse(read_file<IoError>(path));
-  Said said{document.at("verdict").get<std::string>(), {}};
-  for (const auto& effect : document.at("effects")) said.named.push_back(effect.at("effect").get<std::string>());
+  Said said{document.at("verdict").get<std::string>(), {}, {}};
+  for (const auto& effect : document.at("effects")) {
+    said.named.push_back(effect.at("effect").get<std::string>());
+    said.alike.push_back(fmt::format("{}", fmt::join(effect.at("class").get<std::vector<std::string>>(), " or ")));
+  }
   return said;
 }
 
@@ -112,7 +115,7 @@ void diagnose_batch(const std::string& sets_path, const std::string& out, int jo
   for (const FlightSet& set : sets) {
     throw_if_interrupted();
     const std::string folder = (fs::path(out) / set.name).string();
-    Said said{"unusable", {}};
+    Said said{"unusable", {}, {}};
     try {
       const std::string key = key_of(set);
       if (diagnosed_key(folder) != key) {
@@ -128,7 +131,7 @@ void diagnose_batch(const std::string& sets_path, const std::string& out, int jo
     }
     begun += 1.0;
     progress.end();
-    fmt::print("{}: {}{}{}\n", set.name, said.verdict, said.named.empty() ? "" : " ", fmt::join(said.named, ", "));
+    fmt::print("{}: {}{}{}\n", set.name, said.verdict, said.alike.empty() ? "" : " ", fmt::join(said.alike, ", "));
     ++verdicts[said.verdict];
     for (const std::string& name : std::set<std::string>(said.named.begin(), said.named.end())) ++names[name];
   }

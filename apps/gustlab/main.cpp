@@ -106,6 +106,19 @@ void check_command(const CLI::App& app, std::span<char*> words, const std::strin
                                 near.empty() ? fmt::format("(see {}--help)", before) : near));
 }
 
+// CLI11's words where they are no sentence of this program
+std::string words_of(const CLI::Error& error) {
+  const std::string said = error.what();
+  if (const auto* wrong = dynamic_cast<const CLI::ConversionError*>(&error); wrong && said.find(" = ") < said.size()) {
+    const std::size_t begin = said.find("--"), equals = said.find(" = ");
+    if (begin < equals)
+      return fmt::format("{}: \"{}\" is no number that it takes", said.substr(begin, equals - begin),
+                         said.substr(equals + 3));
+  }
+  if (said == "A subcommand is required") return "a command is missing";
+  return said;
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Flies multirotors in simulation and finds the physics that a simulation leaves out", "gustlab"};
   app.require_subcommand(1);
@@ -113,7 +126,7 @@ int run(int argc, char** argv) {
     std::string command;
     for (auto below = all->get_subcommands(); !below.empty(); below = below.front()->get_subcommands())
       command += below.front()->get_name() + " ";
-    return fmt::format("gustlab: {} (see gustlab {}--help)\n", config::printable(error.what()), command);
+    return fmt::format("gustlab: {} (see gustlab {}--help)\n", config::printable(words_of(error)), command);
   });
   app.fallthrough();
   app.set_version_flag("--version", version_text());

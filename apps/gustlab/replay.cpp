@@ -92,6 +92,7 @@ void run(const ReplayArguments& options) {
   Progress progress;
   for (std::size_t i = 0; i < options.flights.size(); ++i) {
     const std::string& path = options.flights[i];
+    sidecar_path(path);  // refuses what is no flight log
     const std::size_t replayed = before.size();
     std::optional<DataError> nothing;  // to replay in a part
     for (const std::vector<TimeRange>& part : diagnosis::parts_of(path)) {

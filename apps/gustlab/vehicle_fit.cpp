@@ -39,6 +39,7 @@ void check_new(const fs::path& folder, const VehicleModel& vehicle) {
     if (fs::exists(path))
       throw ConfigError(
           fmt::format("{}: is there already (a vehicle is never overwritten) name another --out", path.string()));
+  check_folder_can_be_made(folder.string());
 }
 
 void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const std::string& text) {

@@ -35,7 +35,7 @@ def arguments(argv: list) -> Namespace:
     if options.out.suffix not in ENDINGS:
         raise Refusal(f"--out {options.out}: a film ends in .mp4 or .gif", USAGE)
     film = options.out.suffix == ".mp4"
-    options.fps = options.fps or (30.0 if film else 15.0)
+    options.fps = (30.0 if film else 15.0) if options.fps is None else options.fps
     options.size = _size(options.size or ("960x540" if film else "480x270"))
     if not 0.1 <= options.fps <= 120.0:
         raise Refusal(f"--fps {options.fps:g}: from 0.1 to 120", USAGE)

@@ -9,7 +9,7 @@ from gustlab_import.command_line import Options
 
 from . import scene as scenes
 from .flight_file import FlightFile
-from .problems import IO, Refusal
+from .problems import IO, USAGE, Refusal
 
 RATE_HZ = 60.0
 
@@ -23,7 +23,10 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--vehicle", metavar="NAME|PATH", help="vehicle (default: the sidecar's)")
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="times faster than real time (default: 1)")
     parser.add_argument("--once", action="store_true", help="plays it once and closes the window")
-    return parser.parse_args(argv)
+    options = parser.parse_args(argv)
+    if not 0.01 <= options.speed <= 1000.0:
+        raise Refusal(f"--speed {options.speed:g}: from 0.01 to 1000", USAGE)
+    return options
 
 
 def need_display() -> None:

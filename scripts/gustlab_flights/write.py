@@ -4,6 +4,8 @@ import os
 import tempfile
 from pathlib import Path
 
+from gustlab_import.write_log import file_on_the_way
+
 from .problems import IO, USAGE, Refusal
 
 
@@ -12,9 +14,19 @@ def replace_file(path: Path, inputs: tuple, write) -> None:
     replace_files({Path(path): write}, inputs)
 
 
+def check_paths(paths) -> None:
+    """Refuses a path that is a folder, or that has a file where a folder should be."""
+    for path in paths:
+        if path.is_dir():
+            raise Refusal(f"{path}: is a folder, not a file (name another output)", USAGE)
+        if file := file_on_the_way(path.parent):
+            raise Refusal(f"{path}: cannot be written ({file} is a file, not a folder; name another output)", USAGE)
+
+
 def replace_files(writes: dict, inputs: tuple) -> None:
     """The same of several files, by their paths: all of them are there when it ends, or none is."""
     temporary, made = {}, []
+    check_paths(writes)
     try:
         for path, write in writes.items():
             if path.exists() and any(other.exists() and path.samefile(other) for other in inputs):

@@ -14,7 +14,7 @@ from .outcome import FORMAT, as_document, as_json, as_text
 from .problems import DATA, IO, USAGE, ImportFailure, printable
 from .progress import Progress
 from .vehicle_file import read_vehicle
-from .write_log import csv_text, write_all
+from .write_log import csv_text, file_on_the_way, write_all
 
 FORMATS = ("PX4 ULog, ArduPilot DataFlash, MAVLink tlog, ROS 1 and 2 bag (.bag, .db3, .mcap), Betaflight blackbox, Crazyflie "
            "uSD, CSV, Parquet")
@@ -50,8 +50,8 @@ def stem(path: Path, by_folder: bool) -> str:
 
 def run(argv: list) -> int:
     options = arguments(argv)
-    if options.out is not None and options.out.exists() and not options.out.is_dir():
-        raise ImportFailure(f"--out {options.out}: is a file (flight logs go into a folder); give a folder", USAGE)
+    if options.out is not None and (file := file_on_the_way(options.out)):
+        raise ImportFailure(f"--out {options.out}: {file} is a file, not a folder (flight logs go into a folder); give a folder", USAGE)
     column_map = load_map(options.map) if options.map else None
     vehicle = read_vehicle(options.vehicle, options.out) if options.vehicle else None
     outcomes, names = [], {}

@@ -8,17 +8,21 @@ from .flight import Flight, on_one_clock
 from .limits import cannot_tell
 from .outcome import Outcome
 from .problems import USAGE, Finding, ImportFailure
-from .segments import split
+from .segments import running, split
 from .streams import Recording
 from .vehicle_file import Vehicle
 from .write_log import sidecar_text
 
 PWM_TOP = 65535.0
 LEAST_V = 1.0
+LAST_s = 0.25           # before a log's end: the motors' last sample in it
 
 
 def import_recording(recording: Recording, name: str, vehicle, options) -> Outcome:
     battery(recording)
+    if ends_in_the_air(recording):
+        recording.findings.append(Finding("gap", "time_s", recording.end_s, recording.end_s, "note", f"the log ends in the air, after "
+                                          f"{recording.end_s:.2f} s: it was cut off, or logging stopped in flight"))
     spans, refused = split(recording)
     spans, refused = wanted(spans, options.from_s, options.to_s), refused
     out = Outcome(recording.file, recording.sha256, recording.kind, recording.autopilot, recording.airframe, refused=refused,
@@ -38,6 +42,18 @@ def import_recording(recording: Recording, name: str, vehicle, options) -> Outco
         out.flights.append((f"{name}_{number}", flight, sidecar_text(flight, top, {}, origin)))
     out.limits = cannot_tell([flight for _, flight, _ in out.flights], recording.settings)
     return out
+
+
+def ends_in_the_air(recording: Recording) -> bool:
+    """Of logs that say when the vehicle flies, or when it is armed: then to the end of what the motors carry. What is said of a log's
+    end already says more."""
+    last_s = recording.end_s - LAST_s
+    if not recording.armed or recording.armed[-1][1] < last_s or recording.no_flight or any(f.from_s >= last_s for f in recording.findings):
+        return False
+    flying = recording.flying
+    if flying is None:
+        flying = running(recording) if "u" in recording.streams else []
+    return bool(flying) and flying[-1][1] >= last_s
 
 
 def usable(flight: Flight) -> bool:

@@ -86,8 +86,8 @@ class _Reader:
                 self.say_lost(from_s, to_s, f"the file is damaged in places: {_place(part)} are no messages, and of {from_s:.2f} to "
                               f"{to_s:.2f} s everything or something is missing")
         if cut is not None:
-            self.say_lost(self.end_s, self.end_s, f"the file ends within a message ({cut[0]} of {cut[1]} bytes) at {self.end_s:.2f} s: it was cut off, or "
-                          "the power went; whatever came later is missing")
+            self.say_lost(self.end_s, self.end_s, f"the file ends early, within a message ({cut[0]} of {cut[1]} bytes): {self.end_s:.2f} s were read; it was "
+                          "cut off, or the power went, and whatever came later is missing")
 
     def second(self, stamp_us, otherwise: float) -> float:
         return otherwise if stamp_us is None else float(self.seconds(np.array([stamp_us]))[0])
@@ -172,8 +172,6 @@ class _Reader:
             self.out.armed = spans(self.seconds(status["timestamp"]), status["arming_state"] == 2, self.end_s)
         if landed is not None and "landed" in landed:
             self.out.flying = spans(self.seconds(landed["timestamp"]), landed["landed"] == 0, self.end_s)
-        if all(parts and parts[-1][1] >= self.end_s for parts in (self.out.armed, self.out.flying)):
-            self.say_lost(self.end_s, self.end_s, "the log ends in the air: it was cut off, or logging stopped in flight", "note")
 
     def pose(self) -> None:
         attitude, position = self.get("vehicle_attitude"), self.get("vehicle_local_position")

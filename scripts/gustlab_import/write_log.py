@@ -52,6 +52,12 @@ def sidecar_text(flight: Flight, top: dict, environment: dict, origin: dict) -> 
     return "\n".join(lines) + "\n"
 
 
+def file_on_the_way(folder: Path):
+    """What stands where this folder or one of its parents should be, and is no folder; None: nothing."""
+    there = next((path for path in (folder, *folder.parents) if path.exists()), None)
+    return None if there is None or there.is_dir() else there
+
+
 def write_all(folder: Path, files: dict) -> None:
     """Writes name -> bytes into a folder, all of them or none. Throws ImportFailure with code 4."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]

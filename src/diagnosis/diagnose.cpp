@@ -210,6 +210,7 @@ Diagnosis describe(Fitted& fitted) {
   out.alarms = rest.alarms;
   out.unexplained_share = rest.omnibus_share;
   out.mismatch = locate(session, selection, rest);
+  say_what_channels_show(out.mismatch);
   out.residuals = residual_plots(session, selection, out.mismatch);
   return out;
 }

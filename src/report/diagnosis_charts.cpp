@@ -315,7 +315,8 @@ std::string error_chart(const DiagnosisFigures& figures, const char* title, cons
 
 std::string motor_chart(const DiagnosisFigures& figures) {
   svg::Chart chart;
-  chart.title = "Motors, as recorded (means of 0.1 s)";
+  const auto& motors = figures.window.motors;
+  chart.title = (motors.size() == 1 ? capital(motors.front().name) : "Motors") + ", as recorded (means of 0.1 s)";
   chart.x_label = "time [s]";
   chart.y_label = figures.window.motor_unit;
   for (std::size_t i = 0; i < figures.window.motors.size(); ++i) {
@@ -326,7 +327,7 @@ std::string motor_chart(const DiagnosisFigures& figures) {
   if (drawn.empty()) return "";
   std::vector<std::pair<std::string, std::string>> entries;
   for (std::size_t i = 0; i < figures.window.motors.size(); ++i)
-    entries.emplace_back(series_style(i), fmt::format("rotor {}", i + 1));
+    entries.emplace_back(series_style(i), figures.window.motors[i].name);
   return "<div>" + drawn + legend(entries) + "</div>";
 }
 

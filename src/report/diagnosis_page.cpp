@@ -131,23 +131,38 @@ std::string times_noise(double above) {
 }
 
 // an effect between command and rotor was named, or a delay in the recording: what such a channel shows is no trifle
-bool something_acts_on(const Json& diagnosis, const std::string& channel) {
-  const Json& effects = part(diagnosis, "effects");
+bool something_acts_on(const Json& diagnosis, const Json& channel) {
+  const Json &effects = part(diagnosis, "effects"), &shown = part(channel, "effects");
   return std::any_of(effects.begin(), effects.end(), [&](const Json& effect) {
-    return (channel == "actuation" && text(effect, "place") == "actuation") ||
-           (channel == "timing" && text(effect, "effect").ends_with("_delay"));
+    return text(effect, "place") == text(channel, "channel") ||
+           std::find(shown.begin(), shown.end(), text(effect, "effect")) != shown.end();
   });
 }
 
-// why a channel says nothing in these logs, empty where it does
-std::string not_judged(const Json& diagnosis, const std::string& channel) {
-  if (channel.starts_with("torque") && !torque_is_told(diagnosis)) return "these logs do not tell fast torques";
-  const Json& blind = part(diagnosis, "not_identifiable");
-  const auto untold = [&](const char* name) {
-    return std::any_of(blind.begin(), blind.end(), [&](const Json& entry) { return text(entry, "effect") == name; });
-  };
-  const bool late = channel == "actuation" && untold("motor_lag") && untold("actuation_delay");
-  return late ? "these logs do not tell how late the rotors answer" : "";
+bool lists(const Json& list, const std::string& effect) {
+  return std::any_of(list.begin(), list.end(), [&](const Json& entry) { return text(entry, "effect") == effect; });
+}
+
+// why the size of a channel says nothing, empty where it does
+std::string no_size(const Json& diagnosis, const Json& channel) {
+  if (text(channel, "channel").starts_with("torque") && !torque_is_told(diagnosis))
+    return "not judged: these logs do not tell fast torques";
+  // of what would show there, nothing can be told, or nothing that another name does not do as well
+  std::vector<std::string> names, instead;
+  for (const Json& effect : part(channel, "effects")) {
+    if (!effect.is_string()) continue;
+    const std::string key = effect.get<std::string>(), name = plain_label(key);
+    if (lists(part(diagnosis, "effects"), key))
+      return "what was found acts here: " + name + ", whose size stands above";
+    const std::string named = named_instead_of(diagnosis, {{"effect", effect}});
+    if (named.empty() && !lists(part(diagnosis, "not_identifiable"), key)) return "";
+    names.push_back(name);
+    if (!named.empty() && std::find(instead.begin(), instead.end(), named) == instead.end()) instead.push_back(named);
+  }
+  if (names.empty()) return "";
+  const std::string all = "not judged: " + list_in_words(names);
+  if (!instead.empty()) return all + " cannot be told from " + list_in_words(instead) + " in these flights";
+  return all + (names.size() > 1 ? " are" : " is") + " not identifiable in these flights";
 }
 
 std::string where(const Json& diagnosis) {
@@ -156,13 +171,13 @@ std::string where(const Json& diagnosis) {
   double full = 1.0;
   for (const Json& entry : mismatch)
     if (const double ratio = number(entry, "rms") / number(entry, "noise_rms");
-        std::isfinite(ratio) && not_judged(diagnosis, text(entry, "channel")).empty())
+        std::isfinite(ratio) && no_size(diagnosis, entry).empty())
       full = std::max(full, ratio);
   std::string rows;
   for (const Json& entry : mismatch) {
     const double rms = number(entry, "rms"), noise = number(entry, "noise_rms"), above = rms / noise - 1.0;
     const Display display = display_of("", text(entry, "unit"), std::isfinite(noise) ? std::max(rms, noise) : rms);
-    const std::string unjudged = not_judged(diagnosis, text(entry, "channel"));
+    const std::string unjudged = no_size(diagnosis, entry);
     const bool judged = unjudged.empty();
     const auto size = [&](double value) {
       // next to nothing is nothing
@@ -174,11 +189,14 @@ std::string where(const Json& diagnosis) {
         "class=\"n\">{}</td><td class=\"where\">{}</td></tr>",
         escape(plain_channel(text(entry, "channel"))), judged ? svg::bar(rms / noise, 1.0, full) : "",
         escape(size(rms)), escape(size(noise)), judged ? times_noise(above) : "–",
-        judged ? shows(entry, something_acts_on(diagnosis, text(entry, "channel")))
-               : fmt::format("<span class=\"soft\">not judged: {}</span>", unjudged));
+        judged ? shows(entry, something_acts_on(diagnosis, entry))
+               : fmt::format("<span class=\"soft\">{}</span>", escape(unjudged)));
   }
-  return "<p>The difference between simulation and recording, channel by channel, before anything was added. The "
-         "tick is what noise and calm air alone would leave.</p>" +
+  const char* from = !hover_alone(diagnosis)
+                         ? "between simulation and recording, channel by channel, before anything was added"
+                     : has_reference(diagnosis) ? "from the reference flights, in hover, channel by channel"
+                                                : "from the flights taken as normal, in hover, channel by channel";
+  return fmt::format("<p>The difference {}. The tick is what noise and calm air alone would leave.</p>", from) +
          card_table(
              {{"channel"}, {"against noise"}, {"rms", true}, {"noise", true}, {"rms over noise", true}, {"where"}},
              rows);
@@ -408,7 +426,8 @@ std::string reference_effects(const Json& diagnosis) {
 std::string calibration(const Json& diagnosis) {
   std::string rows;
   for (const Json& effect : part(diagnosis, "calibration"))
-    rows += rows_of_parameters(text(effect, "effect"), plain_name(effect), part(effect, "parameters"));
+    if (!lists(part(diagnosis, "not_identifiable"), text(effect, "effect")))
+      rows += rows_of_parameters(text(effect, "effect"), plain_name(effect), part(effect, "parameters"));
   for (const Json& bias : part(diagnosis, "sensor_biases"))
     rows += rows_of_parameters("", text(bias, "sensor"), part(bias, "parameters"));
   if (rows.empty()) return "";
@@ -489,14 +508,14 @@ std::string remarks(const Json& diagnosis) {
   return items.empty() ? "" : "<ul>" + items + "</ul>";
 }
 
-// what could not be told for one reason, in the order in which the reasons come
-struct Untold {
+// what is not identifiable for one reason, in the order in which the reasons come
+struct NotIdentifiableForOneReason {
   std::string why, remedy;
   std::vector<std::string> names;
 };
 
-std::vector<Untold> by_reason(const Json& list) {
-  std::vector<Untold> groups;
+std::vector<NotIdentifiableForOneReason> by_reason(const Json& list) {
+  std::vector<NotIdentifiableForOneReason> groups;
   for (const Json& entry : list) {
     std::string why = text(entry, "why");
     const std::string shows_in = text(entry, "shows_in"), shown = diagnosis::shows_in_words(shows_in);
@@ -504,9 +523,11 @@ std::vector<Untold> by_reason(const Json& list) {
     if (!shows_in.empty() && why.ends_with(shown)) why.resize(why.size() - shown.size());
     why = in_plain_words(why);
     const std::string remedy = remedy_for(diagnosis::lack_named(text(entry, "lack")), in_plain_words(shows_in));
-    const auto same = std::find_if(groups.begin(), groups.end(),
-                                   [&](const Untold& group) { return group.why == why && group.remedy == remedy; });
-    (same == groups.end() ? groups.emplace_back(Untold{why, remedy, {}}) : *same).names.push_back(plain_name(entry));
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const NotIdentifiableForOneReason& group) {
+      return group.why == why && group.remedy == remedy;
+    });
+    (same == groups.end() ? groups.emplace_back(NotIdentifiableForOneReason{why, remedy, {}}) : *same)
+        .names.push_back(plain_name(entry));
   }
   return groups;
 }
@@ -528,13 +549,13 @@ std::string would_show(const Json& rejected) {
 
 std::string cannot_tell(const Json& diagnosis) {
   std::string html, rows;
-  for (const Untold& group : by_reason(part(diagnosis, "not_identifiable")))
+  for (const NotIdentifiableForOneReason& group : by_reason(part(diagnosis, "not_identifiable")))
     rows +=
         fmt::format("<tr><td>{}</td><td>{}</td><td class=\"where\">{}</td></tr>", escape(list_in_words(group.names)),
                     escape(group.why), group.remedy.empty() ? "–" : escape(group.remedy));
   if (!rows.empty())
     html +=
-        "<p>These flights do not show enough to say anything, either way, about:</p><div "
+        "<p>Not identifiable: these flights do not show enough to say anything, either way, about:</p><div "
         "class=\"scroll\"><table class=\"wrap\"><tr><th>effect</th><th>why</th><th>what would tell it</th></tr>" +
         rows + "</table></div>";
   rows.clear();
@@ -594,7 +615,10 @@ std::string flights(const Json& diagnosis) {
     rows += fmt::format(
         "<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{} s</td><td class=\"n\">{} "
         "ms</td><td>{}</td></tr>",
-        escape(text(flight, "file")), escape(role == "holdout" ? "held out" : plain_label(role)),
+        escape(text(flight, "file")),
+        escape(role == "holdout" ? "held out"
+               : role == "fit"   ? "fitted"
+                                 : plain_label(role)),
         figure(number(flight, "duration_s")), figure(1e3 * number(flight, "time_offset_s")),
         escape(list_in_words(conditions)));
   }
@@ -629,7 +653,8 @@ std::string diagnosis_page(const nlohmann::ordered_json& diagnosis, const Diagno
         section(what_title(diagnosis), what(diagnosis, figures.weight_N)),
         section("What the reference flights show already", reference_effects(diagnosis)),
         section("Where it differs", where(diagnosis)), residual_section(diagnosis, figures),
-        horizon_section(diagnosis, figures), section("Still not explained, and remarks", remarks(diagnosis)),
+        horizon_section(diagnosis, figures),
+        section(alarm_lines(diagnosis).empty() ? "Remarks" : "Still not explained, and remarks", remarks(diagnosis)),
         section("What cannot be told", cannot_tell(diagnosis)), section("What to fly next", next_flight(diagnosis)),
         section("Unexplained disturbance", disturbance(diagnosis)), section("Calibration", calibration(diagnosis)),
         section("Flights", flights(diagnosis)), footer(diagnosis)})

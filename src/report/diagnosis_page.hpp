@@ -18,7 +18,7 @@ struct DiagnosisFigures {
     std::string file;
     double restart_s = 0.0;  // predictions start from the recorded state this often; 0: only once
     std::vector<Trace> traces;
-    std::vector<Trace> motors;  // recorded inputs over the same stretch, means of 0.1 s in `measured`
+    std::vector<Trace> motors;  // recorded inputs over the same stretch ("rotor 1"), means of 0.1 s in `measured`
     std::string motor_unit;     // of the inputs, as the axis says it
   };
   Window window;

@@ -95,9 +95,12 @@ svg.bar .back { fill: var(--faint); opacity: .5; } svg.bar .value { fill: var(--
 @media (max-width: 30rem) { table.cards, table.cards tbody { display: block; } table.cards tr:first-child { display: none; }
   table.cards tr { display: grid; grid-template-columns: repeat(3, 1fr); gap: .15rem .8rem; padding: .6rem 0;
   border-bottom: 1px solid var(--faint); }
+  .effect table.cards tr { grid-template-columns: repeat(2, 1fr); }
   table.cards td, table.cards td.where { border: 0; padding: 0; min-width: 0; text-align: left; }
   table.cards td.n { white-space: normal; } table.cards td:empty { display: none; }
   table.cards td.name { order: -1; font-weight: 600; } table.cards td.name, table.cards td.where { grid-column: 1 / -1; }
+  /* the name of a flight is long */
+  table.cards td { overflow-wrap: anywhere; }
   table.cards td[data-label]::before { content: attr(data-label); display: block; color: var(--soft); font-size: .78rem; }
   table.cards td.name::before { content: none; }
   table.heat th:first-child { position: sticky; left: 0; background: var(--paper); } }

@@ -204,8 +204,11 @@ std::string Sweep::heat_maps() const {
   for (std::size_t a = 0; a < axes_.size() && drawn.size() < 2; ++a)
     if (is_axis(a)) drawn.push_back(a);
   double full = 0.0;
-  for (const TableCell& cell : cells_)
+  bool any_failed = false;
+  for (const TableCell& cell : cells_) {
     if (std::isfinite(cell.errors[rmse].mean)) full = std::max(full, cell.errors[rmse].mean);
+    any_failed = any_failed || cell.completed < cell.total;
+  }
   const auto heat = [&](const TableCell* cell) -> std::string {
     if (!cell) return "<td></td>";
     const double mean = cell->errors[rmse].mean;
@@ -247,9 +250,8 @@ std::string Sweep::heat_maps() const {
     if (const std::string others = others_at(at, drawn); !others.empty()) note = " Shown at " + others + ".";
   }
   return paragraph(
-             "Mean RMSE in m; the stronger the colour, the larger. Small figures say how many runs were completed, "
-             "where not all "
-             "were." +
+             "Mean RMSE in m; the stronger the colour, the larger." +
+                 std::string(any_failed ? " Small figures say how many runs were completed, where not all were." : "") +
                  note,
              "note") +
          "<div class=\"charts\">" + maps + "</div>";

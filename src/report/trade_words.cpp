@@ -262,8 +262,7 @@ const Words table[] = {
     {"slung_load",
      [](E e) -> Headline {
        return {"A load of " + size_of(e, "mass") +
-               (std::isfinite(value_of(e, "length")) ? " swings " + size_of(e, "length") + " below it"
-                                                     : " swings below it")};
+               (surely(e, "length") ? " swings " + size_of(e, "length") + " below it" : " swings below it")};
      },
      [](E) -> Text { return "It is pulled to and fro for seconds after each stop."; }},
     {"attitude_offset",
@@ -348,11 +347,12 @@ std::string parameter_in_words(const std::string& effect, const std::string& par
       {{"rotor_tilt", "center_of_mass", "imu_lever"}, {"x", "y", "z"}, {"forward", "left", "up"}},
       {{"constant_force", "steady_wind"}, {"x", "y", "z"}, {"toward world x", "toward world y", "up"}},
       {{"attitude_offset", "yaw_offset"}, {"x", "y", "z"}, {"roll", "pitch", "yaw"}},
+      {{"quadratic_drag"}, {"area_xy", "area_z"}, {"drag area, level", "drag area, up and down"}},
       {{"inertia"}, {"delta_x", "delta_y", "delta_z"}, {"change in roll", "change in pitch", "change in yaw"}}};
   for (const auto& [effects, axes, words] : known)
     if (std::any_of(effects.begin(), effects.end(), [&](const char* name) { return name && effect == name; }))
       for (std::size_t i = 0; i < axes.size(); ++i)
-        if (parameter == axes[i]) return words[i];
+        if (axes[i] && parameter == axes[i]) return words[i];
   // "delta" is said as what it is
   const bool change = parameter == "delta" || parameter.starts_with("delta_");
   return change ? "change" + plain_label(parameter.substr(5)) : plain_label(parameter);

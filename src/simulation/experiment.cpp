@@ -249,7 +249,9 @@ std::string find_experiment(const std::string& name_or_path) {
       if (entry.path().extension() == ".toml" && entry.path().stem().extension().empty())
         known.push_back(entry.path().stem().string());
   }
-  const std::string near = config::suggest(name_or_path, known);
+  const std::string near = fs::exists(name_or_path + ".toml", error)
+                               ? fmt::format("did you mean \"{}.toml\"?", name_or_path)
+                               : config::suggest(name_or_path, known);
   throw ConfigError(fmt::format("{}: no such file, and no such name under experiments/{}{}", name_or_path,
                                 near.empty() ? "" : " ", near));
 }

@@ -28,9 +28,29 @@ namespace fs = std::filesystem;
 constexpr std::string_view standard_output = "-";
 constexpr int most_links = 40;  // as Linux has it
 
-[[noreturn]] void fail(const std::string& path, int reason) {
-  throw IoError(fmt::format("{}: cannot write ({})", path, std::strerror(reason ? reason : EIO)));
+// the file that stands where a folder of `path` should be; empty: there is none
+std::string file_on_the_way(const fs::path& path) {
+  std::error_code error;
+  fs::path there = path;
+  while (!there.empty() && there.has_relative_path() && !fs::exists(fs::status(there, error)))
+    there = there.parent_path();
+  return fs::exists(there, error) && !fs::is_directory(there, error) ? there.string() : "";
 }
+
+// What is wrong with the path itself is the user's to change; the rest the disk refuses.
+[[noreturn]] void fail(const std::string& path, std::string_view what, int reason) {
+  const std::string file = reason == ENOTDIR ? file_on_the_way(path) : "";
+  const std::string message = fmt::format(
+      "{}: {} ({})", path, what,
+      file.empty() ? std::strerror(reason ? reason : EIO) : fmt::format("{} is a file, not a folder", file));
+  for (const int of_the_path : {ENOTDIR, EISDIR, ENOENT, ENAMETOOLONG, ELOOP})
+    if (reason == of_the_path) throw ConfigError(message + " name another");
+  throw IoError(message);
+}
+
+[[noreturn]] void fail(const std::string& path, int reason) { fail(path, "cannot write", reason); }
+
+constexpr std::string_view no_folder = "cannot make this folder";
 
 // a file is known by where it stands, whatever name it was read by
 using FileId = std::pair<dev_t, ino_t>;
@@ -162,7 +182,7 @@ void make_folder(const std::string& path) {
     together->made.push_back(top);
   }
   fs::create_directories(path, error);
-  if (error) throw IoError(fmt::format("{}: cannot make this folder ({})", path, error.message()));
+  if (error) fail(path, no_folder, error.value());
 }
 
 void write_together(const std::function<void()>& write) {
@@ -216,7 +236,7 @@ void check_folder_can_be_made(const std::string& path) {
   fs::path there = fs::absolute(path);
   while (!fs::exists(fs::status(there, error)) && there.has_relative_path()) there = there.parent_path();
   const int reason = !fs::is_directory(there, error) ? ENOTDIR : access(there.c_str(), W_OK | X_OK) != 0 ? errno : 0;
-  if (reason != 0) throw IoError(fmt::format("{}: cannot make this folder ({})", path, std::strerror(reason)));
+  if (reason != 0) fail(path, no_folder, reason);
 }
 
 void check_files_can_be_written(const std::string& folder, std::initializer_list<const char*> names) {

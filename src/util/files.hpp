@@ -11,14 +11,15 @@
 namespace gustlab {
 
 // Writes where `path` leads. A regular file is replaced at once, so that a reader never sees half of it; symbolic links are
-// followed; a device, a FIFO and "-" (stdout) are written through. Throws IoError with the path, and leaves nothing then.
+// followed; a device, a FIFO and "-" (stdout) are written through. Throws with the path, and leaves nothing then:
+// ConfigError where the path is wrong (a file where a folder should be, …), IoError where the disk refuses.
 void write_file(const std::string& path, std::string_view bytes);
 void write_file(const std::string& path, const std::function<void(std::ostream&)>& write);
-// Makes a folder and its parents. Throws IoError with the path.
+// Makes a folder and its parents. Throws the same.
 void make_folder(const std::string& path);
 // The files and folders that `write` writes and makes by the two above are there when it ends, or none of them is.
 void write_together(const std::function<void()>& write);
-// Replaces a folder, which need not be there, by the one that `fill` writes into. Throws IoError, and changes nothing then.
+// Replaces a folder, which need not be there, by the one that `fill` writes into. Throws the same, and changes nothing then.
 void replace_folder(const std::string& path, const std::function<void(const std::filesystem::path& fresh)>& fill);
 
 // A folder of its own in `parent`, which goes away with all that is in it.

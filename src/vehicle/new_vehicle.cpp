@@ -27,6 +27,10 @@ constexpr double least_thrust_to_weight = 1.05, most_thrust_to_weight = 100.0, m
 // Of propellers' tips in hover: 53 m/s (Crazyflie), 58 m/s (1.2 kg on 10 inches), 8 m/s (AeroVelo's Atlas, flown by a man on pedals).
 constexpr double speed_of_sound_mps = 340.0, least_tip_speed_mps = 5.0;
 constexpr std::array<double, 2> usual_tip_speed_mps = {20.0, 200.0};
+// photographers' vehicles have 1.5 to 3, racers up to 14; less than 1.3 leaves nothing to steer with
+constexpr std::array<double, 2> usual_thrust_to_weight = {1.3, 15.0};
+// of a propeller's diameter over the distance between neighbouring hubs; 0.71 to 0.85 is usual (src/vehicle/estimates.hpp)
+constexpr double least_usual_diameter = 0.3;
 
 // the nearest two hubs of one height
 double hub_distance_m(const NewVehicle& wanted) {
@@ -100,6 +104,17 @@ std::vector<std::string> unusual(const NewVehicle& wanted) {
                     "than sound check both",
                     wanted.hover ? "--hover" : "--thrust-to-weight", number(wanted.mass_kg.value),
                     number(diameter_of(wanted)), number(std::round(full_mps)), number(full_thrust_to_weight(wanted))));
+  const double ratio = full_thrust_to_weight(wanted), hubs_m = hub_distance_m(wanted);
+  if (ratio < usual_thrust_to_weight.front() || ratio > usual_thrust_to_weight.back())
+    warnings.push_back(fmt::format(
+        "{} all rotors together push with {} times the weight ({} to {} are usual) check it",
+        wanted.hover ? fmt::format("--hover: at {} in hover", number(wanted.hover->value)) : "--thrust-to-weight:",
+        number(ratio), usual_thrust_to_weight.front(), usual_thrust_to_weight.back()));
+  if (diameter_of(wanted) < least_usual_diameter * hubs_m)
+    warnings.push_back(
+        fmt::format("--prop, --arm: propellers of {} m are small for motors {} m apart ({} of it and more is usual) "
+                    "check both, and their units",
+                    number(diameter_of(wanted)), number(hubs_m), least_usual_diameter));
   return warnings;
 }
 
@@ -114,9 +129,9 @@ void check_thrust(const NewVehicle& wanted) {
         "--thrust-to-weight or --hover is missing: without one of them nothing says how much the rotors push "
         "(all of them at full throttle over the weight; the throttle in hover, 0 to 1)");
   const double ratio = full_thrust_to_weight(wanted);
-  const std::string given = wanted.hover ? fmt::format("--hover: {} is a thrust to weight of {}, and",
-                                                       number(wanted.hover->value), number(ratio))
-                                         : "--thrust-to-weight:";
+  const std::string given =
+      wanted.hover ? fmt::format("--hover: {} is a thrust to weight of {}:", number(wanted.hover->value), number(ratio))
+                   : "--thrust-to-weight:";
   if (ratio <= least_thrust_to_weight)
     throw ConfigError(
         fmt::format("{} a vehicle with {} does not fly (all rotors at full input carry that much of the weight)", given,

@@ -82,8 +82,34 @@ class Places(Commands):
     def test_links_in_a_circle_are_an_error_with_their_name(self):
         (self.folder / "a").symlink_to("b")
         (self.folder / "b").symlink_to("a")
-        self.assertIn("a: cannot write", self.call(*self.GATE, "--summary", "a", code=4)[1])
+        self.assertIn("a: cannot write", self.call(*self.GATE, "--summary", "a", code=2)[1])
         self.assertIn("a: cannot read", self.call("gate", "swept", "--baseline", "a", code=3)[1])
+
+    def test_a_file_where_a_folder_should_be_is_a_wrong_path(self):
+        (self.folder / "FILE").write_text("mine")
+        flight, kept = "flown/flight.csv", self.files()
+        into_folder = (["sweep", "e.toml"], ["run", "e.toml", "--trajectory", "hover", "--controller", "pid"], ["merge", "swept"],
+                       ["reproduce", "table2"], ["calibrate", "table1_iris"], ["tune", "fair_link"],
+                       ["conceal", "t.toml", "--answers", "x"], ["diagnose", "trials/nothing/fit_1.csv"],
+                       ["vehicle", "new", "--mass", "1kg", "--arm", "0.2m", "--hover", "0.5"], ["import", "log.csv", "--map", "nanodrone"],
+                       ["vehicle", "fit", "trials/nothing/fit_1.csv"], ["export", flight, "--to", "csv"])
+        into_file = (["train", "train.toml", "--epochs", "1"], ["identify", flight], ["export", flight, "--to", "parquet"], ["export", flight, "--to", "mcap"],
+                     ["render", flight])
+        for command, out in [*((c, o) for c in into_folder for o in ("FILE", "FILE/sub", "FILE/sub/deep")),
+                             *((c, o) for c in into_file for o in ("FILE/sub.mp4", "FILE/sub/deep.mp4"))]:
+            with self.subTest(command=command, out=out):
+                _, err = self.call(*command, "--out", out, code=2)
+                self.assertIn(out, err)
+                self.assertRegex(err, r"FILE is a file, not a folder")
+                self.assertEqual(err.count("\n"), 1, err)
+                self.assertEqual(self.files(), kept)
+
+    def test_a_folder_where_a_file_should_be_is_a_wrong_path(self):
+        (self.folder / "sub.mp4").mkdir()
+        flight = "flown/flight.csv"
+        for command in (["train", "train.toml", "--epochs", "1"], ["identify", flight], ["export", flight, "--to", "mcap"], ["render", flight]):
+            with self.subTest(command=command):
+                self.assertIn("sub.mp4: ", self.call(*command, "--out", "sub.mp4", code=2)[1])
 
     def test_files_with_names_of_old_temporary_files_are_left_alone(self):
         for name in ("out.md.part", "m.toml.part"):

@@ -278,7 +278,7 @@ class WrongInput(InFolder):
         (self.folder / "taken" / "vehicle.toml").touch()
         (self.folder / "file").touch()
         for arguments, words in (
-            (["vehicle"], "A subcommand is required"),
+            (["vehicle"], "a command is missing"),
             (["vehicle", "nwe"], 'unknown command "nwe" did you mean "new"?'),
             (changed(drop=["--mass"]), "--mass is required"),
             (changed(drop=["--arm"]), "--arm is missing"),
@@ -302,10 +302,10 @@ class WrongInput(InFolder):
             (changed(("--from-px4", "no.ulg")), "no.ulg: cannot be read (No such file or directory)"),
             (changed(("--from-px4", "file")), "file: byte 0: the file is empty"),
             (changed(("--out", "taken")), "taken/vehicle.toml: is there already"),
-            (changed(("--out", "file/below")), "file"),
+            (changed(("--out", "file/below")), "file is a file, not a folder"),
         ):
             with self.subTest(words):
-                self.assert_refused(arguments, words, 4 if words == "file" else 3 if "--from-px4" in arguments else 2)
+                self.assert_refused(arguments, words, 3 if "--from-px4" in arguments else 2)
 
     def test_check(self):
         self.write(LEAST)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <string>
 
 #include "report/diagnosis_page.hpp"
 
@@ -34,7 +35,8 @@ inline DiagnosisFigures example_figures() {
   }
   figures.window.motor_unit = "rad/s";
   for (int i = 0; i < 4; ++i) {
-    DiagnosisFigures::Trace motor{"", "rad/s", figures.window.traces.front().time_s, {}, {}, {}};
+    DiagnosisFigures::Trace motor{
+        "rotor " + std::to_string(i + 1), "rad/s", figures.window.traces.front().time_s, {}, {}, {}};
     for (const double t : motor.time_s) motor.measured.push_back(2300.0 + 40.0 * i + 60.0 * std::sin(3.0 * t + i));
     figures.window.motors.push_back(motor);
   }

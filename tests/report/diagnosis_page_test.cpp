@@ -497,21 +497,96 @@ TEST(DiagnosisPage, WhatIsOnlyLikelyIsSaidWithItsSize) {
     EXPECT_THAT(html, HasSubstr(wanted));
 }
 
+// "swings 49 mm below it" beside 49 ± 530 mm; what differs in hover is no simulation; a remark alone is nothing unexplained
+TEST(DiagnosisPage, SaysNoMoreThanWasFound) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["effects"] = {{{"effect", "slung_load"},
+                           {"confidence", 0.92},
+                           {"parameters",
+                            {{"mass", {{"value", 0.0957}, {"std", 0.003}, {"unit", "kg"}}},
+                             {"length", {{"value", 0.049}, {"std", 0.27}, {"unit", "m"}}}}}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr(">A load of 96 g swings below it<"));
+  diagnosis["effects"][0]["parameters"]["length"]["std"] = 0.004;
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr(">A load of 96 g swings 49 mm below it<"));
+
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("The difference between simulation and recording"));
+  diagnosis["not_identifiable"] = {{{"effect", "inertia"}, {"lack", "attitude_and_rate"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("The difference from the flights taken as normal, in hover"));
+  diagnosis["flights"][0]["role"] = "reference";
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("The difference from the reference flights, in hover"));
+
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("Still not explained, and remarks"));
+  diagnosis["alarms"] = Json::array();
+  diagnosis["notes"] = {"no flight was held out by the user"};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), AllOf(HasSubstr(">Remarks<"), Not(HasSubstr("Still not explained"))));
+}
+
+// a log with a total thrust alone had a legend of one rotor
+TEST(DiagnosisPage, ATotalThrustIsNoRotor) {
+  DiagnosisFigures figures = example_figures();
+  EXPECT_THAT(diagnosis_page(example_diagnosis(), figures),
+              AllOf(HasSubstr(">Motors, as recorded"), HasSubstr(">rotor 4<")));
+  figures.window.motors.resize(1);
+  figures.window.motors.front().name = "total thrust";
+  EXPECT_THAT(diagnosis_page(example_diagnosis(), figures),
+              AllOf(HasSubstr(">Total thrust, as recorded"), HasSubstr(">total thrust<"), Not(HasSubstr(">rotor 1<"))));
+}
+
 // a lag of 820 ms "everywhere" beside "how late a torque is, is not told" made every other bar invisible
 TEST(DiagnosisPage, ALagThatCannotBeToldIsNotJudged) {
   Json diagnosis = example_diagnosis();
-  diagnosis["mismatch"].push_back(
-      {{"channel", "actuation"}, {"significant", true}, {"rms", 0.82}, {"noise_rms", 0.003}, {"unit", "s"}});
+  diagnosis["mismatch"].push_back({{"channel", "actuation"},
+                                   {"significant", true},
+                                   {"rms", 0.82},
+                                   {"noise_rms", 0.003},
+                                   {"unit", "s"},
+                                   {"effects", {"a_lag", "another_lag"}}});
   const auto row = [&] {
     const std::string html = diagnosis_page(diagnosis, {});
     const std::size_t at = html.find("answer to commands");
     return html.substr(at, html.find("</tr>", at) - at);
   };
   EXPECT_THAT(row(), HasSubstr("820 ms"));
-  for (const char* name : {"motor_lag", "actuation_delay"})
+  for (const char* name : {"a_lag", "another_lag"}) {
+    EXPECT_THAT(row(), HasSubstr("820 ms")) << "one of the two would show";
     diagnosis["not_identifiable"].push_back({{"effect", name}, {"why", "it was filtered"}, {"lack", "raw_sensors"}});
+  }
+  EXPECT_THAT(row(), AllOf(HasSubstr("not judged: a lag and another lag are not identifiable in these flights"),
+                           Not(HasSubstr("820"))));
+}
+
+// 609 ms of a lag, where a wind was named that does as well
+TEST(DiagnosisPage, ALagThatLooksLikeWhatIsNamedIsNotJudged) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["mismatch"].push_back({{"channel", "actuation"},
+                                   {"significant", true},
+                                   {"rms", 0.609},
+                                   {"noise_rms", 0.004},
+                                   {"unit", "s"},
+                                   {"effects", {"a_lag", "another_lag"}}});
+  const auto row = [&] {
+    const std::string html = diagnosis_page(diagnosis, {});
+    const std::size_t at = html.find("answer to commands");
+    return html.substr(at, html.find("</tr>", at) - at);
+  };
+  diagnosis["effects"][0]["class"] = {diagnosis["effects"][0]["effect"], "a_lag"};
+  EXPECT_THAT(row(), HasSubstr("609 ms"));
+  diagnosis["effects"][0]["class"].push_back("another_lag");
+  EXPECT_THAT(row(), AllOf(HasSubstr("not judged: a lag and another lag cannot be told from "), Not(HasSubstr("609"))));
+  // 993 ms of a line through zero beside a lag of 247 ms that was found
+  diagnosis["effects"][0]["effect"] = "a_lag";
   EXPECT_THAT(row(),
-              AllOf(HasSubstr("not judged: these logs do not tell how late the rotors answer"), Not(HasSubstr("820"))));
+              AllOf(HasSubstr("what was found acts here: a lag, whose size stands above"), Not(HasSubstr("609"))));
+}
+
+// a delay of 0 ± 30 ms was a small correction, and could not be told
+TEST(DiagnosisPage, WhatCannotBeToldIsNoCalibration) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["calibration"] = {
+      {{"effect", "a_delay"}, {"parameters", {{"delay", {{"value", 0.0}, {"std", 0.015}, {"unit", "s"}}}}}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr(">a delay</td>"));
+  diagnosis["not_identifiable"] = {{{"effect", "a_delay"}, {"why", "it was filtered"}, {"lack", "raw_sensors"}}};
+  EXPECT_THAT(diagnosis_page(diagnosis, {}), Not(HasSubstr("<td class=\"name\">a delay</td>")));
 }
 
 // "2.2e-07 N s²", "0.00077 kg", "0.17" of what

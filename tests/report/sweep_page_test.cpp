@@ -92,6 +92,7 @@ TEST(SweepPage, WithoutAxesTrajectoriesStandBesideControllers) {
   EXPECT_THAT(html, Not(HasSubstr("Over ")));
   EXPECT_THAT(html, HasSubstr("Every run was completed."));
   EXPECT_THAT(html, Not(HasSubstr("What was not completed")));
+  EXPECT_THAT(html, Not(HasSubstr("how many runs were completed")));
 }
 
 TEST(SweepPage, EscapesNames) {

@@ -262,7 +262,7 @@ class Films(WithFlight):
     def test_what_cannot_be_drawn_is_one_line(self):
         out = self.root / "x.mp4"
         for code, words, arguments in ((2, "ends in .mp4 or .gif", ["--out", self.root / "x.avi"]), (2, "--size", ["--out", out, "--size", "3"]),
-                                       (2, "--fps", ["--out", out, "--fps", "1e9"]), (2, "--speed", ["--out", out, "--speed", "-1"]),
+                                       (2, "--fps", ["--out", out, "--fps", "1e9"]), (2, "--fps 0", ["--out", out, "--fps", "0"]), (2, "--speed", ["--out", out, "--speed", "-1"]),
                                        (2, "nothing of the flight", ["--out", out, "--from", "9"]),
                                        (2, "no vehicle of this name", ["--out", out, "--vehicle", "crazyfly"])):
             self.assertIn(words, self.refused(code, "render_flight.py", self.log, *arguments))
@@ -271,6 +271,9 @@ class Films(WithFlight):
         self.write(drop=("px", "py", "pz"))
         self.assertIn("no position", self.refused(3, "render_flight.py", self.log, "--out", out))
         self.assertFalse(out.exists())
+
+    def test_the_viewer_refuses_a_speed_that_shows_nothing(self):
+        self.assertIn("--speed 0: from 0.01", self.refused(2, "view_flight.py", self.log, "--speed", "0"))
 
     def test_the_viewer_says_that_it_needs_a_display(self):
         import os

@@ -267,6 +267,12 @@ class DataFlash(FormatCase):
         self.assertEqual([finding["says"] for finding in log["findings"] if "crash" in finding["says"]],
                          ["the vehicle's crash check fired, and the log ends: the last seconds may be a fall"])
 
+    def test_a_log_that_ends_in_the_air_says_so(self):
+        said = [[finding["says"] for finding in self.take(self.write_log(**more), "--out", self.out.with_name(name))[1]["findings"]
+                 if "ends in the air" in finding["says"]] for name, more in (("whole", {}), ("half", {"ends_s": 10.0}))]
+        self.assertEqual(said[0], [])
+        self.assertRegex(said[1][0], r"the log ends in the air, after 9\.\d\d s: it was cut off, or logging stopped in flight")
+
     def test_speeds_of_the_controllers_follow_the_outputs(self):
         _, log, _ = self.take(self.write_log(speeds_every=2))
         self.assertEqual(log["flights"][0]["rates_hz"]["rotor"], 50)

@@ -9,6 +9,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 from import_fixture import ImportCase, flight
+from gustlab_import.ulog_damage import without_damage
 from ulog_fixture import MIX, ULogFile, px4_flight
 
 SCHEMA = json.loads((Path(__file__).resolve().parents[2] / "schemas" / "import.schema.json").read_text(encoding="utf-8"))
@@ -338,12 +339,19 @@ class Damaged(ImportCase):
         self.assertEqual((code, err), (0, ""))
         last_s = self.written("cut_1.csv")["time_s"][-1]
         self.assertLess(last_s, 14.0)
-        said = re.search(r"WARNING gap: .*the file ends within a message \(\d+ of \d+ bytes\) at ([0-9.]+) s: it was cut off", out)
+        said = re.search(r"WARNING gap: .*the file ends early, within a message \(\d+ of \d+ bytes\): ([0-9.]+) s were read; it was cut off", out)
         self.assertAlmostEqual(float(said.group(1)), last_s, delta=0.02)
-        self.assertIn("the file ends within a message", (self.out / "cut_1.meta.toml").read_text())
-        self.assertIn("note    gap: ", out)
-        self.assertIn("the log ends in the air: it was cut off, or logging stopped in flight", out)
-        self.assertNotIn("the log ends", self.run_import(self.write("whole.ulg", good))[1].replace("the file ends", "the log ends"))
+        self.assertIn("the file ends early", (self.out / "cut_1.meta.toml").read_text())
+        self.assertNotIn("the log ends", out)
+        self.assertNotIn("ends", self.run_import(self.write("whole.ulg", good))[1])
+
+    def test_a_log_that_was_cut_off_between_messages_ends_in_the_air(self):
+        good = px4_flight(synthetic()).bytes()
+        _, _, cut = without_damage(half := good[:int(0.6 * len(good))])
+        code, out, _ = self.run_import(self.write("cut.ulg", half[:-cut[0]]))
+        self.assertEqual(code, 0)
+        self.assertNotIn("the file ends", out)
+        self.assertRegex(out, r"note    gap: .*the log ends in the air, after [0-9.]+ s: it was cut off, or logging stopped in flight")
 
     def damaged(self, harm) -> tuple:
         """(what import says, columns written) of a log with a kilobyte and more of its middle harmed."""

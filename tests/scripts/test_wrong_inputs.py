@@ -121,7 +121,7 @@ WRONG = (
     (["import", "good.csv", "other/good.csv", "--map", "good.toml", "--out", "out"], 2, "use two --out"),
     (log("good.ulg", "--wh"), 2, "gustlab: unrecognized arguments: --wh"),
     (log(""), 2, 'gustlab: there is an empty word behind "import"'),
-    (["import", "good.ulg", "--out", "good.csv"], 2, "--out good.csv: is a file (flight logs go into a folder); give a folder"),
+    (["import", "good.ulg", "--out", "good.csv"], 2, "--out good.csv: good.csv is a file, not a folder (flight logs go into a folder); give a folder"),
     (log("good.ulg", "--vehicle", "numbers.toml"), 2, 'numbers.xml:1:1: --vehicle: pos="left" of site "b" (three numbers are needed)'),
     (["import", "good.csv", "--map", "good.toml", "--from", "100", "--out", "out"], 2, "good.csv: no sample after 100 s"),
     # which file
@@ -236,8 +236,8 @@ WRONG = (
     (new(arm="1e-9m"), 2, "--arm: 1e-09 m is no multirotor's (0.001 to 100 m from the centre to a motor) check its unit"),
     (new(arm="1cm"), 2, "which fit between the motors, do not hover: their tips would move at 1297 m/s, faster than sound"),
     (new(hover=None, thrust_to_weight="0.5"), 2, "--thrust-to-weight: a vehicle with 0.5 does not fly"),
-    (new(hover="0.99"), 2, "--hover: 0.99 is a thrust to weight of 1.017, and a vehicle with 1.017 does not fly"),
-    (new(hover="0.001"), 2, "--hover: 0.001 is a thrust to weight of 2852, and 2852 (no multirotor pushes"),
+    (new(hover="0.99"), 2, "--hover: 0.99 is a thrust to weight of 1.017: a vehicle with 1.017 does not fly"),
+    (new(hover="0.001"), 2, "--hover: 0.001 is a thrust to weight of 2852: 2852 (no multirotor pushes"),
     (new(out="taken"), 2, "is there already"),
     (new(from_log="missing.ulg"), 3, "missing.ulg: cannot"),
     (new(from_log="--"), 3, "--: cannot be read (No such file"),
@@ -250,7 +250,7 @@ WRONG = (
     (new(from_log="cut.bfl"), 3, "cut.bfl: a log of PX4 (.ulg) or ArduPilot (.bin) is needed"),
     (new(from_log="folder"), 3, "folder: a folder; give the log in it"),
     # vehicle check and vehicle fit
-    (["vehicle"], 2, "gustlab: A subcommand is required (see gustlab vehicle --help)"),
+    (["vehicle"], 2, "gustlab: a command is missing (see gustlab vehicle --help)"),
     (["vehicle", "make"], 2, 'gustlab: unknown command "make" (see gustlab vehicle --help)'),
     (["vehicle", "chek", "crazyflie"], 2, 'gustlab: unknown command "chek" did you mean "check"?'),
     (["vehicle", "check", "taken"], 2, 'did you mean "taken/vehicle.toml"?'),

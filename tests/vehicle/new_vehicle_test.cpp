@@ -97,11 +97,14 @@ TEST(NewVehicle, MassesThatPropellersCannotCarryAreRefusedOrSaid) {
   };
   EXPECT_TRUE(made(1.2, 0.25, 0.254, 2.1).empty());
   EXPECT_TRUE(made(0.032, 0.046, 0.045, 1.9).empty());
-  EXPECT_TRUE(made(0.7, 0.11, 0.127, 8.0).empty());
+  EXPECT_TRUE(made(0.7, 0.11, 0.127, 12.0).empty());
   EXPECT_THROW(made(0.001, 1.0, 0.762, 2.0), ConfigError);   // 0.6 m/s
   EXPECT_THROW(made(10.0, 0.25, 0.0254, 2.0), ConfigError);  // 1670 m/s
   EXPECT_EQ(made(0.05, 0.25, 0.254, 2.0).size(), 1u);        // 12 m/s
-  EXPECT_EQ(made(0.7, 0.11, 0.127, 20.0).size(), 1u);        // 88 m/s in hover, 395 m/s at full throttle
+  EXPECT_EQ(made(0.7, 0.11, 0.127, 14.9).size(), 1u);        // 88 m/s in hover, 341 m/s at full throttle
+  EXPECT_EQ(made(1.2, 0.25, 0.254, 1.1).size(), 1u);         // it hovers, and cannot be steered
+  EXPECT_EQ(made(1.2, 0.25, 0.254, 20.0).size(), 1u);        // no racer has it
+  EXPECT_EQ(made(1.0, 3.0, 0.254, 2.0).size(), 1u);          // motors 4.2 m apart
 }
 
 TEST(NewVehicle, AHoverThrottleIsAThrustToWeight) {

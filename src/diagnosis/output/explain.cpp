@@ -280,6 +280,16 @@ void explain(const Session& session, const Selection& selection, const Challenge
   list_not_identifiable(session, selection, out);
 }
 
+void say_what_channels_show(std::vector<Mismatch>& channels) {
+  const auto is_of = [](const Mismatch& m, Place place) {
+    return (m.channel == "actuation" && place == Place::actuation) ||
+           (m.channel == "timing" && place == Place::measurement);
+  };
+  for (Mismatch& m : channels)
+    for (const EffectRow& row : effect_registry())
+      if (row.diagnosable && row.latency != Latency::none && is_of(m, row.place)) m.effects.emplace_back(row.name);
+}
+
 void explain_gust(const Session& session, const GustParts& parts, Diagnosis& out) {
   const EffectRow& row =
       first_effect([](const EffectRow& r) { return r.diagnosable && r.column == ColumnFrom::nowhere; });

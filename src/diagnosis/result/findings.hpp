@@ -100,6 +100,7 @@ struct Mismatch {
   double rms = 0.0, noise_rms = 0.0;
   std::string unit;
   std::vector<Region> where;
+  std::vector<std::string> effects = {};  // actuation and timing: of the catalogue, those that would show here
 };
 
 // A reason to believe that something is left.

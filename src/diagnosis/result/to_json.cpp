@@ -150,6 +150,7 @@ ordered_json to_json(const Diagnosis& d) {
                                {"noise_rms", number(m.noise_rms)},
                                {"unit", m.unit},
                                {"where", where}});
+    if (!m.effects.empty()) out["mismatch"].back()["effects"] = m.effects;
   }
   out["effects"] = effects(d.effects);
   if (!d.reference_effects.empty()) out["reference_effects"] = effects(d.reference_effects);

@@ -161,6 +161,15 @@ TEST_F(Explained, WhatFlightsDoNotExciteIsSaidOnce) {
   for (const NotIdentifiable& n : d.not_identifiable) EXPECT_NE(n.effect, "mass");
 }
 
+TEST(WhatChannelsShow, OfTimeAreWhatMakesACommandOrAPoseLate) {
+  std::vector<Mismatch> channels(3);
+  channels[0].channel = "force_x", channels[1].channel = "actuation", channels[2].channel = "timing";
+  say_what_channels_show(channels);
+  EXPECT_THAT(channels[0].effects, IsEmpty());
+  EXPECT_THAT(channels[1].effects, ElementsAre("motor_lag", "actuation_delay"));
+  EXPECT_THAT(channels[2].effects, ElementsAre("pose_delay"));
+}
+
 // a page named "rotor loss" twice, and no rotor
 TEST_F(Explained, AWithdrawnLossSaysOfWhichRotor) {
   Evidence& gone = challenge.withdrawn.emplace_back();

@@ -16,7 +16,7 @@ TEST(ToJson, SaysEveryFindingUnderItsKey) {
   Diagnosis d;
   d.verdict = Verdict::partly_explained;
   d.vehicle = "v";
-  d.mismatch = {{"force_x", true, 1e-9, 0.01, 0.001, "N", {{"airspeed_mps", 0.6, 0.82}}}};
+  d.mismatch = {{"force_x", true, 1e-9, 0.01, 0.001, "N", {{"airspeed_mps", 0.6, 0.82}}, {"a_lag"}}};
   EffectFinding& drag = d.effects.emplace_back();
   drag.effect = "rotor_drag";
   drag.confidence = 0.98;
@@ -36,7 +36,7 @@ TEST(ToJson, SaysEveryFindingUnderItsKey) {
   EXPECT_EQ(json["verdict"], "partly_explained");
   expect("mismatch",
          R"({"channel": "force_x", "significant": true, "p_value": 1e-9, "rms": 0.01, "noise_rms": 0.001, "unit": "N",
-                         "where": [{"variable": "airspeed_mps", "above": 0.6, "share": 0.82}]})");
+                         "where": [{"variable": "airspeed_mps", "above": 0.6, "share": 0.82}], "effects": ["a_lag"]})");
   expect("effects", R"({"effect": "rotor_drag", "confidence": 0.98, "class": ["rotor_drag"],
                         "parameters": {"at_hover": {"value": 0.0147, "std": 0.0004, "unit": "N s/m"}},
                         "confusable_with": [{"effect": "quadratic_drag", "equivalent": false, "z": 9.1, "delta_score": 41.0}]})");
