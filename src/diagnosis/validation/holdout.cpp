@@ -66,7 +66,13 @@ class OnHeldOut {
       used_.push_back(groups_.back() < 0 ? std::vector<int>{} : catalogue_.group(groups_.back()).columns);
       wanted_.insert(wanted_.end(), used_.back().begin(), used_.back().end());
     }
+    // of what the reference flights cannot tell apart a part alone would explain everything
+    if (fitted_.reference()) {
+      const std::vector<int> known = known_columns(catalogue_, *fitted_.reference()).column;
+      wanted_.insert(wanted_.end(), known.begin(), known.end());
+    }
     std::sort(wanted_.begin(), wanted_.end());
+    wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
     linearise();
     // the force of a wind is not linear in it
     if (std::find(groups_.begin(), groups_.end(), catalogue_.find(Airflow::wind)) != groups_.end())

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "diagnosis/evidence/reference_fit.hpp"
+#include "diagnosis/selection/select_effects.hpp"
+#include "support/sessions.hpp"
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
@@ -30,6 +33,21 @@ TEST(CarryOver, TakesSharedValuesAsTheyAreAndThoseOfFlightsAtTheirMean) {
   }
   EXPECT_GE(own, 6);
   EXPECT_GE(shared, 10);
+}
+
+// a reference flight hardly tells a mass from a thrust scale: where one of the two alone could be wrong of it, it would explain the change as well
+TEST(HoldOut, BesideReferenceFlightsAChangeSaysWhatItSaysOfTheOthers) {
+  const Recordings good = test::short_flights("", {"multisine", "lemniscate"}),
+                   heavier = test::short_flights(R"({type = "mass", delta = 0.1})", {"multisine"});
+  ReferenceFit normal = fit_reference(test::session_of(good).flights(), {}, good.vehicle, 1);
+  Session session(prepare(heavier.fit, normal.vehicle, {}), normal.vehicle, 1);
+  session.compare_with(std::move(normal.known));
+  const Selection selection = select_effects(session);
+  ASSERT_EQ(selection.findings.size(), 1u);
+  EXPECT_GT(selection.findings[0].delta_chi2, 100.0);
+  const HoldoutTest test = test_holdout(session, selection, prepare(heavier.holdout, normal.vehicle, {}), {}, 1);
+  EXPECT_GT(test.expected[0], 0.3 * selection.findings[0].delta_chi2);
+  EXPECT_NEAR(test.delta_chi2[0], test.expected[0], 0.3 * test.expected[0]);
 }
 
 }  // namespace
