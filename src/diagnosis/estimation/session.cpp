@@ -104,12 +104,21 @@ NoiseModel initial_noise(const std::vector<FlightData>& flights, const VehicleMo
   return noise;
 }
 
+namespace {
+
+std::vector<FlightData> with_rotors_known(std::vector<FlightData> flights) {
+  for (FlightData& flight : flights) flight = without_spin_up(std::move(flight));
+  return flights;
+}
+
+}  // namespace
+
 Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, int jobs,
                  std::vector<FlightData> shooting_flights)
     : noise(initial_noise(flights, vehicle)),
       jobs_(jobs),
       vehicle_(vehicle),
-      flights_(std::move(flights)),
+      flights_(with_rotors_known(std::move(flights))),
       catalogue_(
           vehicle, static_cast<int>(flights_.size()),
           {observable_in(flights_), all_have_voltage(flights_), !shooting_flights.empty(),
@@ -122,7 +131,7 @@ Session::Session(std::vector<FlightData> flights, const VehicleModel& vehicle, i
       linear_(flights_.size()),
       each_rotor_(flights_.size()),
       value_(catalogue_.nominal()),
-      shooting_flights_(std::move(shooting_flights)),
+      shooting_flights_(with_rotors_known(std::move(shooting_flights))),
       shot_(shooting_flights_.size()) {
   sensor_windows_.resize(flights_.size());
   // one flight says nothing of its trims: they are small on filtered logs, and nothing elsewhere

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace gustlab::diagnosis {
 
@@ -47,6 +48,41 @@ ForceModel force_model(const FlightData& flight, const Catalogue& catalogue, con
 
 namespace {
 
+// How rotors answer the commands of a flight, step by step.
+class Answer {
+ public:
+  Answer(const FlightData& flight, const ForceModel& forces) : flight_(flight), forces_(forces) {
+    past_.record = &flight.commands;
+    step_.past = &past_;
+  }
+  // how fast they turn at a time before which commands are known for a while
+  RotorArray speed_at(double time_s, double voltage_V) {
+    const double h = spin_up_s / steps;
+    RotorArray speed = flight_.commands.mean(time_s - spin_up_s, time_s - spin_up_s + h);
+    for (int s = 0; s < steps; ++s) speed = over(time_s + (s - steps) * h, h, voltage_V, speed).end_speed_radps;
+    return speed;
+  }
+  // over a step that begins at a speed
+  const Actuation& over(double time_s, double step_s, double voltage_V, const RotorArray& speed) {
+    past_.from_s = time_s;
+    past_.step_s = step_s;
+    step_.time_s = time_s - flight_.start_s;
+    step_.step_s = step_s;
+    step_.voltage_V = voltage_V;
+    step_.command_radps = flight_.commands.mean(time_s, time_s + step_s);
+    step_.start_speed_radps = speed;
+    forces_.actuate(step_);
+    return step_;
+  }
+
+ private:
+  static constexpr int steps = 60;
+  const FlightData& flight_;
+  const ForceModel& forces_;
+  RecordedPast past_;
+  Actuation step_;
+};
+
 // `forces`: what commands do; none: as it was measured
 RotorHistory history_of(const FlightData& flight, const ForceModel* forces) {
   RotorHistory history;
@@ -56,43 +92,36 @@ RotorHistory history_of(const FlightData& flight, const ForceModel* forces) {
   history.mean.resize(n * count);
   history.acceleration.resize(n * count);
   history.at_sample.resize(n);
-  const CommandRecord& record = forces ? flight.commands : flight.measured_speed;
-
-  RecordedPast past;
-  past.record = &record;
-  Actuation actuation;
-  actuation.past = &past;
+  std::optional<Answer> answer;
+  if (forces) answer.emplace(flight, *forces);
   RotorArray speed{};
   for (std::size_t k = 0; k < n; ++k) {
+    const Sample& sample = flight.samples[k];
     const double interval_s = k + 1 < n && !flight.samples[k + 1].starts_segment
-                                  ? flight.samples[k + 1].time_s - flight.samples[k].time_s
+                                  ? flight.samples[k + 1].time_s - sample.time_s
                                   : flight.sample_s;
     const double h = interval_s / history.substeps;
-    if (flight.samples[k].starts_segment) speed = record.mean(flight.samples[k].time_s, flight.samples[k].time_s + h);
+    if (sample.starts_segment)
+      speed = answer ? answer->speed_at(sample.time_s, sample.voltage_V)
+                     : flight.measured_speed.mean(sample.time_s, sample.time_s + h);
     history.at_sample[k] = speed;
     for (std::size_t s = 0; s < count; ++s) {
-      const double t = flight.samples[k].time_s + static_cast<double>(s) * h;
-      const RotorArray command = record.mean(t, t + h);
+      const double t = sample.time_s + static_cast<double>(s) * h;
       RotorArray& mean = history.mean[k * count + s];
       RotorArray& rise = history.acceleration[k * count + s];
-      if (!forces) {
-        const RotorArray ahead = record.mean(t + 0.5 * h, t + 1.5 * h), behind = record.mean(t - 0.5 * h, t + 0.5 * h);
-        mean = command;
-        for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (ahead[i] - behind[i]) / h;
-        speed = ahead;
+      const RotorArray before = speed;
+      if (answer) {
+        const Actuation& step = answer->over(t, h, sample.voltage_V, speed);
+        mean = step.mean_speed_radps;
+        speed = step.end_speed_radps;
+        for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (speed[i] - before[i]) / h;
         continue;
       }
-      past.from_s = t;
-      past.step_s = h;
-      actuation.time_s = t - flight.start_s;
-      actuation.step_s = h;
-      actuation.voltage_V = flight.samples[k].voltage_V;
-      actuation.command_radps = command;
-      actuation.start_speed_radps = speed;
-      forces->actuate(actuation);
-      mean = actuation.mean_speed_radps;
-      for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (actuation.end_speed_radps[i] - speed[i]) / h;
-      speed = actuation.end_speed_radps;
+      const CommandRecord& record = flight.measured_speed;
+      const RotorArray ahead = record.mean(t + 0.5 * h, t + 1.5 * h), behind = record.mean(t - 0.5 * h, t + 0.5 * h);
+      mean = record.mean(t, t + h);
+      for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (ahead[i] - behind[i]) / h;
+      speed = ahead;
     }
   }
   // a sample that is the mean of a group of rows saw the mean speed of that time, not the speed at its middle

@@ -514,6 +514,46 @@ FlightData prepare_flight(const FlightLog& log, const VehicleModel& vehicle, con
   return flight;
 }
 
+namespace {
+
+// The commands before which none is known for a while: the first, and the first after a gap.
+std::vector<double> first_commands_s(const FlightData& flight) {
+  const std::vector<double>& at_s = flight.commands.time_s();
+  std::vector<double> steps, first;
+  for (std::size_t k = 1; k < at_s.size(); ++k) steps.push_back(at_s[k] - at_s[k - 1]);
+  const double longest_s = std::max(spin_up_s, longest_interval_s(steps));
+  for (std::size_t k = 0; k < at_s.size(); ++k)
+    if (k == 0 || steps[k - 1] > longest_s) first.push_back(at_s[k]);
+  return first;
+}
+
+template <class Value>
+void keep(const std::vector<bool>& kept, std::vector<Value>& values) {
+  if (values.size() != kept.size()) return;
+  std::size_t to = 0;
+  for (std::size_t k = 0; k < kept.size(); ++k)
+    if (kept[k]) values[to++] = std::move(values[k]);
+  values.resize(to);
+}
+
+}  // namespace
+
+FlightData without_spin_up(FlightData flight) {
+  if (flight.each_rotor) flight.each_rotor = std::make_shared<FlightData>(without_spin_up(*flight.each_rotor));
+  if (!flight.measured_speed.empty()) return flight;
+  std::vector<bool> kept(flight.samples.size(), true);
+  for (const double from_s : first_commands_s(flight))
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      if (const double after_s = flight.samples[k].time_s - from_s; after_s >= 0.0 && after_s < spin_up_s)
+        kept[k] = false;
+  for (std::size_t k = 1; k < kept.size(); ++k)
+    if (kept[k] && !kept[k - 1]) flight.samples[k].starts_segment = true;
+  keep(kept, flight.motion);
+  keep(kept, flight.gyro);
+  keep(kept, flight.samples);
+  return flight;
+}
+
 double rate_half_window_s(const FlightData& flight) {
   return std::max(flight.as_recorded ? 0.0 : 0.063, 3.1 * flight.sample_s);
 }

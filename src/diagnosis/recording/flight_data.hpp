@@ -137,6 +137,9 @@ struct FlightData {
   double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s - samples.front().time_s; }
 };
 
+// how long a motor remembers how fast it turned: some time constants of a slow one
+inline constexpr double spin_up_s = 0.15;
+
 struct ReadingOptions {
   std::optional<bool> linear_hold;  // overrides the log when it does not say
   double max_rate_hz = 255.0;       // faster logs are read more slowly
@@ -152,6 +155,9 @@ struct ReadingOptions {
   bool total_thrust = false;
   SensorLatency late = {};
 };
+
+// The flight without what motors do that still remember how fast they turned before the first command, or before one that comes after a gap.
+FlightData without_spin_up(FlightData flight);
 
 // Rows (last with a value, next with one) between which a column has none for more than 0.1 s and five of its intervals.
 std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s,

@@ -153,8 +153,9 @@ inline constexpr double level_share = 0.01;
 inline constexpr double kept_heading = 0.97, tilt_share = 0.07;
 // Force against moment: a force that would be seen.
 // Statistic: χ² of the force, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), whose moment
-// has between a fiftieth and a twentieth of its Δχ². Costs: what is not compared is not doubted.
-inline constexpr double least_force_seen = 25.0, least_force_share = 0.05;
+// has between a fiftieth and a twentieth of its Δχ²; an inflow of the simulator, whose air turns nothing: 0.027 and 0.059. Costs: what is not
+// compared is not doubted.
+inline constexpr double least_force_seen = 25.0, least_force_share = 0.02;
 
 // ---- what is left
 

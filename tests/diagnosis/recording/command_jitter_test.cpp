@@ -191,7 +191,7 @@ TEST(CommandJitterTrials, LeavesWhatShiftsTheTorques) {
 TEST(CommandJitterTrials, OfTheThrustLeavesItsMean) {
   const TemporaryFolder folder;
   test::TrialSettings settings = sampled_loop("pid", 2.0);
-  settings.fit = {"circle"};
+  settings.fit = {"circle", "lemniscate"};
   settings.holdout = {"multisine"};
   settings.duration_s = 20.0;
   settings.concealed = R"({type = "mass", delta = 0.06})";
