@@ -1,5 +1,6 @@
 """Where outputs go: devices and links stay what they are, nothing of others is lost, errors leave nothing half."""
 
+import json
 import os
 import shutil
 import signal
@@ -127,7 +128,7 @@ class Models(Commands):
     def test_a_diagnosis_without_names_writes_a_model_that_replay_takes(self):
         self.call("diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg")
         model = self.folder / "dg" / "augmented.toml"
-        self.assertEqual(tomllib.loads(model.read_text())["effect"], [])
+        self.assertEqual(json.loads((model.parent / "diagnosis.json").read_text(encoding="utf-8"))["effects"], [])
         self.assertIn("with effects", self.call("replay", "trials/nothing/fit_1.csv", "--with", str(model))[0])
 
 

@@ -132,9 +132,9 @@ class IdentifyCli(unittest.TestCase):
         said = self.run_identify("a.csv", "--vehicle", "iris").stderr
         self.assertEqual(said, 'warning: a.csv: flown by "crazyflie", and --vehicle iris is "iris"\n')
 
-    def test_a_place_that_cannot_be_written_is_4(self):
+    def test_a_place_that_is_not_there_is_2(self):
         done = self.run_identify("a.csv", "--out", "no/such/folder/model.toml")
-        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertEqual(done.returncode, 2, done.stderr)
         self.assertEqual(done.stdout, "")
 
 

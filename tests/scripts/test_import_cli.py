@@ -152,7 +152,7 @@ class BadInput(ImportCase):
 
     def test_output_that_cannot_be_written(self):
         in_the_way = self.write("file", "")
-        self.fails(4, "cannot write", self.log(csv(flight())), "--map", self.map, "--out", in_the_way / "out")
+        self.fails(2, "is a file, not a folder", self.log(csv(flight())), "--map", self.map, "--out", in_the_way / "out")
 
     def test_no_measurement(self):
         columns = {name: values for name, values in flight().items() if name in ("t", "m1", "m2", "m3", "m4")}

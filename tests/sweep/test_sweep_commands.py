@@ -162,10 +162,10 @@ class Mistakes(Commands):
         self.expect(2, "there are results already", "sweep", self.experiment, "--out", "a")
         self.expect(2, "another experiment", "sweep", self.experiment, "--out", "a", "--seed", "2", "--resume")
 
-    def test_place_that_cannot_be_written_is_exit_4(self):
+    def test_place_that_is_a_file_is_exit_2(self):
         (self.folder / "file").write_text("")
-        self.expect(4, "file/new", "sweep", self.experiment, "--out", "file/new")
-        self.expect(4, "file/new", "run", self.experiment, "--trajectory", "hover", "--controller", "pid", "--out", "file/new")
+        self.expect(2, "file/new", "sweep", self.experiment, "--out", "file/new")
+        self.expect(2, "file/new", "run", self.experiment, "--trajectory", "hover", "--controller", "pid", "--out", "file/new")
 
 
 class Tables(Commands):

@@ -17,6 +17,8 @@ namespace {
 
 // −2 log likelihood of one flight, its commands read some time later, each with the noise that fits it best
 double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
+  // whenever they are read, of the same samples
+  flight = without_spin_up(std::move(flight), 2.0 * spin_up_s);
   flight.commands.delay(later_s);
   flight.measured_speed.delay(later_s);
   std::vector<FlightData> one;

@@ -538,13 +538,13 @@ void keep(const std::vector<bool>& kept, std::vector<Value>& values) {
 
 }  // namespace
 
-FlightData without_spin_up(FlightData flight) {
-  if (flight.each_rotor) flight.each_rotor = std::make_shared<FlightData>(without_spin_up(*flight.each_rotor));
+FlightData without_spin_up(FlightData flight, double spin_up) {
+  if (flight.each_rotor) flight.each_rotor = std::make_shared<FlightData>(without_spin_up(*flight.each_rotor, spin_up));
   if (!flight.measured_speed.empty()) return flight;
   std::vector<bool> kept(flight.samples.size(), true);
   for (const double from_s : first_commands_s(flight))
     for (std::size_t k = 0; k < kept.size(); ++k)
-      if (const double after_s = flight.samples[k].time_s - from_s; after_s >= 0.0 && after_s < spin_up_s)
+      if (const double after_s = flight.samples[k].time_s - from_s; after_s >= 0.0 && after_s < spin_up)
         kept[k] = false;
   for (std::size_t k = 1; k < kept.size(); ++k)
     if (kept[k] && !kept[k - 1]) flight.samples[k].starts_segment = true;

@@ -157,7 +157,7 @@ struct ReadingOptions {
 };
 
 // The flight without what motors do that still remember how fast they turned before the first command, or before one that comes after a gap.
-FlightData without_spin_up(FlightData flight);
+FlightData without_spin_up(FlightData flight, double spin_up = spin_up_s);
 
 // Rows (last with a value, next with one) between which a column has none for more than 0.1 s and five of its intervals.
 std::vector<std::pair<std::size_t, std::size_t>> pose_gaps(const std::vector<double>& time_s,

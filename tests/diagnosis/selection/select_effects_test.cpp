@@ -129,7 +129,7 @@ TEST_F(SelectEffects, AReferenceFlightMakesThemTheVehicles) {
   const auto mass = std::find_if(normal.effects.begin(), normal.effects.end(),
                                  [](const EffectFinding& e) { return e.effect == "mass"; });
   ASSERT_NE(mass, normal.effects.end());
-  EXPECT_NEAR(mass->parameters.front().value, selection.value[column("mass")], 1e-9);
+  EXPECT_NEAR(mass->parameters.front().value, selection.value[column("mass")], 1e-6);
   const auto& effects = normal.vehicle.effects;
   EXPECT_TRUE(std::any_of(effects.begin(), effects.end(), [](const EffectSpec& e) { return e.type == "mass"; }));
 }
