@@ -59,10 +59,13 @@ std::vector<double> command_offsets(const std::vector<FlightData>& fit, const st
     if (!delay[i] || *delay[i] - least <= decisions::least_offset_samples * all[i]->sample_s) continue;
     // a controller that answers sensor noise moves the correlation's peak, not the likelihood's; a lag that all flights share
     // moves both, but then the promptest flight does not refute later commands, either
-    const double later_s = *delay[i] - least;
     const auto gain = [&](const FlightData& flight, double at_s) {
       return misfit(flight, vehicle, 0.0) - misfit(flight, vehicle, at_s);
     };
+    // the peak of a correlation is near the likeliest
+    const double about_s = *delay[i] - least;
+    const double later_s = std::ranges::max(std::array{0.75 * about_s, about_s, 1.25 * about_s}, {},
+                                            [&](double at_s) { return gain(*all[i], at_s); });
     if (!is_likeliest(later_s, [&](double at_s) { return gain(*all[i], at_s); }) ||
         gain(*all[promptest], later_s) > -decisions::least_offset_loss)
       continue;
