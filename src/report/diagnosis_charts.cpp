@@ -319,15 +319,12 @@ std::string motor_chart(const DiagnosisFigures& figures) {
   chart.title = (motors.size() == 1 ? capital(motors.front().name) : "Motors") + ", as recorded (means of 0.1 s)";
   chart.x_label = "time [s]";
   chart.y_label = figures.window.motor_unit;
-  for (std::size_t i = 0; i < figures.window.motors.size(); ++i) {
-    const DiagnosisFigures::Trace& motor = figures.window.motors[i];
-    chart.series.push_back({series_style(i), svg::Mark::line, motor.time_s, motor.measured, {}, {}});
-  }
+  for (std::size_t i = 0; i < motors.size(); ++i)
+    chart.series.push_back({series_style(i), svg::Mark::line, motors[i].time_s, motors[i].measured, {}, {}});
   const std::string drawn = svg::draw(chart);
   if (drawn.empty()) return "";
   std::vector<std::pair<std::string, std::string>> entries;
-  for (std::size_t i = 0; i < figures.window.motors.size(); ++i)
-    entries.emplace_back(series_style(i), figures.window.motors[i].name);
+  for (std::size_t i = 0; i < motors.size(); ++i) entries.emplace_back(series_style(i), motors[i].name);
   return "<div>" + drawn + legend(entries) + "</div>";
 }
 

@@ -28,12 +28,17 @@ namespace fs = std::filesystem;
 constexpr std::string_view standard_output = "-";
 constexpr int most_links = 40;  // as Linux has it
 
+// `path`, or the nearest folder above it that is there; empty: none of a relative path is
+fs::path nearest_there(fs::path path) {
+  std::error_code error;
+  while (path.has_relative_path() && !fs::exists(fs::status(path, error))) path = path.parent_path();
+  return path;
+}
+
 // the file that stands where a folder of `path` should be; empty: there is none
 std::string file_on_the_way(const fs::path& path) {
   std::error_code error;
-  fs::path there = path;
-  while (!there.empty() && there.has_relative_path() && !fs::exists(fs::status(there, error)))
-    there = there.parent_path();
+  const fs::path there = nearest_there(path);
   return fs::exists(there, error) && !fs::is_directory(there, error) ? there.string() : "";
 }
 
@@ -233,8 +238,7 @@ void check_file_can_be_written(const std::string& path) {
 
 void check_folder_can_be_made(const std::string& path) {
   std::error_code error;
-  fs::path there = fs::absolute(path);
-  while (!fs::exists(fs::status(there, error)) && there.has_relative_path()) there = there.parent_path();
+  const fs::path there = nearest_there(fs::absolute(path));
   const int reason = !fs::is_directory(there, error) ? ENOTDIR : access(there.c_str(), W_OK | X_OK) != 0 ? errno : 0;
   if (reason != 0) fail(path, no_folder, reason);
 }

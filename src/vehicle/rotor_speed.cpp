@@ -43,4 +43,11 @@ double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, Actuat
       vehicle.source_path, to_string(kind), to_string(kind), to_string(kind), to_string(kind)));
 }
 
+double thrust_N(const VehicleModel& vehicle, const RotorArray& speed_radps) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
+    sum += vehicle.rotors[i].thrust_coefficient_Ns2 * std::pow(speed_radps[i], 2);
+  return sum;
+}
+
 }  // namespace gustlab

@@ -532,20 +532,28 @@ TEST(DiagnosisPage, ATotalThrustIsNoRotor) {
               AllOf(HasSubstr(">Total thrust, as recorded"), HasSubstr(">total thrust<"), Not(HasSubstr(">rotor 1<"))));
 }
 
-// a lag of 820 ms "everywhere" beside "how late a torque is, is not told" made every other bar invisible
-TEST(DiagnosisPage, ALagThatCannotBeToldIsNotJudged) {
+// commands are answered late, as two lags would show
+Json late_answer(double rms_s, double noise_s) {
   Json diagnosis = example_diagnosis();
   diagnosis["mismatch"].push_back({{"channel", "actuation"},
                                    {"significant", true},
-                                   {"rms", 0.82},
-                                   {"noise_rms", 0.003},
+                                   {"rms", rms_s},
+                                   {"noise_rms", noise_s},
                                    {"unit", "s"},
                                    {"effects", {"a_lag", "another_lag"}}});
-  const auto row = [&] {
-    const std::string html = diagnosis_page(diagnosis, {});
-    const std::size_t at = html.find("answer to commands");
-    return html.substr(at, html.find("</tr>", at) - at);
-  };
+  return diagnosis;
+}
+
+std::string answer_row(const Json& diagnosis) {
+  const std::string html = diagnosis_page(diagnosis, {});
+  const std::size_t at = html.find("answer to commands");
+  return html.substr(at, html.find("</tr>", at) - at);
+}
+
+// a lag of 820 ms "everywhere" beside "how late a torque is, is not told" made every other bar invisible
+TEST(DiagnosisPage, ALagThatCannotBeToldIsNotJudged) {
+  Json diagnosis = late_answer(0.82, 0.003);
+  const auto row = [&] { return answer_row(diagnosis); };
   EXPECT_THAT(row(), HasSubstr("820 ms"));
   for (const char* name : {"a_lag", "another_lag"}) {
     EXPECT_THAT(row(), HasSubstr("820 ms")) << "one of the two would show";
@@ -557,18 +565,8 @@ TEST(DiagnosisPage, ALagThatCannotBeToldIsNotJudged) {
 
 // 609 ms of a lag, where a wind was named that does as well
 TEST(DiagnosisPage, ALagThatLooksLikeWhatIsNamedIsNotJudged) {
-  Json diagnosis = example_diagnosis();
-  diagnosis["mismatch"].push_back({{"channel", "actuation"},
-                                   {"significant", true},
-                                   {"rms", 0.609},
-                                   {"noise_rms", 0.004},
-                                   {"unit", "s"},
-                                   {"effects", {"a_lag", "another_lag"}}});
-  const auto row = [&] {
-    const std::string html = diagnosis_page(diagnosis, {});
-    const std::size_t at = html.find("answer to commands");
-    return html.substr(at, html.find("</tr>", at) - at);
-  };
+  Json diagnosis = late_answer(0.609, 0.004);
+  const auto row = [&] { return answer_row(diagnosis); };
   diagnosis["effects"][0]["class"] = {diagnosis["effects"][0]["effect"], "a_lag"};
   EXPECT_THAT(row(), HasSubstr("609 ms"));
   diagnosis["effects"][0]["class"].push_back("another_lag");

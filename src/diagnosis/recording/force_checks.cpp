@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "diagnosis/recording/flight_data.hpp"
+#include "vehicle/rotor_speed.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -36,11 +37,7 @@ struct Windows {
 };
 
 double thrust_per_mass(const CommandRecord& record, const VehicleModel& vehicle, double time_s, double interval_s) {
-  const RotorArray speed = record.mean(time_s, time_s + interval_s);
-  double thrust = 0.0;
-  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i)
-    thrust += vehicle.rotors[i].thrust_coefficient_Ns2 * std::pow(speed[i], 2);
-  return thrust / vehicle.mass_kg;
+  return thrust_N(vehicle, record.mean(time_s, time_s + interval_s)) / vehicle.mass_kg;
 }
 
 Windows windows_of(const FlightLog& log, const VehicleModel& vehicle) {

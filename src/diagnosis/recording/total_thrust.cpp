@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -17,19 +18,13 @@ namespace {
 
 constexpr double averaged_s = 2.0, longest_gap_s = 0.3;
 
-double thrust_N(const VehicleModel& vehicle, const RotorArray& speed_radps) {
-  double sum = 0.0;
+// as rows of a log of this actuator have it
+RotorArray speeds_radps(const VehicleModel& vehicle, ActuatorKind kind,
+                        const std::function<double(std::size_t)>& input) {
+  RotorArray speeds{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
-    sum += vehicle.rotors[i].thrust_coefficient_Ns2 * std::pow(speed_radps[i], 2);
-  return sum;
-}
-
-// the same speed of all rotors with this total, which is how a total thrust flies
-RotorArray equal_speeds(const VehicleModel& vehicle, double total_N) {
-  RotorArray one{};
-  std::fill_n(one.begin(), vehicle.rotor_count, 1.0);
-  std::fill_n(one.begin(), vehicle.rotor_count, std::sqrt(total_N / thrust_N(vehicle, one)));
-  return one;
+    speeds[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], kind, input(i));
+  return speeds;
 }
 
 // Mean thrust over each command's time, N, as the vehicle's own actuation makes it of these commands.
@@ -69,10 +64,11 @@ void add_rectified(const VehicleModel& vehicle, const std::vector<double>& time_
   if (vehicle.effects.empty() || time_s.empty()) return;
   ForceModel forces(vehicle, make_flown_effects(vehicle.effects));
   forces.prepare(1e-3, 0, 0);
-  std::vector<RotorArray> equal;
-  for (const double total : total_N) equal.push_back(equal_speeds(vehicle, total));
+  std::vector<RotorArray> of_total;
+  for (const double total : total_N)
+    of_total.push_back(speeds_radps(vehicle, ActuatorKind::collective_thrust, [total](std::size_t) { return total; }));
   std::vector<double> gained = made_N(vehicle, forces, time_s, command_radps);
-  const std::vector<double> of_sum = made_N(vehicle, forces, time_s, equal);
+  const std::vector<double> of_sum = made_N(vehicle, forces, time_s, of_total);
   for (std::size_t k = 0; k < gained.size(); ++k) gained[k] -= of_sum[k];
   gained = running_mean(time_s, gained, averaged_s);
   for (std::size_t k = 0; k < gained.size(); ++k) total_N[k] = std::max(0.0, total_N[k] + gained[k]);
@@ -94,9 +90,7 @@ FlightLog with_total_thrust(FlightLog log, const VehicleModel& vehicle) {
   std::vector<double> time_s, total_N;
   std::vector<RotorArray> command_radps;
   for (std::size_t k = 0; k < log.rows(); ++k) {
-    RotorArray command{};
-    for (std::size_t i = 0; i < input.size(); ++i)
-      command[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], log.meta.actuator, (*input[i])[k]);
+    const RotorArray command = speeds_radps(vehicle, log.meta.actuator, [&](std::size_t i) { return (*input[i])[k]; });
     const double total = thrust_N(vehicle, command);
     if (std::isnan(total)) continue;
     row.push_back(k);

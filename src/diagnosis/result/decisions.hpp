@@ -21,13 +21,11 @@ inline constexpr double block_s = 0.5;
 // Statistic: share of the variance of the commanded torque that is white from sample to sample. From: real logs 0.00 to 0.15; a 500 Hz loop
 // with a noisy gyroscope that was logged at 100 Hz 0.4 to 0.7. Costs: not measured.
 inline constexpr double most_command_jitter = 0.25;
-// Commands of one flight are read later when its own likelihood rises so much, and no more than this share of that at half and at one and a half
-// of it, and that of the promptest flight falls.
-// Statistic: twice the log likelihood; a share of it; difference of two delays in samples. From: three standard deviations for the fall; 0.75
-// where the likelihood is a parabola, 1 to 1.5 where commands answer rough air; no derivation for the rise and the samples. Costs: smaller
-// offsets between clocks stay, and look like a delay of part of the flights.
-inline constexpr double least_offset_gain = 100.0, most_beside_offset = 1.0, least_offset_loss = 9.0,
-                        least_offset_samples = 0.6;
+// Commands of one flight are read later when its own likelihood rises so much, and no more at half and at one and a half of it, and that of the
+// promptest flight falls.
+// Statistic: twice the log likelihood; difference of two delays in samples. From: three standard deviations for the fall; no derivation for the
+// rise and the samples. Costs: smaller offsets between clocks stay, and look like a delay of part of the flights.
+inline constexpr double least_offset_gain = 100.0, least_offset_loss = 9.0, least_offset_samples = 0.6;
 
 // ---- noise
 
