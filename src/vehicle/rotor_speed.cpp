@@ -43,6 +43,14 @@ double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, Actuat
       vehicle.source_path, to_string(kind), to_string(kind), to_string(kind), to_string(kind)));
 }
 
+RotorArray speeds_radps(const VehicleModel& vehicle, ActuatorKind kind,
+                        const std::function<double(std::size_t)>& input) {
+  RotorArray speeds{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
+    speeds[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], kind, input(i));
+  return speeds;
+}
+
 double thrust_N(const VehicleModel& vehicle, const RotorArray& speed_radps) {
   double sum = 0.0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)

@@ -60,13 +60,9 @@ ActuatorKind inputs_of(const FlightLog& log, const VehicleModel& vehicle,
 double thrust_mps2(const VehicleModel& vehicle, const std::vector<const std::vector<double>*>& inputs,
                    ActuatorKind kind, std::size_t row) {
   if (inputs.empty()) return usual_gravity_mps2;
-  double thrust = 0.0;
-  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
-    const Rotor& rotor = vehicle.rotors[i];
-    thrust += rotor.thrust_coefficient_Ns2 *
-              std::pow(rotor_speed_radps(vehicle, rotor, kind, (*inputs[std::min(i, inputs.size() - 1)])[row]), 2);
-  }
-  return thrust / vehicle.mass_kg;
+  return thrust_N(vehicle, speeds_radps(vehicle, kind,
+                                        [&](std::size_t i) { return (*inputs[std::min(i, inputs.size() - 1)])[row]; })) /
+         vehicle.mass_kg;
 }
 
 // horizontal part of the body's z axis in W

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 #include <vector>
 
@@ -17,15 +16,6 @@ namespace gustlab::diagnosis {
 namespace {
 
 constexpr double averaged_s = 2.0, longest_gap_s = 0.3;
-
-// as rows of a log of this actuator have it
-RotorArray speeds_radps(const VehicleModel& vehicle, ActuatorKind kind,
-                        const std::function<double(std::size_t)>& input) {
-  RotorArray speeds{};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i)
-    speeds[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], kind, input(i));
-  return speeds;
-}
 
 // Mean thrust over each command's time, N, as the vehicle's own actuation makes it of these commands.
 std::vector<double> made_N(const VehicleModel& vehicle, const ForceModel& forces, const std::vector<double>& time_s,

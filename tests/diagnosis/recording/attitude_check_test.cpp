@@ -16,8 +16,9 @@ using ::testing::HasSubstr;
 enum class Written { right, scalar_last, world_to_body };
 
 // twenty seconds of a hover that leans by some mrad, partly against a gust that cancels it, and is pushed by something else
-// as well; a sample every 10 ms
-FlightLog hover(double lean_rad, double push_mps2, double yaw_rad, Written written, double cancelled = 0.0) {
+// as well, with `load` times the weight; a sample every 10 ms
+FlightLog hover(double lean_rad, double push_mps2, double yaw_rad, Written written, double cancelled = 0.0,
+                double load = 1.0) {
   const RandomStream stream(1, 0, "hover");
   FlightLog log;
   log.path = "somewhere/hover.csv";
@@ -36,7 +37,7 @@ FlightLog hover(double lean_rad, double push_mps2, double yaw_rad, Written writt
       log.columns[i].values.push_back(velocity_W_mps[static_cast<int>(i)] + 0.002 * noise[i]);
     for (std::size_t i = 0; i < 4; ++i)
       log.columns[2 + i].values.push_back((written == Written::scalar_last ? last : right)[i]);
-    velocity_W_mps += 0.01 * ((1.0 - cancelled) * 9.81 * (q * Vector3::UnitZ()) +
+    velocity_W_mps += 0.01 * ((1.0 - cancelled) * load * 9.81 * (q * Vector3::UnitZ()) +
                               push_mps2 * Vector3(std::sin(0.9 * t), std::cos(1.7 * t), 0.0));
   }
   return log;
@@ -64,6 +65,19 @@ TEST(AttitudeCheck, AnotherOrderOfTheQuaternionIsNamed) {
   const auto found = check_attitude(hover(0.02, 0.05, 0.4, Written::world_to_body), test::crazyflie());
   ASSERT_EQ(found.size(), 1u);
   EXPECT_THAT(found[0].says, HasSubstr("were world-to-body: set aside"));
+}
+
+// a vehicle that pulls 3 g accelerates three times as much as it leans at hover
+TEST(AttitudeCheck, TheThrustThatIsCommandedIsWhatLeans) {
+  const VehicleModel vehicle = test::crazyflie();
+  FlightLog log = hover(0.02, 0.05, 0.4, Written::scalar_last, 0.0, 3.0);
+  EXPECT_TRUE(check_attitude(log, vehicle).empty());
+  log.meta.actuator = ActuatorKind::thrust;
+  for (const char* name : {"u1", "u2", "u3", "u4"})
+    log.columns.push_back({name, std::vector<double>(log.rows(), 3.0 * 9.81 * vehicle.mass_kg / 4.0)});
+  const auto found = check_attitude(log, vehicle);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0].says, HasSubstr("were scalar-last: set aside"));
 }
 
 // heading the other way, the inverse of an attitude leans nearly as the attitude does: what is left over tells them apart
