@@ -202,6 +202,8 @@ Column Catalogue::column_of(const EffectRow& row, const Number& number) const {
   column.known_to = number.info.known_to * scale;
   if (number.info.plausible > 0.0)
     column.max = number.info.plausible * scale, column.min = std::max(number.info.min, -column.max);
+  // below zero it would be as the number before it
+  if (number.info.fitted == Fitted::unless_negative) column.min = 0.0;
   // a switch, near one
   if (row.column == ColumnFrom::speed_limit)
     column.natural = 1.0, column.tolerance = 0.0, column.min = 0.5, column.max = 1.6, column.nominal = 0.0;
