@@ -12,7 +12,8 @@ namespace gustlab {
 double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, ActuatorKind kind, double input);
 
 // Those that the inputs of a row ask for; `input(i)` is that of rotor i, from 0.
-RotorArray speeds_radps(const VehicleModel& vehicle, ActuatorKind kind, const std::function<double(std::size_t)>& input);
+RotorArray speeds_radps(const VehicleModel& vehicle, ActuatorKind kind,
+                        const std::function<double(std::size_t)>& input);
 
 // All rotors' thrust at these speeds, N.
 double thrust_N(const VehicleModel& vehicle, const RotorArray& speed_radps);

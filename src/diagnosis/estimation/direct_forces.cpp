@@ -6,21 +6,21 @@
 namespace gustlab::diagnosis {
 
 Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                       const std::vector<SpatialAccelerations>* extra) {
+                       const FurtherColumns& further) {
   const auto own = static_cast<Eigen::Index>(flight.columns.size());
-  const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
+  const Eigen::Index more = further.size;
   Whitened out;
   out.rows.resize(static_cast<Eigen::Index>(3 * flight.size()), own + more + 1);
   Eigen::Index row_index = 0;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> extra_felt;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> further_felt;
   for (std::size_t k = 0; k < flight.size(); ++k) {
-    if (more > 0) extra_felt = felt((*extra)[k], flight.R_WB[k]);
+    if (more > 0) further_felt = felt(further.at(k), flight.R_WB[k]);
     for (int axis = 0; axis < 3; ++axis) {
       const int r = first_force_row + axis;
       if (!flight.measured[k][r]) continue;
       auto row = out.rows.row(row_index);
-      if (own > 0) row.head(own) = flight.D[k].row(r);
-      if (more > 0) row.segment(own, more) = extra_felt.row(axis);
+      if (own > 0) row.head(own) = flight.felt_by[k].row(axis);
+      if (more > 0) row.segment(own, more) = further_felt.row(axis);
       row[own + more] = flight.y[k][r];
       const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(axis)]);
       const double variance = noise.variance[g] * std::max(1.0, 2.0 * noise.time_s[g] / flight.interval_s[k]);

@@ -11,7 +11,7 @@ namespace gustlab::diagnosis {
 // As whiten(): rows are residuals of the specific force over the square root of the disturbance's long-run variance,
 // 2 σ² τ / Δt for an Ornstein–Uhlenbeck process (σ, τ) sampled every Δt.
 Whitened whiten_forces(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                       const std::vector<SpatialAccelerations>* extra);
+                       const FurtherColumns& further = {});
 
 // As smooth(): the disturbance is the residual itself, in W.
 Smoothed smooth_forces(const LinearFlight& flight);

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <utility>
 
-#include "diagnosis/estimation/row_products.hpp"
 #include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
@@ -60,41 +59,46 @@ void Grams::shift(const Eigen::VectorXd& d) {
   }
 }
 
-void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size,
-                Grams& grams) {
-  grams.columns = catalogue_size;
-  std::vector<int> at = columns;
-  at.push_back(catalogue_size);
-  const auto width = static_cast<Eigen::Index>(at.size());
-  const std::size_t rows = whitened.time_s.size();
-  const double start_s = rows > 0 ? whitened.time_s.front() : 0.0;
-  int last_cluster = -1, blocks = 0;
-  for (std::size_t first = 0; first < rows;) {
-    const auto index = std::floor((whitened.time_s[first] - start_s) / block_s);
-    std::size_t last = first;
-    while (last < rows && std::floor((whitened.time_s[last] - start_s) / block_s) == index) ++last;
-    // the rows of a block that count
-    Rows kept = Rows::Zero(static_cast<Eigen::Index>(last - first), padded(width));
-    Eigen::Index count = 0;
-    for (std::size_t k = first; k < last; ++k)
-      if (whitened.warm[k]) kept.row(count++).head(width) = whitened.rows.row(static_cast<Eigen::Index>(k));
-    const double begin_s = whitened.time_s[first];
-    first = last;
-    if (count == 0) continue;
-    Rows local(padded(width), padded(width));
-    products_of_columns(kept, count, local);
-    Eigen::MatrixXd full = Eigen::MatrixXd::Zero(catalogue_size + 1, catalogue_size + 1);
-    for (Eigen::Index j = 0; j < width; ++j)
-      for (Eigen::Index i = 0; i < width; ++i)
-        full(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) = local(i, j);
-    grams.block.push_back(std::move(full));
-    grams.flight.push_back(flight);
-    grams.known.push_back(false);
-    grams.time_s.push_back(begin_s);
-    if (blocks++ % 2 == 0) last_cluster = grams.clusters++;
-    grams.cluster.push_back(last_cluster);
-    grams.rows += static_cast<double>(count);
+GramBlocks::GramBlocks(std::vector<int> columns, int flight, int catalogue_size, Grams& grams)
+    : at_(std::move(columns)), flight_(flight), grams_(grams) {
+  grams_.columns = catalogue_size;
+  at_.push_back(catalogue_size);
+}
+
+void GramBlocks::add(double time_s, bool warm, const double* columns, double y) {
+  if (!start_s_) start_s_ = begin_s_ = time_s;
+  const double block = std::floor((time_s - *start_s_) / block_s);
+  if (block != block_) finish_block(), block_ = block, begin_s_ = time_s;
+  if (!warm) return;
+  const auto width = std::ssize(at_);
+  if (count_ == kept_.rows()) kept_.conservativeResizeLike(Rows::Zero(2 * count_ + 64, padded(width)));
+  kept_.row(count_).head(width - 1) = Eigen::Map<const Eigen::RowVectorXd>(columns, width - 1);
+  kept_(count_++, width - 1) = y;
+}
+
+void GramBlocks::add(const Whitened& whitened) {
+  const Eigen::Index y_at = whitened.rows.cols() - 1;
+  for (std::size_t k = 0; k < whitened.time_s.size(); ++k) {
+    const double* row = whitened.rows.data() + static_cast<Eigen::Index>(k) * (y_at + 1);
+    add(whitened.time_s[k], whitened.warm[k], row, row[y_at]);
   }
+}
+
+void GramBlocks::finish_block() {
+  if (count_ == 0) return;
+  Rows local(kept_.cols(), kept_.cols());
+  products_of_columns(kept_, count_, local);
+  Eigen::MatrixXd& full = grams_.block.emplace_back(Eigen::MatrixXd::Zero(grams_.columns + 1, grams_.columns + 1));
+  for (std::size_t j = 0; j < at_.size(); ++j)
+    for (std::size_t i = 0; i < at_.size(); ++i)
+      full(at_[i], at_[j]) = local(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  grams_.flight.push_back(flight_);
+  grams_.known.push_back(false);
+  grams_.time_s.push_back(begin_s_);
+  if (blocks_++ % 2 == 0) last_cluster_ = grams_.clusters++;
+  grams_.cluster.push_back(last_cluster_);
+  grams_.rows += static_cast<double>(count_);
+  count_ = 0;
 }
 
 void append(Grams&& more, Grams& grams) {

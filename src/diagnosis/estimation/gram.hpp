@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "diagnosis/estimation/innovations.hpp"
+#include "diagnosis/estimation/row_products.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -25,9 +27,28 @@ struct Grams {
   // z becomes z + Φ d: coefficients are then counted from θ₀ − d.
   void shift(const Eigen::VectorXd& d);
 };
-// Adds one flight's innovations; rows that are not warm do not count.
-void accumulate(const Whitened& whitened, const std::vector<int>& columns, int flight, int catalogue_size,
-                Grams& grams);
+// Adds one flight's innovations, which come in order of time; rows that are not warm do not count.
+class GramBlocks {
+ public:
+  // `columns`: of the catalogue, those that the rows have
+  GramBlocks(std::vector<int> columns, int flight, int catalogue_size, Grams& grams);
+  ~GramBlocks() { finish_block(); }
+  GramBlocks(const GramBlocks&) = delete;
+  GramBlocks& operator=(const GramBlocks&) = delete;
+  // One whitened innovation: of every column, and of y.
+  void add(double time_s, bool warm, const double* columns, double y);
+  void add(const Whitened& whitened);
+
+ private:
+  void finish_block();
+  std::vector<int> at_;  // columns and y in a block
+  int flight_, last_cluster_ = -1, blocks_ = 0;
+  Grams& grams_;
+  std::optional<double> start_s_;
+  double begin_s_ = 0.0, block_ = 0.0;  // of the present block: its first row, its number
+  Rows kept_;                           // its rows that count
+  Eigen::Index count_ = 0;
+};
 
 // Those of further flights.
 void append(Grams&& more, Grams& grams);

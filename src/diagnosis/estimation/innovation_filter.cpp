@@ -15,42 +15,46 @@ using RowMap = Eigen::Map<Eigen::RowVectorXd>;
 
 // Passes along a flight; `row(k, r, variance, z, warm)` sees every innovation: z[0] is y's, z[1] the first column's.
 template <int size, class Row>
-void pass_along(const LinearFlight& flight, const NoiseModel& noise, const std::vector<SpatialAccelerations>* extra,
-                const Row& row) {
+void pass_along(const LinearFlight& flight, const NoiseModel& noise, const FurtherColumns& further, const Row& row) {
   const std::size_t n = flight.size();
   const auto own = static_cast<Eigen::Index>(flight.columns.size());
-  const Eigen::Index more = extra ? (*extra)[0].cols() : 0;
+  const Eigen::Index more = further.size;
   FilterPass<size> filter(flight, noise, own + more);
   std::size_t since_start = 0;
   for (std::size_t k = 0; k < n; ++k) {
     if (flight.starts[k]) filter.start(k), since_start = 0;
+    const SpatialAccelerations* moves = more > 0 ? &further.at(k) : nullptr;
     filter.measure(k, [&](int r, double* e) {
       double* columns = e + filter.first_column;
-      if (own > 0) RowMap(columns, own) += flight.D[k].row(r);
+      if (own > 0 && r >= first_force_row) RowMap(columns, own) += flight.felt_by[k].row(r - first_force_row);
+      for (std::size_t i = 0; i < flight.sensed.size() && r < first_force_row; ++i)
+        columns[flight.sensed[i]] += flight.sensed_by[k](r, static_cast<Eigen::Index>(i));
       if (more > 0 && r >= first_force_row)
         RowMap(columns + own, more) +=
-            flight.R_WB[k].col(r - first_force_row).transpose() * (*extra)[k].template topRows<3>();
+            flight.R_WB[k].col(r - first_force_row).transpose() * moves->template topRows<3>();
     });
     for (Eigen::Index i = 0; i < filter.rows(); ++i)
       row(k, filter.row(i), filter.variance(i), &filter.innovations()(i, filter.y_at), since_start >= cold);
     ++since_start;
     if (k + 1 == n || flight.starts[k + 1]) continue;
     filter.advance(k);
-    if (own > 0) filter.state().block(0, filter.first_column, 12, own) += flight.B[k];
+    if (own > 0)
+      add_moved_by(flight.acceleration_by[k], flight.interval_s[k],
+                   filter.state().middleCols(filter.first_column, own));
     if (more > 0)
-      filter.state().block(0, filter.first_column + own, 12, more) += moved_by((*extra)[k], flight.interval_s[k]);
+      add_moved_by(*moves, flight.interval_s[k], filter.state().middleCols(filter.first_column + own, more));
   }
 }
 
 template <int size>
 Whitened whiten_with(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                     const std::vector<SpatialAccelerations>* extra) {
-  Eigen::Index rows = 0, columns = static_cast<Eigen::Index>(flight.columns.size()) + (extra ? (*extra)[0].cols() : 0);
+                     const FurtherColumns& further) {
+  Eigen::Index rows = 0, columns = static_cast<Eigen::Index>(flight.columns.size()) + further.size;
   for (const auto& measured : flight.measured) rows += measured.count();
   Whitened out;
   out.rows.resize(rows, columns + 1);
   rows = 0;
-  pass_along<size>(flight, noise, extra, [&](std::size_t k, int r, double variance, const double* z, bool warm) {
+  pass_along<size>(flight, noise, further, [&](std::size_t k, int r, double variance, const double* z, bool warm) {
     out.rows.row(rows).head(columns) = Eigen::Map<const Eigen::RowVectorXd>(z + 1, columns);
     out.rows(rows++, columns) = *z;
     out.minus_two_log_likelihood += std::log(variance) + *z * *z;
@@ -62,9 +66,17 @@ Whitened whiten_with(const FlightData& data, const LinearFlight& flight, const N
 }
 
 template <int size>
+void add_with(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise, GramBlocks& blocks,
+              const FurtherColumns& further) {
+  pass_along<size>(flight, noise, further, [&](std::size_t k, int, double, const double* z, bool warm) {
+    blocks.add(data.samples[k].time_s, warm, z + 1, *z);
+  });
+}
+
+template <int size>
 double misfit_with(const LinearFlight& flight, const NoiseModel& noise) {
   double sum = 0.0;
-  pass_along<size>(flight, noise, nullptr, [&](std::size_t, int, double variance, const double* z, bool) {
+  pass_along<size>(flight, noise, {}, [&](std::size_t, int, double variance, const double* z, bool) {
     sum += std::log(variance) + *z * *z;
   });
   return sum;
@@ -73,10 +85,17 @@ double misfit_with(const LinearFlight& flight, const NoiseModel& noise) {
 }  // namespace
 
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<SpatialAccelerations>* extra) {
-  if (flight.forces_alone) return whiten_forces(data, flight, noise, extra);
-  return noise.errors_last() ? whiten_with<state_size + row_count>(data, flight, noise, extra)
-                             : whiten_with<state_size>(data, flight, noise, extra);
+                const FurtherColumns& further) {
+  if (flight.forces_alone) return whiten_forces(data, flight, noise, further);
+  return noise.errors_last() ? whiten_with<state_size + row_count>(data, flight, noise, further)
+                             : whiten_with<state_size>(data, flight, noise, further);
+}
+
+void add_innovations(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise, GramBlocks& blocks,
+                     const FurtherColumns& further) {
+  if (flight.forces_alone) return blocks.add(whiten_forces(data, flight, noise, further));
+  noise.errors_last() ? add_with<state_size + row_count>(data, flight, noise, blocks, further)
+                      : add_with<state_size>(data, flight, noise, blocks, further);
 }
 
 double misfit(const LinearFlight& flight, const NoiseModel& noise) {

@@ -5,14 +5,19 @@
 #include <array>
 #include <vector>
 
+#include "diagnosis/estimation/gram.hpp"
 #include "diagnosis/estimation/noise_model.hpp"
 #include "diagnosis/recording/flight_data.hpp"
 
 namespace gustlab::diagnosis {
 
-// `extra`: further columns (6 × m accelerations per sample), appended before y.
+// `further` are appended before y.
 Whitened whiten(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise,
-                const std::vector<SpatialAccelerations>* extra = nullptr);
+                const FurtherColumns& further = {});
+
+// Adds the same innovations to `blocks`, without ever having all of them.
+void add_innovations(const FlightData& data, const LinearFlight& flight, const NoiseModel& noise, GramBlocks& blocks,
+                     const FurtherColumns& further = {});
 
 // −2 log likelihood of a flight without columns whose poses or torques are known.
 double misfit(const LinearFlight& flight, const NoiseModel& noise);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "diagnosis/model/linear_flight.hpp"
@@ -14,6 +15,12 @@ inline constexpr int disturbance_groups = 4;
 inline constexpr std::array<int, 6> disturbance_group = {0, 0, 1, 2, 2, 3};
 // groups of the measurement noise: position (or velocity), attitude, rate, specific force
 inline constexpr int noise_groups = 4;
+
+// Columns beside those of a linearised flight: 6 × size accelerations of a sample, valid until the next call.
+struct FurtherColumns {
+  Eigen::Index size = 0;
+  std::function<const SpatialAccelerations&(std::size_t sample)> at;
+};
 
 // Innovations of y (last column) and of every column of the flight, whitened: rows in the order of arrival.
 struct Whitened {

@@ -57,7 +57,7 @@ void balance_torques(const FlightData& each_rotor, const LinearFlight& linear, L
     AngularAccelerations by = AngularAccelerations::Zero(3, std::ssize(linear.columns));
     for (; last + 1 < n && !linear.starts[last + 1] && duration_s < averaged_s; ++last) {
       missing -= linear.b[last].tail<3>();
-      by += linear.B[last].bottomRows<3>();
+      by += linear.interval_s[last] * linear.acceleration_by[last].bottomRows<3>();
       turned += linear.interval_s[last] * each_rotor.motion[last].body_rate_B_radps;
       duration_s += linear.interval_s[last];
     }

@@ -290,13 +290,19 @@ void Session::forget_transitions() {
 
 LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& columns,
                        const Eigen::VectorXd& coefficient) {
-  LinearFlight rest{flight, {}, {}, {}, {}, {}};
+  LinearFlight rest;
+  static_cast<LinearPlant&>(rest) = flight;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto at = std::find(flight.columns.begin(), flight.columns.end(), columns[i]) - flight.columns.begin();
     if (at == std::ssize(flight.columns)) continue;
+    const auto sensed = std::ranges::find(flight.sensed, at) - flight.sensed.begin();
     for (std::size_t k = 0; k < rest.size(); ++k) {
-      rest.b[k] += coefficient[static_cast<Eigen::Index>(i)] * flight.B[k].col(at);
-      rest.y[k] -= coefficient[static_cast<Eigen::Index>(i)] * flight.D[k].col(at);
+      const SpatialAcceleration acceleration = flight.acceleration_by[k].col(at);
+      rest.b[k] += coefficient[static_cast<Eigen::Index>(i)] * moved_by(acceleration, flight.interval_s[k]);
+      rest.y[k].tail<3>() -= coefficient[static_cast<Eigen::Index>(i)] * flight.felt_by[k].col(at);
+      if (sensed < std::ssize(flight.sensed))
+        rest.y[k].head<first_force_row>() -=
+            coefficient[static_cast<Eigen::Index>(i)] * flight.sensed_by[k].col(sensed);
     }
     const std::vector<RotorArray>& by = flight.predicted_by[static_cast<std::size_t>(at)];
     for (std::size_t k = 0; k < by.size(); ++k)
@@ -309,17 +315,21 @@ LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& colum
 }
 
 LinearFlight only(const LinearFlight& flight, const std::vector<int>& columns) {
-  LinearFlight part{flight, {}, {}, {}, {}, {}};
-  std::vector<Eigen::Index> at;
-  for (std::size_t j = 0; j < flight.columns.size(); ++j)
-    if (std::find(columns.begin(), columns.end(), flight.columns[j]) != columns.end()) {
-      at.push_back(static_cast<Eigen::Index>(j));
-      part.columns.push_back(flight.columns[j]);
-      part.predicted_by.push_back(flight.predicted_by[j]);
-    }
-  for (std::size_t k = 0; k < flight.B.size(); ++k) {
-    part.B.push_back(flight.B[k](Eigen::all, at));
-    part.D.push_back(flight.D[k](Eigen::all, at));
+  LinearFlight part;
+  static_cast<LinearPlant&>(part) = flight;
+  std::vector<Eigen::Index> at, sensed;
+  for (std::size_t j = 0; j < flight.columns.size(); ++j) {
+    if (std::find(columns.begin(), columns.end(), flight.columns[j]) == columns.end()) continue;
+    const auto was = std::ranges::find(flight.sensed, static_cast<Eigen::Index>(j)) - flight.sensed.begin();
+    if (was < std::ssize(flight.sensed)) sensed.push_back(was), part.sensed.push_back(std::ssize(part.columns));
+    at.push_back(static_cast<Eigen::Index>(j));
+    part.columns.push_back(flight.columns[j]);
+    part.predicted_by.push_back(flight.predicted_by[j]);
+  }
+  for (std::size_t k = 0; k < flight.acceleration_by.size(); ++k) {
+    part.acceleration_by.push_back(flight.acceleration_by[k](Eigen::all, at));
+    part.felt_by.push_back(flight.felt_by[k](Eigen::all, at));
+    part.sensed_by.push_back(flight.sensed_by[k](Eigen::all, sensed));
   }
   for (const auto& by : flight.mean_acceleration_by) part.mean_acceleration_by.push_back(by(Eigen::all, at));
   return part;
@@ -490,39 +500,33 @@ void Session::add_sensor_windows(const std::vector<int>& columns, Grams& grams) 
     std::ranges::copy_if(own, std::back_inserter(wanted),
                          [&](int c) { return std::ranges::find(columns, c) != columns.end(); });
     Grams of_flight;
-    accumulate(whiten_sensor_windows(sensor_windows_[f], wanted, catalogue_, value_, noise.sensor_windows), wanted,
-               static_cast<int>(f), catalogue_.size(), of_flight);
+    GramBlocks(wanted, static_cast<int>(f), catalogue_.size(), of_flight)
+        .add(whiten_sensor_windows(sensor_windows_[f], wanted, catalogue_, value_, noise.sensor_windows));
     append(std::move(of_flight), grams);
   }
   grams.rows = rows;
 }
 
 Grams Session::flown_grams(const std::vector<int>& columns) const {
-  const auto wanted = [&](int c) { return std::find(columns.begin(), columns.end(), c) != columns.end(); };
-  Grams grams;
-  if (shoots()) {
-    grams = shooting_grams(shot_aside_, weights_, catalogue_, value_);
-  } else if (std::ranges::all_of(linear_,
-                                 [&](const LinearFlight& l) { return std::ranges::all_of(l.columns, wanted); })) {
-    grams = grams_of(linear_);
-  } else {
-    std::vector<LinearFlight> parts(flights_.size());
-    for_each_flight([&](std::size_t f) { parts[f] = only(linear_[f], columns); });
-    grams = grams_of(parts);
-  }
+  Grams grams = shoots() ? shooting_grams(shot_aside_, weights_, catalogue_, value_) : filtered_grams(columns);
   add_sensor_windows(columns, grams);
   return grams;
 }
 
-Grams Session::grams_of(const std::vector<LinearFlight>& flights) const {
-  std::vector<Grams> of_body(flights.size()), beside(2 * flights.size());
+Grams Session::filtered_grams(const std::vector<int>& columns) const {
+  const auto wanted = [&](int c) { return std::ranges::find(columns, c) != columns.end(); };
+  std::vector<Grams> of_body(flights_.size()), beside(2 * flights_.size());
   for_each_flight([&](std::size_t f) {
-    const auto add = [&](const Whitened& rows, Grams& grams) {
-      accumulate(rows, flights[f].columns, static_cast<int>(f), catalogue_.size(), grams);
+    std::optional<LinearFlight> part;
+    const LinearFlight& flight =
+        std::ranges::all_of(linear_[f].columns, wanted) ? linear_[f] : part.emplace(only(linear_[f], columns));
+    const auto blocks = [&](Grams& of) {
+      return GramBlocks(flight.columns, static_cast<int>(f), catalogue_.size(), of);
     };
-    add(whiten(flights_[f], flights[f], noise), of_body[f]);
-    add(whiten_speeds(flights_[f], flights[f], noise.speeds), beside[f]);
-    add(whiten_mean_torques(flights[f], noise.mean_torque), beside[flights.size() + f]);
+    GramBlocks body = blocks(of_body[f]);
+    add_innovations(flights_[f], flight, noise, body);
+    blocks(beside[f]).add(whiten_speeds(flights_[f], flight, noise.speeds));
+    blocks(beside[flights_.size() + f]).add(whiten_mean_torques(flight, noise.mean_torque));
   });
   Grams grams;
   for (Grams& part : of_body) append(std::move(part), grams);
@@ -539,8 +543,11 @@ std::vector<Whitened> Session::innovations(const std::vector<int>& columns, cons
                                            const std::vector<std::vector<SpatialAccelerations>>* extra) const {
   std::vector<Whitened> whitened(flights_.size());
   for_each_flight([&](std::size_t f) {
-    whitened[f] =
-        whiten(flights_[f], taken_out(linear_[f], columns, coefficient), noise, extra ? &(*extra)[f] : nullptr);
+    FurtherColumns further;
+    if (extra)
+      further = {extra->at(f).front().cols(),
+                 [&](std::size_t k) -> const SpatialAccelerations& { return (*extra)[f][k]; }};
+    whitened[f] = whiten(flights_[f], taken_out(linear_[f], columns, coefficient), noise, further);
   });
   return whitened;
 }

@@ -104,7 +104,7 @@ class Session {
   // mean torques of a flight where the total thrust alone is known from sample to sample; `wanted`: as in linearise, none: as they are
   void balance_torques(std::size_t f, const std::vector<int>* wanted);
   void take_biases_out(std::size_t flight);
-  Grams grams_of(const std::vector<LinearFlight>& flights) const;
+  Grams filtered_grams(const std::vector<int>& columns) const;
   // adds what the sensors say of these columns by themselves
   void add_sensor_windows(const std::vector<int>& columns, Grams& grams) const;
   // as grams(columns), but that nothing is known beforehand

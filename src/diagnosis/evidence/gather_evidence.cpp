@@ -232,8 +232,8 @@ double own_acceleration_mps2(const Session& session, const Selection& selection,
   const Eigen::VectorXd weights = own_weights(session.catalogue(), selection, finding);
   double squares = 0.0, samples = 0.0;
   for (const LinearFlight& flight : session.linear())
-    for (std::size_t k = 0; k < flight.B.size(); ++k, samples += 1.0)
-      squares += (flight.B[k].middleRows<3>(3) * weights(flight.columns) / flight.interval_s[k]).squaredNorm();
+    for (std::size_t k = 0; k < flight.acceleration_by.size(); ++k, samples += 1.0)
+      squares += (flight.acceleration_by[k].topRows<3>() * weights(flight.columns)).squaredNorm();
   return std::sqrt(squares / std::max(1.0, samples));
 }
 

@@ -35,6 +35,14 @@ Eigen::Matrix<double, 12, Accelerations::ColsAtCompileTime> moved_by(const Accel
       interval_s * acceleration.template bottomRows<3>();
   return moved;
 }
+// The same, added to the first 12 rows of `state`.
+template <class State, class Accelerations>
+void add_moved_by(const Accelerations& acceleration, double interval_s, State&& state) {
+  for (int i = 0; i < 6; i += 3) {
+    state.template middleRows<3>(2 * i) += 0.5 * interval_s * interval_s * acceleration.template middleRows<3>(i);
+    state.template middleRows<3>(2 * i + 3) += interval_s * acceleration.template middleRows<3>(i);
+  }
+}
 // What an accelerometer feels of them: rows of the specific force in B.
 inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const SpatialAccelerations& acceleration, const Matrix3& R_WB) {
   return R_WB.transpose() * acceleration.topRows<3>();
@@ -61,10 +69,17 @@ struct LinearPlant {
   bool forces_alone = false;  // neither a pose nor torques: see direct_forces.hpp
   std::size_t size() const { return b.size(); }
 };
-// and what parameters change of it
+// and what parameters change of it: per sample a matrix, whose columns are `columns` in their natural units
 struct LinearFlight : LinearPlant {
-  std::vector<int> columns;                                     // of the catalogue, those that can act in this flight
-  std::vector<Eigen::Matrix<double, 12, Eigen::Dynamic>> B, D;  // per sample, per column in its natural unit
+  template <int rows>
+  using Changes = std::vector<Eigen::Matrix<double, rows, Eigen::Dynamic, Eigen::RowMajor>>;
+  std::vector<int> columns;  // of the catalogue, those that can act in this flight
+  // B = Γ acceleration_by; rows of D: felt_by the specific force, sensed_by position, attitude and rate, of the columns with these
+  // indices alone (the others change nothing there)
+  Changes<6> acceleration_by;
+  Changes<3> felt_by;
+  std::vector<Eigen::Index> sensed;
+  Changes<first_force_row> sensed_by;
   std::vector<std::vector<RotorArray>>
       predicted_by;  // per column, per sample: what it changes of `predicted`; empty: nothing
   std::vector<Eigen::Matrix<double, 3, Eigen::Dynamic>>

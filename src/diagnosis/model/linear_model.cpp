@@ -348,14 +348,16 @@ class Lineariser {
 
   void differentiate(const std::vector<int>& wanted) {
     const std::size_t n = x_.size();
-    out_.columns.clear();
+    out_.columns.clear(), out_.sensed.clear();
     for (const int c : wanted) {
       const Column& column = catalogue_.column(c);
-      if (column.flight < 0 || column.flight == index_) out_.columns.push_back(c);
+      if (column.flight >= 0 && column.flight != index_) continue;
+      if (changes_sensors(column)) out_.sensed.push_back(std::ssize(out_.columns));
+      out_.columns.push_back(c);
     }
     const auto width = static_cast<Eigen::Index>(out_.columns.size());
-    out_.B.assign(n, Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, width));
-    out_.D.assign(n, Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, width));
+    assign_zero(out_.acceleration_by, n, width), assign_zero(out_.felt_by, n, width);
+    assign_zero(out_.sensed_by, n, std::ssize(out_.sensed));
     middle_ = middles();
     means_ = means_of(rotors_);
     base_ = evaluate(forces_, rotors_, means_, true);
@@ -366,19 +368,40 @@ class Lineariser {
           std::find_if(histories_.begin(), histories_.end(), [c](const History& h) { return h.column == c; });
       if (history != histories_.end()) push_column(j, column, *history);
       if (column.group < 0) {
-        for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k)
-          out_.D[k](6 + column.parameter, j) = column.natural;
+        for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k) {
+          const int row = 6 + column.parameter;
+          (row < first_force_row ? out_.sensed_by[k](row, sensed_at(j)) : out_.felt_by[k](row - first_force_row, j)) =
+              column.natural;
+        }
         continue;
       }
       if (!catalogue_.group(column.group).row->is_history()) perturb(j, c);
     }
   }
 
+  template <class Changes>
+  static void assign_zero(Changes& changes, std::size_t samples, Eigen::Index width) {
+    using Matrix = typename Changes::value_type;
+    changes.assign(samples, Matrix::Zero(Matrix::RowsAtCompileTime, width));
+  }
+
+  // forces change what an accelerometer shows, and no other sensor
+  bool changes_sensors(const Column& column) const {
+    if (column.group < 0) return true;
+    const Place place = catalogue_.group(column.group).row->place;
+    return place == Place::body || place == Place::measurement;
+  }
+
+  // of column j among those that change sensors
+  Eigen::Index sensed_at(Eigen::Index j) const {
+    return std::ranges::lower_bound(out_.sensed, j) - out_.sensed.begin();
+  }
+
   void push_column(Eigen::Index j, const Column& column, const History& history) {
     const std::vector<Vector3> shown = shown_of(history, column.natural);
     for (std::size_t k = 0; k < x_.size(); ++k) {
-      out_.B[k].col(j) = moved_by(SpatialAcceleration(column.natural * history.acceleration(k)), out_.interval_s[k]);
-      out_.D[k].col(j).tail<3>() = shown[k];
+      out_.acceleration_by[k].col(j) = column.natural * history.acceleration(k);
+      out_.felt_by[k].col(j) = shown[k];
     }
   }
 
@@ -404,8 +427,7 @@ class Lineariser {
       reference = &companion;
     }
     const ForceModel model = force_model(flight_, catalogue_, to, index_, column.group);
-    // forces alone change what an accelerometer shows, and no other sensor
-    const bool sensors = with_force_ || row.place == Place::body || row.place == Place::measurement;
+    const bool sensors = with_force_ || changes_sensors(column);
     const auto moved_by_commands = [&] {
       const RotorHistory history = rotor_history(flight_, model);
       return evaluate(model, history, means_of(history), sensors);
@@ -413,12 +435,16 @@ class Lineariser {
     const Evaluation moved =
         row.place == Place::actuation ? moved_by_commands() : evaluate(model, rotors_, means_, sensors);
     const double unit = column.natural / step;
+    const Eigen::Index sensed = changes_sensors(column) ? sensed_at(j) : -1;
     for (std::size_t k = 0; k < x_.size(); ++k) {
       SpatialAcceleration acceleration;
       acceleration << moved.acceleration[k].linear_W_mps2 - reference->acceleration[k].linear_W_mps2,
           moved.acceleration[k].angular_B_radps2 - reference->acceleration[k].angular_B_radps2;
-      out_.B[k].col(j) = moved_by(SpatialAcceleration(unit * acceleration), out_.interval_s[k]);
-      if (sensors) out_.D[k].col(j) = (reference->y[k] - moved.y[k]) * unit;
+      out_.acceleration_by[k].col(j) = unit * acceleration;
+      if (!sensors) continue;
+      const Vector12 shown = (reference->y[k] - moved.y[k]) * unit;
+      out_.felt_by[k].col(j) = shown.tail<3>();
+      if (sensed >= 0) out_.sensed_by[k].col(sensed) = shown.head<first_force_row>();
     }
   }
 

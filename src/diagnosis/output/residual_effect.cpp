@@ -69,27 +69,21 @@ std::vector<Library> libraries() {
 BasisFamily family_of(const Session& session, const Library& library) {
   BasisFamily family;
   family.size = static_cast<int>(library.columns.size());
-  for (std::size_t f = 0; f < session.flights().size(); ++f) {
-    const FlightData& flight = session.flights()[f];
-    std::vector<SpatialAccelerations> samples(flight.samples.size());
-    for (std::size_t k = 0; k < samples.size(); ++k) {
-      const Motion& m = flight.motion[k];
-      const Matrix3 R = m.attitude_WB.toRotationMatrix();
-      FeatureInput input;
-      input.position_W_m = m.position_W_m;
-      input.velocity_W_mps = m.velocity_W_mps;
-      set_angles(input, R);
-      samples[k].setZero(6, family.size);
-      for (int j = 0; j < family.size; ++j) {
-        const Column& column = library.columns[static_cast<std::size_t>(j)];
-        const int axis = column.channel % 3;
-        const bool turned = column.channel < 3 && !library.world;
-        samples[k].block<3, 1>(column.channel < 3 ? 0 : 3, j) =
-            column.term.value(input) * (turned ? Vector3(R.col(axis)) : Vector3(Vector3::Unit(axis)));
-      }
+  family.set = [&session, &library](std::size_t f, std::size_t k, Eigen::Ref<SpatialAccelerations> columns) {
+    const Motion& m = session.flights()[f].motion[k];
+    const Matrix3 R = m.attitude_WB.toRotationMatrix();
+    FeatureInput input;
+    input.position_W_m = m.position_W_m;
+    input.velocity_W_mps = m.velocity_W_mps;
+    set_angles(input, R);
+    for (std::size_t j = 0; j < library.columns.size(); ++j) {
+      const Column& column = library.columns[j];
+      const int axis = column.channel % 3;
+      const bool turned = column.channel < 3 && !library.world;
+      columns.block<3, 1>(column.channel < 3 ? 0 : 3, static_cast<Eigen::Index>(j)) =
+          column.term.value(input) * (turned ? Vector3(R.col(axis)) : Vector3(Vector3::Unit(axis)));
     }
-    family.columns.push_back(std::move(samples));
-  }
+  };
   return family;
 }
 

@@ -60,8 +60,9 @@ ActuatorKind inputs_of(const FlightLog& log, const VehicleModel& vehicle,
 double thrust_mps2(const VehicleModel& vehicle, const std::vector<const std::vector<double>*>& inputs,
                    ActuatorKind kind, std::size_t row) {
   if (inputs.empty()) return usual_gravity_mps2;
-  return thrust_N(vehicle, speeds_radps(vehicle, kind,
-                                        [&](std::size_t i) { return (*inputs[std::min(i, inputs.size() - 1)])[row]; })) /
+  return thrust_N(vehicle,
+                  speeds_radps(vehicle, kind,
+                               [&](std::size_t i) { return (*inputs[std::min(i, inputs.size() - 1)])[row]; })) /
          vehicle.mass_kg;
 }
 

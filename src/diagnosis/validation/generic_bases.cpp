@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 
 #include "diagnosis/estimation/indices.hpp"
@@ -38,12 +39,14 @@ std::vector<Look> looks(const FlightData& flight, const FlownVolume& volume, dou
   return result;
 }
 
-std::vector<std::vector<Look>> looks(const Session& session) {
+using Looks = std::shared_ptr<const std::vector<std::vector<Look>>>;  // [flight][sample]
+
+Looks looks(const Session& session) {
   const FlownVolume volume(session);
   std::vector<std::vector<Look>> result;
   for (const FlightData& flight : session.flights())
     result.push_back(looks(flight, volume, session.vehicle().hover_speed_radps()));
-  return result;
+  return std::make_shared<const std::vector<std::vector<Look>>>(std::move(result));
 }
 
 // one generic column: a function of the look that is a force along one axis of the world or the body, or a moment about one
@@ -54,28 +57,20 @@ struct Term {
   std::function<double(const Look&)> function;
 };
 
-BasisFamily family(const std::string& name, const Session& session, const std::vector<std::vector<Look>>& look,
-                   const std::vector<Term>& terms) {
+BasisFamily family(const std::string& name, const Session& session, const Looks& look, const std::vector<Term>& terms) {
   BasisFamily result;
   result.name = name;
   result.size = static_cast<int>(terms.size());
   for (const Term& term : terms) result.channel.push_back(term.axis + (term.kind == Term::torque_B ? 3 : 0));
-  for (std::size_t f = 0; f < session.flights().size(); ++f) {
-    const FlightData& flight = session.flights()[f];
-    std::vector<SpatialAccelerations> columns(flight.samples.size());
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      SpatialAccelerations& acceleration = columns[k];
-      acceleration.setZero(6, result.size);
-      const Matrix3 R = flight.motion[k].attitude_WB.toRotationMatrix();
-      for (int j = 0; j < result.size; ++j) {
-        const Term& term = terms[static_cast<std::size_t>(j)];
-        const double value = term.size * term.function(look[f][k]);
-        acceleration.block<3, 1>(term.kind == Term::torque_B ? 3 : 0, j) =
-            value * (term.kind == Term::force_B ? Vector3(R.col(term.axis)) : Vector3(Vector3::Unit(term.axis)));
-      }
+  result.set = [&session, look, terms](std::size_t f, std::size_t k, Eigen::Ref<SpatialAccelerations> columns) {
+    const Matrix3 R = session.flights()[f].motion[k].attitude_WB.toRotationMatrix();
+    for (std::size_t j = 0; j < terms.size(); ++j) {
+      const Term& term = terms[j];
+      const double value = term.size * term.function((*look)[f][k]);
+      columns.block<3, 1>(term.kind == Term::torque_B ? 3 : 0, static_cast<Eigen::Index>(j)) =
+          value * (term.kind == Term::force_B ? Vector3(R.col(term.axis)) : Vector3(Vector3::Unit(term.axis)));
     }
-    result.columns.push_back(std::move(columns));
-  }
+  };
   return result;
 }
 
@@ -104,7 +99,7 @@ PlaceFunctions FlownVolume::functions(const Vector3& position_W_m) const {
 }
 
 std::vector<BasisFamily> omnibus_bases(const Session& session) {
-  const std::vector<std::vector<Look>> look = looks(session);
+  const Looks look = looks(session);
   const auto floor = reference_floor(session.vehicle());
   const double turn = 6.0 * floor[2];
 
@@ -142,7 +137,7 @@ std::vector<BasisFamily> omnibus_bases(const Session& session) {
 }
 
 std::vector<BasisFamily> channel_bases(const Session& session) {
-  const std::vector<std::vector<Look>> look = looks(session);
+  const Looks look = looks(session);
   const double turn = 6.0 * reference_floor(session.vehicle())[2];
   const auto total = [rotors = static_cast<std::size_t>(session.vehicle().rotor_count)](const Look& l) {
     double sum = 0.0;
@@ -175,8 +170,13 @@ Grams grams_with(const Session& session, const BasisFamily& family, const std::v
     const LinearFlight linear = only(session.linear()[f], columns);
     std::vector<int> to = indices_of(linear.columns, columns);
     for (int j = 0; j < family.size; ++j) to.push_back(static_cast<int>(columns.size()) + j);
-    accumulate(whiten(session.flights()[f], linear, session.noise, &family.columns[f]), to, static_cast<int>(f),
-               static_cast<int>(columns.size()) + family.size, of_flight[f]);
+    SpatialAccelerations of_sample;
+    const FurtherColumns further = {family.size, [&](std::size_t k) -> const SpatialAccelerations& {
+                                      family.set(f, k, of_sample.setZero(6, family.size));
+                                      return of_sample;
+                                    }};
+    GramBlocks blocks(std::move(to), static_cast<int>(f), static_cast<int>(columns.size()) + family.size, of_flight[f]);
+    add_innovations(session.flights()[f], linear, session.noise, blocks, further);
   });
   Grams grams;
   for (Grams& part : of_flight) append(std::move(part), grams);
@@ -194,18 +194,14 @@ std::vector<FamilyDeltaChi2> delta_chi2_of_families(const Session& session, cons
                                                     const std::vector<int>& columns, const std::vector<Trim>& trims) {
   // one pass of the filter for all
   BasisFamily together;
-  together.columns.resize(session.flights().size());
   for (const BasisFamily& family : families) together.size += family.size;
-  for (std::size_t f = 0; f < together.columns.size(); ++f)
-    for (std::size_t k = 0; k < session.flights()[f].samples.size(); ++k) {
-      SpatialAccelerations accelerations(6, together.size);
-      Eigen::Index at = 0;
-      for (const BasisFamily& family : families) {
-        accelerations.middleCols(at, family.size) = family.columns[f][k];
-        at += family.size;
-      }
-      together.columns[f].push_back(std::move(accelerations));
+  together.set = [&](std::size_t f, std::size_t k, Eigen::Ref<SpatialAccelerations> columns_of_all) {
+    Eigen::Index at = 0;
+    for (const BasisFamily& family : families) {
+      family.set(f, k, columns_of_all.middleCols(at, family.size));
+      at += family.size;
     }
+  };
   std::vector<int> beside = columns;
   for (const Trim& trim : trims) beside.push_back(trim.column);
   Eigen::MatrixXd gram = grams_with(session, together, beside).total();

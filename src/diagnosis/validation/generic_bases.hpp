@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,12 +23,13 @@ class FlownVolume {
   double lowest_m_;
 };
 
-// A family of columns per flight: 6 × m accelerations per sample, to be appended to the filter's own.
+// A family of columns, to be appended to the filter's own; it lives no longer than the session.
 struct BasisFamily {
   std::string name;
-  std::vector<std::vector<SpatialAccelerations>> columns;  // [flight][sample]
-  std::vector<int> channel;                                // per column: force x y z (or along W), torque x y z
+  std::vector<int> channel;  // per column: force x y z (or along W), torque x y z
   int size = 0;
+  // Sets the columns of one sample, which are zero.
+  std::function<void(std::size_t flight, std::size_t sample, Eigen::Ref<SpatialAccelerations> columns)> set;
 };
 // force of position, force and torque of body velocity, of time, and torque of past commands
 std::vector<BasisFamily> omnibus_bases(const Session& session);

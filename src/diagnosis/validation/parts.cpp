@@ -26,9 +26,11 @@ LinearFlight with_forces(const LinearFlight& flight, const Session& session, con
   const auto own = static_cast<Eigen::Index>(out.columns.size());
   for (Eigen::Index i = 0; i < forces; ++i) out.columns.push_back(static_cast<int>(-1 - i));
   for (std::size_t k = 0; k < flight.size(); ++k) {
-    auto &B = out.B[k], &D = out.D[k];
-    B.conservativeResize(Eigen::NoChange, own + forces), D.conservativeResize(Eigen::NoChange, own + forces);
-    B.rightCols(forces).setZero(), D.rightCols(forces).setZero();
+    auto& acceleration = out.acceleration_by[k];
+    auto& felt = out.felt_by[k];
+    acceleration.conservativeResize(Eigen::NoChange, own + forces),
+        felt.conservativeResize(Eigen::NoChange, own + forces);
+    acceleration.rightCols(forces).setZero(), felt.rightCols(forces).setZero();
     for (std::size_t j = 0; j < flight.columns.size(); ++j) {
       const Column& column = catalogue.column(flight.columns[j]);
       const auto at = static_cast<Eigen::Index>(j);
@@ -36,17 +38,17 @@ LinearFlight with_forces(const LinearFlight& flight, const Session& session, con
         if (column.group != selection.findings[static_cast<std::size_t>(i)].group) continue;
         const double size = (selection.value[flight.columns[j]] - column.nominal) / column.natural;
         // what moves nothing is a sensor's error and no force; that of a body is seen from where the pose has its origin, which no file knows
-        if (catalogue.group(column.group).row->place == Place::body || flight.B[k].col(at).head<6>().isZero(0.0))
-          continue;
-        B.col(own + i).head<6>() += size * flight.B[k].col(at).head<6>();
-        D.col(own + i).tail<3>() += size * flight.D[k].col(at).tail<3>();
+        const auto push = flight.acceleration_by[k].col(at).head<3>();
+        if (catalogue.group(column.group).row->place == Place::body || push.isZero(0.0)) continue;
+        acceleration.col(own + i).head<3>() += size * push;
+        felt.col(own + i) += size * flight.felt_by[k].col(at);
       }
     }
     for (Eigen::Index i = 0; sideways_free && i < tested; ++i) {
-      auto from = B.col(own + i), to = B.col(own + tested + i);
-      for (const int row : {0, 1, 3, 4}) std::swap(from[row], to[row]);
-      const Vector3 up = flight.R_WB[k].row(2).transpose(), felt = D.col(own + i).tail<3>();
-      D.col(own + i).tail<3>() = up * up.dot(felt), D.col(own + tested + i).tail<3>() = felt - up * up.dot(felt);
+      auto from = acceleration.col(own + i), to = acceleration.col(own + tested + i);
+      for (const int row : {0, 1}) std::swap(from[row], to[row]);
+      const Vector3 up = flight.R_WB[k].row(2).transpose(), all = felt.col(own + i);
+      felt.col(own + i) = up * up.dot(all), felt.col(own + tested + i) = all - up * up.dot(all);
     }
   }
   return out;
@@ -72,9 +74,8 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   std::vector<Grams> of_flight(session.flights().size());
   session.for_each_flight([&](std::size_t f) {
     const LinearFlight linear = with_forces(session.linear()[f], session, selection, beside, gusty);
-    std::vector<int> to = indices_of(linear.columns, all);
-    accumulate(whiten(session.flights()[f], linear, session.noise), to, static_cast<int>(f),
-               static_cast<int>(all.size()), of_flight[f]);
+    GramBlocks blocks(indices_of(linear.columns, all), static_cast<int>(f), static_cast<int>(all.size()), of_flight[f]);
+    add_innovations(session.flights()[f], linear, session.noise, blocks);
   });
   Grams grams;
   for (Grams& part : of_flight) append(std::move(part), grams);

@@ -22,9 +22,8 @@ LinearFlight flight_of_residuals() {
     y.tail<3>() = residuals[k];
     Eigen::Matrix<bool, row_count, 1> measured = Eigen::Matrix<bool, row_count, 1>::Constant(false);
     measured.tail<3>().setConstant(true);
-    Eigen::Matrix<double, 12, Eigen::Dynamic> D = Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, 1);
-    D.bottomRows<3>() << 0.1, 0.2, 0.3;
-    flight.y.push_back(y), flight.measured.push_back(measured), flight.D.push_back(D), flight.R_WB.push_back(turned);
+    flight.y.push_back(y), flight.measured.push_back(measured), flight.felt_by.emplace_back(Vector3(0.1, 0.2, 0.3)),
+        flight.R_WB.push_back(turned);
     flight.b.push_back(Vector12::Zero()), flight.interval_s.push_back(interval_s), flight.starts.push_back(k == 0);
   }
   flight.columns = {7};
@@ -46,7 +45,7 @@ TEST(DirectForces, CountAsWhiteNoiseOfTheSameStrengthAtLowFrequency) {
   NoiseModel noise = test::some_noise();
   noise.variance = {0.04, 0.09, 1.0, 1.0};
   noise.time_s = {0.2, 0.005, 1.0, 1.0};
-  const Whitened w = whiten_forces(sampled(), flight_of_residuals(), noise, nullptr);
+  const Whitened w = whiten_forces(sampled(), flight_of_residuals(), noise);
   ASSERT_EQ(w.rows.rows(), 12);
   ASSERT_EQ(w.rows.cols(), 2);
   // across: 2 · 0.2 s / 0.02 s = 20 samples long; along the thrust shorter than a sample, so each counts in full
@@ -68,10 +67,10 @@ TEST(DirectForces, FurtherColumnsAreFeltInTheBody) {
   // a push along x of the world and one that only turns
   SpatialAccelerations push = SpatialAccelerations::Zero(6, 2);
   push(0, 0) = 5.0, push(3, 1) = 5.0;
-  const std::vector<SpatialAccelerations> extra(4, push);
+  const FurtherColumns further = {2, [&](std::size_t) -> const SpatialAccelerations& { return push; }};
   NoiseModel noise = test::some_noise();
-  const Whitened with = whiten_forces(sampled(), flight_of_residuals(), noise, &extra),
-                 without = whiten_forces(sampled(), flight_of_residuals(), noise, nullptr);
+  const Whitened with = whiten_forces(sampled(), flight_of_residuals(), noise, further),
+                 without = whiten_forces(sampled(), flight_of_residuals(), noise);
   ASSERT_EQ(with.rows.cols(), 4);
   EXPECT_NEAR(with.minus_two_log_likelihood, without.minus_two_log_likelihood, 1e-12);
   // the world's x is the body's −y here
@@ -85,7 +84,7 @@ TEST(DirectForces, FurtherColumnsAreFeltInTheBody) {
 TEST(DirectForces, RowsThatWereNotMeasuredAreLeftOut) {
   LinearFlight flight = flight_of_residuals();
   flight.measured[1][10] = false;
-  const Whitened w = whiten_forces(sampled(), flight, test::some_noise(), nullptr);
+  const Whitened w = whiten_forces(sampled(), flight, test::some_noise());
   ASSERT_EQ(w.rows.rows(), 11);
   EXPECT_EQ(w.channel[3], 9);
   EXPECT_EQ(w.channel[4], 11);

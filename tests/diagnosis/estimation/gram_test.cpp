@@ -124,8 +124,7 @@ TEST(Gram, BlocksAreHalfSecondsAndTwoOfThemAreACluster) {
     whitened.warm.push_back(k > 0);
   }
   Grams grams;
-  accumulate(whitened, of, 0, columns, grams);
-  accumulate(whitened, of, 1, columns, grams);
+  for (const int flight : {0, 1}) GramBlocks(of, flight, columns, grams).add(whitened);
   EXPECT_EQ(grams.rows, 58.0);
   EXPECT_EQ(grams.flight, (std::vector<int>{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}));
   EXPECT_EQ(grams.cluster, (std::vector<int>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5}));

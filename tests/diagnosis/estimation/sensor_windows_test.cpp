@@ -78,8 +78,8 @@ class SensorWindowsTest : public ::testing::Test {
     }
     const Eigen::VectorXd nominal = catalogue.nominal();
     Grams grams;
-    accumulate(whiten_sensor_windows(windows, columns, catalogue, nominal, {1e-6, 1e-6}), columns, 0, catalogue.size(),
-               grams);
+    GramBlocks(columns, 0, catalogue.size(), grams)
+        .add(whiten_sensor_windows(windows, columns, catalogue, nominal, {1e-6, 1e-6}));
     const Eigen::VectorXd coefficient = solve(grams.total(), columns).coefficient;
     Eigen::VectorXd value = nominal;
     for (std::size_t i = 0; i < columns.size(); ++i)

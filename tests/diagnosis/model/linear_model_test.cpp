@@ -36,8 +36,8 @@ TEST(LinearModel, ForcesAloneSeeALag) {
   double largest = 0.0;
   for (std::size_t j = 0; j < flight.columns.size(); ++j)
     if (session.catalogue().column(flight.columns[j]).group == lag)
-      for (const auto& D : flight.D)
-        largest = std::max(largest, D.col(static_cast<Eigen::Index>(j)).tail<3>().cwiseAbs().maxCoeff());
+      for (const auto& felt : flight.felt_by)
+        largest = std::max(largest, felt.col(static_cast<Eigen::Index>(j)).cwiseAbs().maxCoeff());
   EXPECT_GT(largest, 0.005);  // m/s² per natural size
 }
 
@@ -82,9 +82,9 @@ TEST(LinearModel, ALateAccelerometerShowsALoadLate) {
   const LinearFlight& flight = session.linear().front();
   ASSERT_EQ(flight.columns, column);
   for (std::size_t k = 2; k < 50; ++k) {
-    const Vector3 shown = flight.R_WB[k] * flight.D[k].col(0).tail<3>();
+    const Vector3 shown = flight.R_WB[k] * flight.felt_by[k].col(0);
     // turned back by this row's attitude, which is a little past that of the row before
-    EXPECT_NEAR(shown.x(), flight.B[k - 1](3, 0) / flight.interval_s[k - 1], 0.02 * std::abs(shown.x()) + 1e-3);
+    EXPECT_NEAR(shown.x(), flight.acceleration_by[k - 1](0, 0), 0.02 * std::abs(shown.x()) + 1e-3);
   }
 }
 
@@ -106,8 +106,8 @@ TEST(LinearModel, PredictsAtAnotherValueWithTheColumnsItHas) {
   EXPECT_EQ(again.columns, anew.columns);
   EXPECT_EQ(again.y, anew.y);
   EXPECT_EQ(again.b, anew.b);
-  EXPECT_EQ(again.B, before.B);
-  EXPECT_NE(again.B, anew.B);
+  EXPECT_EQ(again.acceleration_by, before.acceleration_by);
+  EXPECT_NE(again.acceleration_by, anew.acceleration_by);
   EXPECT_NE(again.b, before.b);
 }
 

@@ -49,13 +49,21 @@ class GenericBases : public ::testing::Test {
       if (family.name == name) return family;
     throw std::invalid_argument(name);
   }
+  static SpatialAccelerations pushes(const BasisFamily& family, std::size_t flight, std::size_t sample) {
+    SpatialAccelerations columns = SpatialAccelerations::Zero(6, family.size);
+    family.set(flight, sample, columns);
+    return columns;
+  }
   // warm rows of [some columns, the family, z] of both flights
   Eigen::MatrixXd rows(const BasisFamily& family, const std::vector<int>& columns) const {
     std::vector<Eigen::VectorXd> list;
     const auto known = static_cast<Eigen::Index>(columns.size());
     for (std::size_t f = 0; f < 2; ++f) {
       const LinearFlight linear = only(session.linear()[f], columns);
-      const Whitened w = whiten(session.flights()[f], linear, session.noise, &family.columns[f]);
+      SpatialAccelerations now;
+      const Whitened w = whiten(
+          session.flights()[f], linear, session.noise,
+          {family.size, [&](std::size_t k) -> const SpatialAccelerations& { return now = pushes(family, f, k); }});
       for (Eigen::Index r = 0; r < w.rows.rows(); ++r) {
         if (!w.warm[static_cast<std::size_t>(r)]) continue;
         Eigen::VectorXd row = Eigen::VectorXd::Zero(known + family.size + 1);
@@ -100,7 +108,7 @@ TEST_F(GenericBases, PushAlongTheirChannelAlone) {
     for (int j = 0; j < family.size; ++j) {
       const int channel = family.channel[static_cast<std::size_t>(j)];
       for (const std::size_t k : {30u, 170u}) {
-        const Eigen::Matrix<double, 6, 1> push = family.columns[1][k].col(j);
+        const Eigen::Matrix<double, 6, 1> push = pushes(family, 1, k).col(j);
         const Matrix3 R = session.flights()[1].motion[k].attitude_WB.toRotationMatrix();
         const bool world = family.name == "position" || family.name == "time";
         const Vector3 axis = channel > 2 ? Vector3(Vector3::Unit(channel - 3))
@@ -120,8 +128,8 @@ TEST_F(GenericBases, ForceOfTheVelocityIsInTheBody) {
   const Motion& m = session.flights()[0].motion[120];
   const Matrix3 R = m.attitude_WB.toRotationMatrix();
   const Vector3 v = R.transpose() * m.velocity_W_mps;
-  EXPECT_LT((velocity.columns[0][120].col(0).head<3>() - v.x() * R.col(0)).norm(), 1e-12);
-  EXPECT_LT((velocity.columns[0][120].col(1).head<3>() - v.norm() * v.x() * R.col(0)).norm(), 1e-12);
+  EXPECT_LT((pushes(velocity, 0, 120).col(0).head<3>() - v.x() * R.col(0)).norm(), 1e-12);
+  EXPECT_LT((pushes(velocity, 0, 120).col(1).head<3>() - v.norm() * v.x() * R.col(0)).norm(), 1e-12);
 }
 
 TEST_F(GenericBases, GramsAreThoseOfTheRows) {
