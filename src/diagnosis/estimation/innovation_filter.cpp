@@ -38,11 +38,8 @@ void pass_along(const LinearFlight& flight, const NoiseModel& noise, const Furth
     ++since_start;
     if (k + 1 == n || flight.starts[k + 1]) continue;
     filter.advance(k);
-    if (own > 0)
-      add_moved_by(flight.acceleration_by[k], flight.interval_s[k],
-                   filter.state().middleCols(filter.first_column, own));
-    if (more > 0)
-      add_moved_by(*moves, flight.interval_s[k], filter.state().middleCols(filter.first_column + own, more));
+    if (own > 0) flight.add_moved_by(flight.acceleration_by[k], k, filter.state().middleCols(filter.first_column, own));
+    if (more > 0) flight.add_moved_by(*moves, k, filter.state().middleCols(filter.first_column + own, more));
   }
 }
 

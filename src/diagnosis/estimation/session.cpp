@@ -297,8 +297,7 @@ LinearFlight taken_out(const LinearFlight& flight, const std::vector<int>& colum
     if (at == std::ssize(flight.columns)) continue;
     const auto sensed = std::ranges::find(flight.sensed, at) - flight.sensed.begin();
     for (std::size_t k = 0; k < rest.size(); ++k) {
-      const SpatialAcceleration acceleration = flight.acceleration_by[k].col(at);
-      rest.b[k] += coefficient[static_cast<Eigen::Index>(i)] * moved_by(acceleration, flight.interval_s[k]);
+      rest.add_moved_by(coefficient[static_cast<Eigen::Index>(i)] * flight.acceleration_by[k].col(at), k, rest.b[k]);
       rest.y[k].tail<3>() -= coefficient[static_cast<Eigen::Index>(i)] * flight.felt_by[k].col(at);
       if (sensed < std::ssize(flight.sensed))
         rest.y[k].head<first_force_row>() -=

@@ -24,25 +24,6 @@ using Vector12 = Eigen::Matrix<double, 12, 1>;
 using SpatialAcceleration = Eigen::Matrix<double, 6, 1>;
 using SpatialAccelerations = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-// Γ: what accelerations over one interval do to the error state. `Accelerations`: a column each, one or as many as there are.
-template <class Accelerations>
-Eigen::Matrix<double, 12, Accelerations::ColsAtCompileTime> moved_by(const Accelerations& acceleration,
-                                                                     double interval_s) {
-  Eigen::Matrix<double, 12, Accelerations::ColsAtCompileTime> moved(12, acceleration.cols());
-  moved << 0.5 * interval_s * interval_s * acceleration.template topRows<3>(),
-      interval_s * acceleration.template topRows<3>(),
-      0.5 * interval_s * interval_s * acceleration.template bottomRows<3>(),
-      interval_s * acceleration.template bottomRows<3>();
-  return moved;
-}
-// The same, added to the first 12 rows of `state`.
-template <class State, class Accelerations>
-void add_moved_by(const Accelerations& acceleration, double interval_s, State&& state) {
-  for (int i = 0; i < 6; i += 3) {
-    state.template middleRows<3>(2 * i) += 0.5 * interval_s * interval_s * acceleration.template middleRows<3>(i);
-    state.template middleRows<3>(2 * i + 3) += interval_s * acceleration.template middleRows<3>(i);
-  }
-}
 // What an accelerometer feels of them: rows of the specific force in B.
 inline Eigen::Matrix<double, 3, Eigen::Dynamic> felt(const SpatialAccelerations& acceleration, const Matrix3& R_WB) {
   return R_WB.transpose() * acceleration.topRows<3>();
@@ -68,6 +49,17 @@ struct LinearPlant {
   bool torque_known = true;
   bool forces_alone = false;  // neither a pose nor torques: see direct_forces.hpp
   std::size_t size() const { return b.size(); }
+
+  // Γ: adds to the first 12 rows of `state` what accelerations, a column each, change from sample k to the next. Torques that are not
+  // known turn nothing: the body turns as it was recorded.
+  template <class Accelerations, class State>
+  void add_moved_by(const Accelerations& acceleration, std::size_t k, State&& state) const {
+    const double dt = interval_s[k];
+    for (int i = 0; i < (torque_known ? 6 : 3); i += 3) {
+      state.template middleRows<3>(2 * i) += 0.5 * dt * dt * acceleration.template middleRows<3>(i);
+      state.template middleRows<3>(2 * i + 3) += dt * acceleration.template middleRows<3>(i);
+    }
+  }
 };
 // and what parameters change of it: per sample a matrix, whose columns are `columns` in their natural units
 struct LinearFlight : LinearPlant {

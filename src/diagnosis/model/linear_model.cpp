@@ -283,7 +283,7 @@ class Lineariser {
       const std::vector<Vector3> shown = shown_of(history, value_[history.column]);
       for (std::size_t k = 0; k < x_.size(); ++k) {
         const SpatialAcceleration acceleration = value_[history.column] * history.acceleration(k);
-        if (!out_.b[k].isZero(0.0)) out_.b[k] += moved_by(acceleration, out_.interval_s[k]);
+        if (!out_.b[k].isZero(0.0)) out_.add_moved_by(acceleration, k, out_.b[k]);
         out_.y[k].tail<3>() -= shown[k];
       }
     }

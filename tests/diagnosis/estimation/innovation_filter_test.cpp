@@ -104,6 +104,28 @@ TEST(InnovationFilter, LikelihoodIsThatOfTheJointGaussian) {
   EXPECT_EQ(whiten(times, some_flight(), some_noise()).minus_two_log_likelihood, misfit(some_flight(), some_noise()));
 }
 
+// A drag at the hubs turns the body as well. Where torques are not known the attitudes knew better, and a drag that was twice the
+// vehicle file's gained nothing.
+TEST(InnovationFilter, OfTorquesThatAreNotKnownNothingTurns) {
+  LinearFlight flight = some_flight();
+  flight.columns = {0, 1};
+  SpatialAccelerations pushes = SpatialAccelerations::Zero(6, 2);
+  pushes.topRows<3>().setConstant(0.3);
+  pushes.col(1).tail<3>().setConstant(2.0);
+  flight.acceleration_by.assign(samples, pushes);
+  flight.felt_by.assign(samples, Eigen::Matrix<double, 3, 2>::Constant(0.1));
+  FlightData times;
+  times.samples.resize(samples);
+  for (const bool known : {true, false}) {
+    flight.torque_known = known;
+    const Whitened w = whiten(times, flight, some_noise());
+    EXPECT_EQ(w.rows.col(0) == w.rows.col(1), !known);
+    const Whitened beside =
+        whiten(times, flight, some_noise(), {2, [&](std::size_t) -> const SpatialAccelerations& { return pushes; }});
+    EXPECT_EQ(beside.rows.col(2) == beside.rows.col(3), !known);
+  }
+}
+
 // the states, given what was measured
 struct Conditioned {
   Eigen::VectorXd mean;
