@@ -285,6 +285,7 @@ constexpr EffectRow rows[] = {
      .commanded = true,
      .built_in = true,
      .needs = Need::torque | Need::rotor_speed,
+     .hidden_by_filter = "the logs were low-pass filtered, which takes most from how fast rotors speed up",
      .says = "spinning rotors react to being sped up and turned",
      .shows_in = "yaw steps",
      .confused_with = "yaw_torque_ratio, motor_lag: yaw steps",
