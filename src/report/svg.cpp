@@ -127,8 +127,12 @@ std::string draw_dots(const Series& series, const Axis& x, const Axis& y, double
 
 std::string escape(std::string_view text) {
   std::string safe;
-  for (const char c : text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
     switch (c) {
+      case ' ':  // a per cent sign begins no line
+        safe += text.substr(i + 1).starts_with('%') ? "&#160;" : " ";
+        break;
       case '&':
         safe += "&amp;";
         break;

@@ -8,7 +8,7 @@
 
 namespace gustlab::svg {
 
-// Text that is safe between tags and in quoted attributes.
+// Text that is safe between tags and in quoted attributes; between a number and its per cent sign no line breaks.
 std::string escape(std::string_view text);
 
 enum class Mark { line, dots, points_with_bars };

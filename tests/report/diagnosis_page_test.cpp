@@ -31,15 +31,22 @@ class ParameterNames final : public test::QuietVisitor {
   void integer(std::string_view name, std::int64_t&, const ParameterInfo&) override { found.emplace_back(name); }
 };
 
+// The page, whose spaces before per cent signs are as any.
+std::string page_as_read(const Json& diagnosis, const DiagnosisFigures& figures) {
+  std::string html = diagnosis_page(diagnosis, figures);
+  for (std::size_t at; (at = html.find("&#160;%")) != std::string::npos;) html.replace(at, 6, " ");
+  return html;
+}
+
 TEST(DiagnosisPage, IsSelfContainedAndWellFormed) {
-  const std::string html = diagnosis_page(example_diagnosis(), example_figures());
+  const std::string html = page_as_read(example_diagnosis(), example_figures());
   EXPECT_THAT(html, testing::StartsWith("<!doctype html>"));
   expect_sound(html);
-  EXPECT_EQ(html, diagnosis_page(example_diagnosis(), example_figures()));
+  EXPECT_EQ(html, page_as_read(example_diagnosis(), example_figures()));
 }
 
 TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
-  const std::string html = diagnosis_page(example_diagnosis(), example_figures());
+  const std::string html = page_as_read(example_diagnosis(), example_figures());
   std::size_t at = 0;
   for (const char* wanted : {"<h1>Rotor 3 gives 7.1 % less thrust",
                              "wrong by 0.7 cm instead of 3.1 cm",
@@ -87,7 +94,7 @@ TEST(DiagnosisPage, BreaksTheLineOfAnAngleAtHalfATurn) {
   std::vector<double>& roll_rad = figures.window.traces[3].before;
   for (std::size_t i = 0; i < roll_rad.size(); ++i)
     roll_rad[i] = std::remainder(0.05 * static_cast<double>(i), 2.0 * std::numbers::pi);
-  const std::string html = diagnosis_page(example_diagnosis(), figures);
+  const std::string html = page_as_read(example_diagnosis(), figures);
   const std::size_t chart = html.find(">Roll<"), path = html.find("<path class=\"before\"", chart);
   ASSERT_NE(chart, std::string::npos);
   const std::string drawn = html.substr(path, html.find("/>", path) - path);
@@ -98,7 +105,11 @@ TEST(DiagnosisPage, FitsAPhoneAndADesk) {
   Json diagnosis = example_diagnosis();
   // a line of code is long
   diagnosis["next_flight"]["parameters"]["frequencies_x_hz"] = {0.0527942, 0.121427, 0.216456, 0.385397, 0.469868};
-  expect_fits(diagnosis_page(diagnosis, example_figures()));
+  expect_fits(page_as_read(diagnosis, example_figures()));
+}
+
+TEST(DiagnosisPage, APerCentSignBeginsNoLine) {
+  EXPECT_EQ(svg::escape("8.1 % more & 3 kg"), "8.1&#160;% more &amp; 3 kg");
 }
 
 TEST(DiagnosisPage, EscapesEveryText) {
@@ -114,7 +125,7 @@ TEST(DiagnosisPage, EscapesEveryText) {
   figures.window.file = figures.windows_left_out = attack;
   figures.residuals[0].left_out = figures.residuals[0].channel = figures.residuals[0].variable = attack;
   figures.window.traces[0].name = figures.window.traces[0].unit = attack;
-  const std::string html = diagnosis_page(diagnosis, figures);
+  const std::string html = page_as_read(diagnosis, figures);
   EXPECT_THAT(html, Not(HasSubstr("<b>")));
   EXPECT_THAT(html, HasSubstr("&lt;b&gt;&quot;&#39;&amp;&lt;/b&gt;"));
   expect_sound(html);
@@ -122,7 +133,7 @@ TEST(DiagnosisPage, EscapesEveryText) {
 
 TEST(DiagnosisPage, WhatIsMissingIsLeftOut) {
   for (const char* verdict : {"consistent", "insufficient_data", "unexplained", "explained", "partly_explained"}) {
-    const std::string html = diagnosis_page({{"verdict", verdict}, {"augmented_model", "augmented.toml"}}, {});
+    const std::string html = page_as_read({{"verdict", verdict}, {"augmented_model", "augmented.toml"}}, {});
     expect_sound(html);
     for (const char* absent :
          {"<figure>", "<table>", "About the recordings", "What to fly next", "Fly the improved model"})
@@ -138,7 +149,7 @@ TEST(DiagnosisPage, NumbersThatAreNotKnownAreADash) {
   diagnosis["mismatch"][1]["rms"] = nullptr;
   DiagnosisFigures figures = example_figures();
   figures.residuals[0].after_mean.assign(8, std::numeric_limits<double>::infinity());
-  const std::string html = diagnosis_page(diagnosis, figures);
+  const std::string html = page_as_read(diagnosis, figures);
   expect_sound(html);
   EXPECT_THAT(html, HasSubstr("– sure"));
 }
@@ -151,7 +162,7 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
       {"terms",
        {{{"channel", "force_x"}, {"term", "vx |v|"}, {"coefficient", -0.012}, {"unit", "N s²/m²"}},
         {{"channel", "force_y"}, {"term", "1"}, {"coefficient", -0.2}, {"unit", "N per unit of the term"}}}}};
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   expect_sound(html);
   EXPECT_THAT(html, HasSubstr("An unnamed effect"));
   EXPECT_THAT(html, HasSubstr("<code>vx |v|</code></td><td data-label=\"coefficient\" class=\"n\">−0.0120</td>"));
@@ -161,7 +172,7 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
 TEST(DiagnosisPage, SaysOnceWhatSeveralRecordingsHave) {
   Json diagnosis = example_diagnosis();
   diagnosis["log_findings_in_short"] = {{{"kind", "filtered"}, {"says", "2 of 3 flights: px…wz it was smoothed"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+  EXPECT_THAT(page_as_read(diagnosis, {}),
               HasSubstr("<ul><li><strong>Filtered</strong>: 2 of 3 flights: px…wz it was smoothed.</li></ul>"));
 }
 
@@ -172,12 +183,12 @@ TEST(DiagnosisPage, SaysOnceWhatIsSaidOfSeveralChannels) {
     diagnosis["alarms"].push_back(
         {{"kind", "whiteness"}, {"says", fmt::format("{} is not white", name)}, {"sensor", name}});
   diagnosis["alarms"].push_back({{"kind", "omnibus"}, {"says", "the rest depends on velocity"}});
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   EXPECT_THAT(html, HasSubstr("comes in runs of several samples in position x, roll rate and specific force z.</li>"));
   EXPECT_THAT(html, AllOf(HasSubstr("the rest depends on velocity.</li>"), Not(HasSubstr("is not white"))));
   // a diagnosis of before that key says each by itself
   for (Json& alarm : diagnosis["alarms"]) alarm.erase("sensor");
-  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+  EXPECT_THAT(page_as_read(diagnosis, {}),
               AllOf(HasSubstr("position x is not white.</li>"), HasSubstr("roll rate is not white.</li>")));
 }
 
@@ -185,7 +196,7 @@ TEST(DiagnosisPage, AnEffectThatWasAskedTwiceIsLookedAtOnce) {
   Json diagnosis = example_diagnosis();
   diagnosis["rejected"] = {{{"effect", "steady_wind"}, {"why", "first"}, {"delta_score", 97.0}},
                            {{"effect", "steady_wind"}, {"why", "second"}, {"delta_score", 13.0}}};
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   EXPECT_THAT(html, AllOf(HasSubstr(">first</td>"), Not(HasSubstr(">second</td>"))));
 }
 
@@ -194,22 +205,21 @@ TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
   Json diagnosis = example_diagnosis();
   diagnosis["mismatch"] = {
       {{"channel", "torque_x"}, {"significant", true}, {"rms", 2e-4}, {"noise_rms", 1e-4}, {"unit", "N m"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("class=\"where\">everywhere</td>"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr("class=\"where\">everywhere</td>"));
   DiagnosisFigures figures = example_figures();
   figures.residuals[0].channel = "torque_x";
-  EXPECT_THAT(diagnosis_page(diagnosis, figures),
+  EXPECT_THAT(page_as_read(diagnosis, figures),
               AllOf(HasSubstr("Roll torque"), HasSubstr("Roll and pitch: how far off")));
   diagnosis["torque_told"] = true;
   diagnosis["alarms"] = {{{"kind", "floor"}, {"says", "yaw torque is disturbed"}, {"channels", {"torque_z"}}},
                          {{"kind", "omnibus"}, {"says", "lift is left"}, {"channels", {"force_z", "torque_x"}}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, figures),
-              AllOf(HasSubstr("yaw torque is disturbed"), HasSubstr("lift is left")));
+  EXPECT_THAT(page_as_read(diagnosis, figures), AllOf(HasSubstr("yaw torque is disturbed"), HasSubstr("lift is left")));
   diagnosis["disturbance"] = {
       {{"group", "torque_z"}, {"before", 0.1}, {"after", 0.09}, {"unit", "rad/s^2"}, {"correlation_time_s", 0.1}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, figures), AllOf(HasSubstr("Roll torque"), HasSubstr("Unexplained disturbance"),
-                                                        Not(HasSubstr("follow the recorded attitude"))));
+  EXPECT_THAT(page_as_read(diagnosis, figures), AllOf(HasSubstr("Roll torque"), HasSubstr("Unexplained disturbance"),
+                                                      Not(HasSubstr("follow the recorded attitude"))));
   diagnosis["torque_told"] = false;
-  EXPECT_THAT(diagnosis_page(diagnosis, figures),
+  EXPECT_THAT(page_as_read(diagnosis, figures),
               AllOf(HasSubstr("not judged: these logs do not tell fast torques"), Not(HasSubstr(">everywhere<")),
                     Not(HasSubstr("Roll torque")), Not(HasSubstr("Roll and pitch: how far off")),
                     Not(HasSubstr("Unexplained disturbance")), Not(HasSubstr("yaw torque is disturbed")),
@@ -218,20 +228,20 @@ TEST(DiagnosisPage, TorquesThatALogDoesNotTellAreNotJudged) {
 
 TEST(DiagnosisPage, WhatWasNotPredictedHasNoRow) {
   Json diagnosis = example_diagnosis();
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("class=\"name\">Attitude</td>"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr("class=\"name\">Attitude</td>"));
   for (auto& errors : diagnosis["fit"]["attitude_rad"])
     for (auto& error : errors) error = nullptr;
-  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+  EXPECT_THAT(page_as_read(diagnosis, {}),
               AllOf(Not(HasSubstr("class=\"name\">Attitude</td>")), HasSubstr("class=\"name\">Velocity</td>")));
 }
 
 TEST(DiagnosisPage, ShowsSuspectsWithTheReasonWhyTheyHaveNoName) {
   Json diagnosis = example_diagnosis();
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), Not(HasSubstr("Suspected")));
+  EXPECT_THAT(page_as_read(diagnosis, {}), Not(HasSubstr("Suspected")));
   diagnosis["effects"] = Json::array();
   diagnosis["rejected"] = {{{"effect", "motor_lag"}, {"why", "only suspected: half of it remains"}},
                            {{"effect", "mass"}, {"why", "only suspected: half of it remains"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+  EXPECT_THAT(page_as_read(diagnosis, {}),
               HasSubstr("<p>Suspected, and not named because half of it remains: motor lag and mass.</p>"));
 }
 
@@ -300,7 +310,7 @@ TEST(DiagnosisPage, SaysNoPatternEverywhereWhereTheNoiseIsAsLarge) {
   Json& entry = diagnosis["mismatch"][1];
   const auto row = [&](double rms, double noise, double p_value, bool significant) {
     entry["rms"] = rms, entry["noise_rms"] = noise, entry["p_value"] = p_value, entry["significant"] = significant;
-    const std::string html = diagnosis_page(diagnosis, {});
+    const std::string html = page_as_read(diagnosis, {});
     const std::size_t at = html.find("push to the side");
     return html.substr(at, html.find("</tr>", at) - at);
   };
@@ -323,7 +333,7 @@ TEST(DiagnosisPage, SaysWhatFlightsWereForReferenceAndWhatTheyShow) {
   diagnosis["verdict"] = "unexplained";
   diagnosis["reference_effects"] = {
       {{"effect", "thrust_scale"}, {"parameters", {{"delta", {{"value", -0.05}, {"std", 0.002}, {"unit", "-"}}}}}}};
-  const std::string html = diagnosis_page(diagnosis, example_figures());
+  const std::string html = page_as_read(diagnosis, example_figures());
   for (const char* wanted :
        {"1 flight to find, 1 for reference, 1 to check, 73 s in all",
         "neither the simulation nor the reference flights", "with what the reference flights show",
@@ -365,7 +375,7 @@ TEST(DiagnosisPage, OfHoverBesideReferenceFlightsIsOfWhatChanged) {
          {"says", "the centre of mass is not where the model has it"},
          {"parameters", {{"x", number}, {"z", {{"value", 0.0}, {"std", 0.25}, {"unit", "m"}}}}}}}},
       {"not_identifiable", {{{"effect", "inertia"}, {"lack", "attitude_and_rate"}}}}};
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   for (const char* wanted :
        {"farther forward than in the reference flights", "What changed since the reference flights",
         "The numbers are changes since the reference flights.", ">not told</td>", ">0.00784 mN m</td>",
@@ -390,7 +400,7 @@ TEST(DiagnosisPage, DrawsNoSecondModelWhereNothingWasFitted) {
   diagnosis["verdict"] = "insufficient_data";
   DiagnosisFigures figures = example_figures();
   figures.residuals.clear();
-  const std::string html = diagnosis_page(diagnosis, figures);
+  const std::string html = page_as_read(diagnosis, figures);
   EXPECT_THAT(html, AllOf(HasSubstr("class=\"before\""), Not(HasSubstr("<path class=\"after\""))));
   EXPECT_THAT(html, Not(HasSubstr("with what was found")));
 }
@@ -406,7 +416,7 @@ TEST(DiagnosisPage, EndsSentencesOnceAndRoundsShares) {
                             {"recovered", {0.1, -0.894, 0.2}},
                             {"recovered_z", {1.0, 50.3, 1.0}}},
                            {{"effect", "gust"}, {"recovered", {0.0, 0.0, 0.0}}, {"recovered_z", {0.0, 0.0, 0.0}}}};
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   EXPECT_THAT(html, AllOf(HasSubstr("is it the right unit?</li>"), HasSubstr("2.00 ×"), Not(HasSubstr("e+02"))));
   for (const char* wanted :
        {">148000</td>", ">0.005</td>", ">−89 %</td>", "held-out error removed, 0.5 s\" class=\"n\">–",
@@ -419,7 +429,7 @@ TEST(DiagnosisPage, EndsSentencesOnceAndRoundsShares) {
 TEST(DiagnosisPage, ShowsNoSizeOfWhatIsNotJudged) {
   Json diagnosis = example_diagnosis();
   diagnosis["torque_told"] = false;
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   const std::size_t at = html.find("pitch torque</td>");
   ASSERT_NE(at, std::string::npos);
   EXPECT_THAT(html.substr(at, html.find("</tr>", at) - at), AllOf(Not(HasSubstr("µN m")), HasSubstr("not judged")));
@@ -430,7 +440,7 @@ TEST(DiagnosisPage, OneFlightIsSaidToBeCutAndNoFlightIsSaidToCheck) {
   Json diagnosis = example_diagnosis();
   diagnosis["flights"] = {{{"file", "a.csv"}, {"role", "fit"}, {"duration_s", 40.0}},
                           {{"file", "a.csv"}, {"role", "holdout"}, {"duration_s", 20.0}}};
-  const std::string cut = diagnosis_page(diagnosis, example_figures());
+  const std::string cut = page_as_read(diagnosis, example_figures());
   for (const char* wanted : {"1 flight, its first two thirds to find and its last third to check, 60 s in all",
                              "on the last third of the flight, which was not used to find it",
                              "On the last third of the flight, which was not used to find the effects.",
@@ -440,7 +450,7 @@ TEST(DiagnosisPage, OneFlightIsSaidToBeCutAndNoFlightIsSaidToCheck) {
   diagnosis["flights"] = {{{"file", "a.csv"}, {"role", "fit"}, {"duration_s", 40.0}},
                           {{"file", "b.csv"}, {"role", "reference"}, {"duration_s", 20.0}}};
   diagnosis.erase("fit");
-  EXPECT_THAT(diagnosis_page(diagnosis, {}),
+  EXPECT_THAT(page_as_read(diagnosis, {}),
               AllOf(HasSubstr("1 flight to find, 1 for reference, none to check, 60 s in all"),
                     Not(HasSubstr("Held-out flights were never"))));
 }
@@ -465,7 +475,7 @@ TEST(DiagnosisPage, DoesNotContradictWhatItNames) {
                                    {"why", "does not make the predictions better"},
                                    {"would_show", {{"time_constant", {{"value", 0.011}, {"unit", "s"}}}}}});
   diagnosis["evidence"] = {{{"effect", "motor_lag"}, {"probability", 0.004}, {"delta_chi2", 500.0}}};
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   const auto row = [&](const std::string& begin, const std::string& of) {
     const std::size_t at = html.find(of, html.find(begin));
     return html.substr(at, html.find("</tr>", at) - at);
@@ -489,7 +499,7 @@ TEST(DiagnosisPage, WhatIsOnlyLikelyIsSaidWithItsSize) {
   diagnosis["suspected"][0]["confidence"] = 0.77;
   diagnosis["evidence"] = {{{"effect", "rotor_loss"}, {"rotor", 3}, {"probability", 0.01}}};
   diagnosis["mismatch"][0]["rms"] = 1e-9;
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   for (const char* wanted :
        {"Nothing is proved to have changed since the reference flights of crazyflie beyond noise and calm air.",
         "More likely than not, and not proved: the vehicle weighs 8.1 % more than its model (77 %) and rotor 3 gives",
@@ -505,30 +515,30 @@ TEST(DiagnosisPage, SaysNoMoreThanWasFound) {
                            {"parameters",
                             {{"mass", {{"value", 0.0957}, {"std", 0.003}, {"unit", "kg"}}},
                              {"length", {{"value", 0.049}, {"std", 0.27}, {"unit", "m"}}}}}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr(">A load of 96 g swings below it<"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr(">A load of 96 g swings below it<"));
   diagnosis["effects"][0]["parameters"]["length"]["std"] = 0.004;
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr(">A load of 96 g swings 49 mm below it<"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr(">A load of 96 g swings 49 mm below it<"));
 
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("The difference between simulation and recording"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr("The difference between simulation and recording"));
   diagnosis["not_identifiable"] = {{{"effect", "inertia"}, {"lack", "attitude_and_rate"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("The difference from the flights taken as normal, in hover"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr("The difference from the flights taken as normal, in hover"));
   diagnosis["flights"][0]["role"] = "reference";
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("The difference from the reference flights, in hover"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr("The difference from the reference flights, in hover"));
 
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr("Still not explained, and remarks"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr("Still not explained, and remarks"));
   diagnosis["alarms"] = Json::array();
   diagnosis["notes"] = {"no flight was held out by the user"};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), AllOf(HasSubstr(">Remarks<"), Not(HasSubstr("Still not explained"))));
+  EXPECT_THAT(page_as_read(diagnosis, {}), AllOf(HasSubstr(">Remarks<"), Not(HasSubstr("Still not explained"))));
 }
 
 // a log with a total thrust alone had a legend of one rotor
 TEST(DiagnosisPage, ATotalThrustIsNoRotor) {
   DiagnosisFigures figures = example_figures();
-  EXPECT_THAT(diagnosis_page(example_diagnosis(), figures),
+  EXPECT_THAT(page_as_read(example_diagnosis(), figures),
               AllOf(HasSubstr(">Motors, as recorded"), HasSubstr(">rotor 4<")));
   figures.window.motors.resize(1);
   figures.window.motors.front().name = "total thrust";
-  EXPECT_THAT(diagnosis_page(example_diagnosis(), figures),
+  EXPECT_THAT(page_as_read(example_diagnosis(), figures),
               AllOf(HasSubstr(">Total thrust, as recorded"), HasSubstr(">total thrust<"), Not(HasSubstr(">rotor 1<"))));
 }
 
@@ -545,7 +555,7 @@ Json late_answer(double rms_s, double noise_s) {
 }
 
 std::string answer_row(const Json& diagnosis) {
-  const std::string html = diagnosis_page(diagnosis, {});
+  const std::string html = page_as_read(diagnosis, {});
   const std::size_t at = html.find("answer to commands");
   return html.substr(at, html.find("</tr>", at) - at);
 }
@@ -582,9 +592,9 @@ TEST(DiagnosisPage, WhatCannotBeToldIsNoCalibration) {
   Json diagnosis = example_diagnosis();
   diagnosis["calibration"] = {
       {{"effect", "a_delay"}, {"parameters", {{"delay", {{"value", 0.0}, {"std", 0.015}, {"unit", "s"}}}}}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), HasSubstr(">a delay</td>"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr(">a delay</td>"));
   diagnosis["not_identifiable"] = {{{"effect", "a_delay"}, {"why", "it was filtered"}, {"lack", "raw_sensors"}}};
-  EXPECT_THAT(diagnosis_page(diagnosis, {}), Not(HasSubstr("<td class=\"name\">a delay</td>")));
+  EXPECT_THAT(page_as_read(diagnosis, {}), Not(HasSubstr("<td class=\"name\">a delay</td>")));
 }
 
 // "2.2e-07 N s²", "0.00077 kg", "0.17" of what
@@ -593,7 +603,7 @@ TEST(DiagnosisPage, WhatWouldShowHasAUnitOrAName) {
   const auto of = [&](const char* effect, const char* parameter, double value, const char* unit) {
     diagnosis["rejected"] = {
         {{"effect", effect}, {"why", "no"}, {"would_show", {{parameter, {{"value", value}, {"unit", unit}}}}}}};
-    const std::string html = diagnosis_page(diagnosis, {});
+    const std::string html = page_as_read(diagnosis, {});
     const std::size_t at = html.find(">", html.find("data-label=\"would show from\"")) + 1;
     return html.substr(at, html.find("</td>", at) - at);
   };
@@ -615,7 +625,7 @@ TEST(DiagnosisPage, AnAxisIsSaidInWords) {
   const auto names = [&](const char* effect, const char* parameter) {
     diagnosis["effects"][0]["effect"] = effect;
     diagnosis["effects"][0]["parameters"] = {{parameter, number}};
-    const std::string html = diagnosis_page(diagnosis, {});
+    const std::string html = page_as_read(diagnosis, {});
     for (const char* words : {"forward", "left", "up", "roll", "pitch", "toward world x", "change in roll", "height"})
       if (html.find(fmt::format("<td data-label=\"parameter\" class=\"name\">{}</td>", words)) != std::string::npos)
         return std::string(words);
@@ -635,7 +645,7 @@ TEST(DiagnosisPage, SaysOnceOnWhatTheRestDepends) {
                          {{"kind", "omnibus"}, {"says", "what is left depends on velocity"}},
                          {{"kind", "omnibus"}, {"says", "what is left depends on time"}}};
   EXPECT_THAT(
-      diagnosis_page(diagnosis, {}),
+      page_as_read(diagnosis, {}),
       HasSubstr("<li><strong>A pattern is left</strong>: what is left depends on position, velocity and time.</li>"));
 }
 
@@ -731,7 +741,7 @@ TEST(DiagnosisPage, WhatWouldTellStandsBesideTheReason) {
                                    // the words of a reason choose nothing
                                    {{"effect", "inertia"}, {"why", "no accelerometer, no torque and no command"}},
                                    {{"effect", "motor_lag"}, {"why", "because"}, {"lack", "torque"}}};
-  const std::string page = diagnosis_page(diagnosis, {});
+  const std::string page = page_as_read(diagnosis, {});
   EXPECT_THAT(page,
               HasSubstr("<td>these flights do not show it</td><td class=\"where\">fly: √(g / length) (slow)</td>"));
   EXPECT_THAT(page, HasSubstr("<td>no accelerometer, no torque and no command</td><td class=\"where\">–</td>"));

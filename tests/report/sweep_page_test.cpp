@@ -78,7 +78,7 @@ TEST(SweepPage, HeatIsTheMeanOverTheLargest) {
   EXPECT_THAT(html, HasSubstr("<td style=\"--heat:1.000\">0.303</td>"));
   EXPECT_THAT(html, HasSubstr("<td style=\"--heat:0.175\">0.053</td>"));
   EXPECT_THAT(html, HasSubstr("gustlab sweep --logs"));
-  EXPECT_THAT(html, HasSubstr("MAE its mean, 95 % of the samples are below P95"));
+  EXPECT_THAT(html, HasSubstr("MAE its mean, 95&#160;% of the samples are below P95"));
 }
 
 TEST(SweepPage, WithoutAxesTrajectoriesStandBesideControllers) {
