@@ -114,7 +114,8 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
       const unsigned seen = flight.samples[k].channels;
       out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, static_cast<Eigen::Index>(w))
           << missed.segment<3>(seen & has_velocity ? 3 : 0),
-          missed.segment<3>(seen & has_rate ? 9 : 6);
+          // commands that say nothing of torques predict no turn
+          flight.collective_only ? Vector3::Zero() : Vector3(missed.segment<3>(seen & has_rate ? 9 : 6));
     }
   }
   return out;

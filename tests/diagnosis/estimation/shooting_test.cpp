@@ -72,6 +72,23 @@ TEST(Shooting, SaysNothingOfAGyroscopesScale) {
     EXPECT_TRUE(window.col(0).isZero());
 }
 
+// turned by torques that a total thrust says nothing of, flights had a quadratic drag for one at the hubs
+TEST(Shooting, OfTorquesThatNobodyKnowsItPredictsNoTurn) {
+  const Catalogue all = catalogue();
+  const int inertia = all.group(all.find("inertia")).columns.front();
+  FlightData rolling = climb();
+  for (std::size_t k = 0; k < rolling.motion.size(); ++k)
+    rolling.motion[k].body_rate_B_radps.x() = 0.5 * sample_s * static_cast<double>(k);
+  for (const bool collective : {false, true}) {
+    rolling.collective_only = collective;
+    double largest = 0.0;
+    for (const Eigen::MatrixXd& window : shoot(rolling, 0, all, all.nominal(), {inertia}, 0.5).window)
+      for (std::size_t h = 0; h < shooting_horizon_s.size(); ++h)
+        largest = std::max(largest, window.middleRows<3>(static_cast<Eigen::Index>(h) * 6 + 3).cwiseAbs().maxCoeff());
+    EXPECT_EQ(largest == 0.0, collective) << largest;
+  }
+}
+
 TEST(Shooting, MissesAtAnotherValueWhatANewShotWouldMiss) {
   const Catalogue all = catalogue();
   const int mass = mass_column(all);
