@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Trials from a simulator of its own, written from the formats and the catalogue alone: is what the vehicle file lacks named, and nothing else?
 
-    foreign_trials.py --seed S --count N --out DIR [--first K] [--gustlab BIN] [--jobs 1] [--draw-only]
+    foreign_trials.py --seed S --count N --out DIR [--first K] [--style NAME] [--air NAME] [--gustlab BIN] [--jobs 1] [--draw-only]
 
 Writes DIR/<trial>/{fit_1,fit_2,fit_3,holdout_1}.csv, sidecars and vehicle/, the truth into DIR/truth.jsonl alone, diagnoses (a finished diagnosis is
 kept), writes DIR/results.jsonl and prints Markdown. A trial depends on the seed and its number only. No code of src/ is used or known here.
@@ -810,11 +810,15 @@ def allowed(effects):
     return [style for style in STYLES if shows(style)]
 
 
-def draw(seed, number, out):
-    """Writes one trial and returns its truth. Flights that a vehicle cannot fly are drawn again."""
+def draw(seed, number, out, style=None, air=None):
+    """Writes one trial and returns its truth; nothing where what is concealed cannot be seen in this style. Flights that a vehicle cannot fly are
+    drawn again."""
     name, (kind, effects) = f"trial_{number + 1:04}", plan(seed, number)
     rng = np.random.default_rng([seed, 4, number])
-    style, air, craft = str(rng.choice(allowed(effects))), str(rng.choice(list(AIRS))), CRAFTS[str(rng.choice(list(CRAFTS)))]
+    if style and style not in allowed(effects):
+        return None
+    drawn, airs, craft = str(rng.choice(allowed(effects))), str(rng.choice(list(AIRS))), CRAFTS[str(rng.choice(list(CRAFTS)))]
+    style, air = style or drawn, air or airs
     for attempt in range(20):
         known = {effect: dict(values) for effect, values in craft.known.items()}
         reality = built(craft, known, rng)
@@ -875,7 +879,9 @@ def trial(number, options):
     place = options.out / name
     kept = options.out / "truths" / f"{name}.json"
     if not kept.exists():
-        truth = draw(options.seed, number, options.out)
+        truth = draw(options.seed, number, options.out, options.style, options.air)
+        if truth is None:
+            return None, None
         kept.parent.mkdir(parents=True, exist_ok=True)
         kept.write_text(json.dumps(truth) + "\n", encoding="utf-8")
     truth = json.loads(kept.read_text(encoding="utf-8"))
@@ -898,6 +904,8 @@ def main():
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--first", type=int, default=1, help="number of the first trial")
     parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--style", choices=STYLES, help="how all are logged; what it cannot show is left out")
+    parser.add_argument("--air", choices=tuple(AIRS), help="of all")
     parser.add_argument("--gustlab", default=str(HOME / "build/release/gustlab"))
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--seconds", type=int, default=900, help="a diagnosis that takes longer has failed")
@@ -906,6 +914,8 @@ def main():
     numbers, truths, rows = range(options.first - 1, options.first - 1 + options.count), [], []
     with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
         for truth, row in pool.map(trial, numbers, [options] * len(numbers)):
+            if truth is None:
+                continue
             truths.append(truth)
             rows += [row] if row else []
             (options.out / "truth.jsonl").write_text("".join(path.read_text(encoding="utf-8") for path in sorted((options.out / "truths").glob("*.json"))), encoding="utf-8")

@@ -144,6 +144,14 @@ def test_a_trial_depends_on_seed_and_number_alone(tmp_path, short):
         assert all(e["effect"].encode() not in text or e["effect"] in CRAFTS[truth[0]["vehicle"]].known for e in truth[0]["effects"])
 
 
+def test_a_style_and_an_air_for_all_leave_out_what_they_cannot_show(tmp_path, short):
+    numbers = {effects[0]: number for number in range(40) for kind, effects in [plan(3, number)] if kind == "single"}
+    shown, hidden = (next(numbers[e] for e in EFFECTS if e in numbers and ("collective" in allowed([e])) == shows) for shows in (True, False))
+    truth = draw(3, shown, tmp_path, "collective", "calm")
+    assert (truth["style"], truth["air"]) == ("collective", "calm")
+    assert draw(3, hidden, tmp_path, "collective", "calm") is None
+
+
 def test_every_block_has_the_same_mixture():
     for seed in (1, 2):
         kinds = [plan(seed, number) for number in range(80)]
