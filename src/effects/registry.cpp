@@ -147,6 +147,9 @@ constexpr EffectRow rows[] = {
      .column = ColumnFrom::swing,
      .in_hover = InHover::weight,
      .needs = Need::attitude | Need::motion,
+     .hidden_by_filter = "the logs were low-pass filtered, and half a second tells no load that swings from one that "
+                         "does not: see mass",
+     .stand_in = "mass",
      .says = "a load swings below on a cable",
      .shows_in = "quick stops, and swings at √(g / length)",
      .confused_with = "mass: swings (at rest they are alike); gust: one frequency",

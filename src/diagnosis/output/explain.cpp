@@ -125,6 +125,12 @@ bool fill_rivals(const Session& session, const Selection& selection, const Findi
   return trim;
 }
 
+// a load that hangs is no weight that went
+bool may_be(const EffectRow& other, const EffectFinding& effect) {
+  const std::unique_ptr<Effect> made = other.make();
+  return effect.parameters.empty() || effect.parameters.front().value > 0.0 || numbers_of(*made).front().info.min < 0.0;
+}
+
 // names that no flight, or no such log, distinguishes from the effect
 void fill_aliases(const Catalogue& catalogue, const EffectRow& row, EffectFinding& effect) {
   // only c_τ k_f / J_z is visible, when J_x and J_y are right
@@ -137,7 +143,8 @@ void fill_aliases(const Catalogue& catalogue, const EffectRow& row, EffectFindin
         effect.classmates.emplace_back(other.name);
     }
     // what these logs do not distinguish from it is not tried
-    if (other.stand_in == row.name && catalogue.why_left_out(other)) effect.classmates.emplace_back(other.name);
+    if (other.stand_in == row.name && catalogue.why_left_out(other) && may_be(other, effect))
+      effect.classmates.emplace_back(other.name);
   }
 }
 

@@ -62,8 +62,9 @@ class Explained : public ::testing::Test {
     flight.collective_only = collective_only;
     return flight;
   }
-  explicit Explained(bool collective_only = false, const VehicleModel& vehicle = test::crazyflie())
-      : session({flight(collective_only), flight(collective_only)}, vehicle, 1) {
+  explicit Explained(bool collective_only = false, const VehicleModel& vehicle = test::crazyflie(),
+                     std::vector<FlightData> filtered = {})
+      : session({flight(collective_only), flight(collective_only)}, vehicle, 1, std::move(filtered)) {
     selection.value = session.value();
     selection.deviation = Eigen::VectorXd::Zero(session.catalogue().size());
     selection.noise_selected = session.noise;
@@ -143,6 +144,18 @@ TEST_F(Explained, ARivalThatDoesAsWellSharesTheClassAndAWorseOneDoesNot) {
   d = explained();
   EXPECT_THAT(d.effects, IsEmpty());
   EXPECT_THAT(d.calibration, ElementsAre(Field(&EffectFinding::effect, "mass")));
+}
+
+struct ExplainedFiltered : Explained {
+  ExplainedFiltered() : Explained(false, test::crazyflie(), {flight(false), flight(false)}) {}
+};
+
+// half a second of a filtered log tells no load that swings; one that is lifted has no weight below nothing
+TEST_F(ExplainedFiltered, AMassMayHang) {
+  found("mass", 0.05, 0.97);
+  EXPECT_THAT(explained().effects[0].classmates, Contains("slung_load"));
+  selection.value[column("mass")] = -0.05;
+  EXPECT_THAT(explained().effects[0].classmates, ::testing::Not(Contains("slung_load")));
 }
 
 TEST_F(Explained, WhatFlightsDoNotExciteIsSaidOnce) {
