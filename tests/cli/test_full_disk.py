@@ -48,7 +48,8 @@ class FullDisk(unittest.TestCase):
         count = self.shared / "count"
         count.write_text("")
         # a driver's own cache is not the program's: without room it does without
-        more = {"MESA_SHADER_CACHE_DISABLE": "true", "LD_PRELOAD": str(self.shared / "full_disk.so"),
+        # compiled scripts are written by the first run alone
+        more = {"MESA_SHADER_CACHE_DISABLE": "true", "PYTHONDONTWRITEBYTECODE": "1", "LD_PRELOAD": str(self.shared / "full_disk.so"),
                 "FULL_DISK_COUNT": str(count), "FULL_DISK_FROM": str(full_from or 10**9)}
         done = subprocess.run([PROGRAM, *arguments], cwd=self.folder, text=True, capture_output=True, timeout=120, env=os.environ | more)
         return done.returncode, done.stderr, count.stat().st_size
