@@ -4,7 +4,7 @@
     foreign_trials.py --seed S --count N --out DIR [--first K] [--style NAME] [--air NAME] [--gustlab BIN] [--jobs 1] [--draw-only]
 
 Writes DIR/<trial>/{fit_1,fit_2,fit_3,holdout_1}.csv, sidecars and vehicle/, the truth into DIR/truth.jsonl alone, diagnoses (a finished diagnosis is
-kept), writes DIR/results.jsonl and prints Markdown. A trial depends on the seed and its number only. No code of src/ is used or known here.
+kept), writes DIR/results.jsonl and prints Markdown. A trial depends on the seed, its number, and the style and the air that are asked for. No code of src/ is used or known here.
 
 Physics: rigid body with lumped rotor aerodynamics (Mahony, Kumar and Corke 2012; Svacha, Mohta and Kumar 2017; Faessler, Franchi and Scaramuzza 2018),
 ground effect of a whole multirotor (Sanchez-Cuevas, Heredia and Ollero 2017), gusts with the spectra of Dryden (MIL-F-8785C), rotors of first order.
@@ -817,8 +817,9 @@ def draw(seed, number, out, style=None, air=None):
     rng = np.random.default_rng([seed, 4, number])
     if style and style not in allowed(effects):
         return None
-    drawn, airs, craft = str(rng.choice(allowed(effects))), str(rng.choice(list(AIRS))), CRAFTS[str(rng.choice(list(CRAFTS)))]
-    style, air = style or drawn, air or airs
+    # drawn in any case: the rest of a trial stays as it is
+    any_style, any_air, craft = str(rng.choice(allowed(effects))), str(rng.choice(list(AIRS))), CRAFTS[str(rng.choice(list(CRAFTS)))]
+    style, air = style or any_style, air or any_air
     for attempt in range(20):
         known = {effect: dict(values) for effect, values in craft.known.items()}
         reality = built(craft, known, rng)
@@ -885,8 +886,9 @@ def trial(number, options):
         kept.parent.mkdir(parents=True, exist_ok=True)
         kept.write_text(json.dumps(truth) + "\n", encoding="utf-8")
     truth = json.loads(kept.read_text(encoding="utf-8"))
-    if truth["seed"] != options.seed:
-        raise SystemExit(f"{options.out} holds trials of seed {truth['seed']}")
+    for key in ("seed", "style", "air"):
+        if getattr(options, key) not in (None, truth[key]):
+            raise SystemExit(f"{options.out} holds trials of {key} {truth[key]}")
     if options.draw_only:
         return truth, None
     path, run = place / "diagnosis" / "diagnosis.json", place / "run.json"

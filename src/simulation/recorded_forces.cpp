@@ -45,10 +45,8 @@ bool read_command(const FlightLog& log, const VehicleModel& vehicle,
                   const std::vector<const std::vector<double>*>& columns, std::size_t row, RotorArray& speed_radps) {
   RotorArray input{};
   if (!read_row(columns, row, input)) return false;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle.rotor_count); ++i) {
-    const bool collective = log.meta.actuator == ActuatorKind::collective_thrust;
-    speed_radps[i] = rotor_speed_radps(vehicle, vehicle.rotors[i], log.meta.actuator, input[collective ? 0 : i]);
-  }
+  const bool collective = log.meta.actuator == ActuatorKind::collective_thrust;
+  speed_radps = speeds_radps(vehicle, log.meta.actuator, [&](std::size_t i) { return input[collective ? 0 : i]; });
   return true;
 }
 

@@ -387,7 +387,7 @@ class Lineariser {
 
   // forces change what an accelerometer shows, and no other sensor
   bool changes_sensors(const Column& column) const {
-    if (column.group < 0) return true;
+    if (column.group < 0) return 6 + column.parameter < first_force_row;
     const Place place = catalogue_.group(column.group).row->place;
     return place == Place::body || place == Place::measurement;
   }

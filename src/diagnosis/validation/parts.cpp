@@ -45,8 +45,7 @@ LinearFlight with_forces(const LinearFlight& flight, const Session& session, con
       }
     }
     for (Eigen::Index i = 0; sideways_free && i < tested; ++i) {
-      auto from = acceleration.col(own + i), to = acceleration.col(own + tested + i);
-      for (const int row : {0, 1}) std::swap(from[row], to[row]);
+      acceleration.col(own + i).head<2>().swap(acceleration.col(own + tested + i).head<2>());
       const Vector3 up = flight.R_WB[k].row(2).transpose(), all = felt.col(own + i);
       felt.col(own + i) = up * up.dot(all), felt.col(own + tested + i) = all - up * up.dot(all);
     }
