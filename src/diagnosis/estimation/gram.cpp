@@ -49,14 +49,18 @@ void Grams::add(int of_flight, double at_s, Eigen::MatrixXd more, bool is_known)
   known.push_back(is_known);
 }
 
+Eigen::MatrixXd shifted(Eigen::MatrixXd gram, const Eigen::VectorXd& d) {
+  const Eigen::Index n = d.size();
+  const Eigen::VectorXd move = gram.topLeftCorner(n, n) * d;
+  const double zz = gram(n, n) + 2.0 * gram.col(n).head(n).dot(d) + d.dot(move);
+  gram.col(n).head(n) += move;
+  gram.row(n).head(n) = gram.col(n).head(n).transpose();
+  gram(n, n) = zz;
+  return gram;
+}
+
 void Grams::shift(const Eigen::VectorXd& d) {
-  for (auto& b : block) {
-    const Eigen::VectorXd move = b.topLeftCorner(columns, columns) * d;
-    const double zz = b(columns, columns) + 2.0 * b.col(columns).head(columns).dot(d) + d.dot(move);
-    b.col(columns).head(columns) += move;
-    b.row(columns).head(columns) = b.col(columns).head(columns).transpose();
-    b(columns, columns) = zz;
-  }
+  for (auto& b : block) b = shifted(std::move(b), d);
 }
 
 GramBlocks::GramBlocks(std::vector<int> columns, int flight, int catalogue_size, Grams& grams)

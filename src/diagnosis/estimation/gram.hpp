@@ -24,7 +24,7 @@ struct Grams {
   Eigen::MatrixXd total() const;
   // One more block, which is a cluster of its own. `is_known`: of what is known of a flight beforehand.
   void add(int flight, double time_s, Eigen::MatrixXd block, bool is_known);
-  // z becomes z + Φ d: coefficients are then counted from θ₀ − d.
+  // See shifted() below.
   void shift(const Eigen::VectorXd& d);
 };
 // Adds one flight's innovations, which come in order of time; rows that are not warm do not count.
@@ -49,6 +49,9 @@ class GramBlocks {
   Rows kept_;                           // its rows that count
   Eigen::Index count_ = 0;
 };
+
+// A Gram matrix of rows [Φ | z] whose z becomes z + Φ d: coefficients are then counted from θ₀ − d.
+Eigen::MatrixXd shifted(Eigen::MatrixXd gram, const Eigen::VectorXd& d);
 
 // Those of further flights.
 void append(Grams&& more, Grams& grams);

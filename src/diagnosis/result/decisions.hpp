@@ -74,7 +74,8 @@ inline constexpr double least_load_share = 0.01, least_limit_delta_chi2 = 30.0, 
 inline constexpr double swing_costs = 30.0, limit_costs = 5.0;
 // A number that is known beforehand ran away from it: it stands in for something else, and stays as the vehicle file has it.
 // Statistic: its change over what it is known to. From: two standard deviations; the height of the centre of mass stood for a moment of the
-// velocity (nanodrone, NeuroBEM, imrc). Costs: a centre of mass that is a tenth of an arm higher or lower is not named.
+// velocity (nanodrone, NeuroBEM, imrc). Costs: a centre of mass that is a tenth of an arm higher or lower, and a steady wind of 2 m/s
+// up or down, are not named.
 inline constexpr double ran_away = 2.0;
 // A value is a trim, no missing physics: up to so many tolerances.
 // Statistic: the larger of its sizes in reporting tolerances. From: an estimate holds a share of what alike parts scatter; no

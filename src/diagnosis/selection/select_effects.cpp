@@ -529,7 +529,8 @@ class Selector {
     return flown == latency_delta_chi2_.end() ? linear : std::max(linear, flown->second);
   }
 
-  // backward: what is not material, not significant or not possible goes, the weakest first
+  // Backward: what is not material, not significant or not possible goes, the weakest first. What would leave together is significant
+  // together (a drag beside a wind that it alone feels), and what leaves its bounds is possible if it pays at them, too.
   void prune(const Grams& grams, std::vector<int>& chosen, const Eigen::MatrixXd& total, double loss_none) const {
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     while (!chosen.empty()) {
@@ -540,21 +541,21 @@ class Selector {
       const double needed = material(grams.rows, std::max(0.0, loss_none - fit.loss));
       int worst = -1;
       double worst_delta_chi2 = 0.0;
-      Eigen::Index at = 0;
       for (const int g : chosen) {
-        const auto size = static_cast<Eigen::Index>(own_columns(catalogue_, chosen, g).size());
-        const double delta_chi2 =
-            delta_chi2_of(g, solve(total, s_.with_biases(search.without(chosen, g))).loss - fit.loss);
-        const Eigen::VectorXd b = fit.coefficient.segment(at, size);
-        Eigen::MatrixXd block = covariance.block(at, at, size, size);
+        const double without = solve(total, s_.with_biases(search.without(chosen, g))).loss;
+        const double delta_chi2 = delta_chi2_of(g, without - fit.loss);
+        const bool is_possible =
+            s_.shoots() || possible(value, g) || without - search.loss_within_bounds(total, columns, fit, g) >= needed;
+        const std::vector<Eigen::Index> own = search.leaving(chosen, g);
+        const Eigen::VectorXd b = fit.coefficient(own);
+        Eigen::MatrixXd block = covariance(own, own);
         block.diagonal().array() += 1e-18;
         const double wald = b.dot(block.ldlt().solve(b));
         const double p = boost::math::cdf(
-            boost::math::complement(boost::math::chi_squared(static_cast<double>(size)), std::max(0.0, wald)));
-        const bool bad = delta_chi2 < needed || !(s_.shoots() || possible(value, g)) ||
+            boost::math::complement(boost::math::chi_squared(static_cast<double>(own.size())), std::max(0.0, wald)));
+        const bool bad = delta_chi2 < needed || !is_possible ||
                          !(p < decisions::wald_p / static_cast<double>(catalogue_.groups().size()));
         if (bad && (worst < 0 || delta_chi2 < worst_delta_chi2)) worst = g, worst_delta_chi2 = delta_chi2;
-        at += size;
       }
       if (worst < 0) return;
       chosen = search.without(chosen, worst);

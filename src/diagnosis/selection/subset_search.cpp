@@ -40,6 +40,31 @@ std::vector<int> SubsetSearch::without(std::vector<int> groups, int group) const
   return groups;
 }
 
+std::vector<Eigen::Index> SubsetSearch::leaving(const std::vector<int>& groups, int group) const {
+  const std::vector<int> rest = without(groups, group);
+  std::vector<Eigen::Index> at;
+  Eigen::Index next = 0;
+  for (const int g : groups) {
+    const bool leaves = std::ranges::find(rest, g) == rest.end();
+    for (std::size_t i = own_columns(catalogue, groups, g).size(); i > 0; --i, ++next)
+      if (leaves) at.push_back(next);
+  }
+  return at;
+}
+
+double SubsetSearch::loss_within_bounds(const Eigen::MatrixXd& gram, const std::vector<int>& columns, const Fit& fit,
+                                        int group) const {
+  std::vector<int> free;
+  Eigen::VectorXd held = Eigen::VectorXd::Zero(catalogue.size());
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Column& column = catalogue.column(columns[i]);
+    const double value = column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural;
+    if (column.group != group || column.admits(value)) free.push_back(columns[i]);
+    else held[columns[i]] = (std::clamp(value, column.min, column.max) - column.nominal) / column.natural;
+  }
+  return solve(shifted(gram, -held), free).loss;
+}
+
 Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const {
   Subset subset;
   subset.groups = groups;

@@ -30,6 +30,11 @@ struct SubsetSearch {
   bool allowed(const std::vector<int>& groups) const;
   // `groups` without one of them, and without a wind that nothing feels any more.
   std::vector<int> without(std::vector<int> groups, int group) const;
+  // Where the coefficients of what would leave with a group stand among those of `groups`.
+  std::vector<Eigen::Index> leaving(const std::vector<int>& groups, int group) const;
+  // Loss of `columns`, whose fit is `fit`, with those values of a group that leave their bounds held there and all others fitted.
+  double loss_within_bounds(const Eigen::MatrixXd& gram, const std::vector<int>& columns, const Fit& fit,
+                            int group) const;
 
   const Catalogue& catalogue;
   double penalty;

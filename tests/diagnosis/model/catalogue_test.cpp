@@ -7,7 +7,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace catalogue_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -47,6 +47,14 @@ TEST(Catalogue, TheHeightOfACentreOfMassIsKnownBeforehandAndMayStayOut) {
   EXPECT_NEAR(known_to(2), 0.05 * read_vehicle("crazyflie").arm_m(), 1e-12);
   all.freeze(of_center[2]);
   EXPECT_THAT(columns(all, "center_of_mass"), ElementsAre("x", "y"));
+}
+
+TEST(Catalogue, AWindIsNearlyLevelAndNoHurricane) {
+  const Catalogue all = catalogue({.observable = pose});
+  const std::vector<int> wind = all.group(all.find("steady_wind")).columns;
+  EXPECT_EQ(all.column(wind[0]).known_to, 0.0);
+  EXPECT_FALSE(all.column(wind[0]).admits(-35.0));
+  EXPECT_EQ(all.column(wind.back()).known_to, 1.0);  // m/s, up
 }
 
 TEST(Catalogue, AGyroscopesScaleNeedsAGyroscopeAndNoTorque) {
@@ -154,5 +162,5 @@ TEST(Catalogue, CorrectsTheSensorsOfAFlight) {
   EXPECT_EQ(found.rate_scale, 0.02);
 }
 
-}  // namespace
+}  // namespace catalogue_test
 }  // namespace gustlab::diagnosis

@@ -12,7 +12,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace subset_search_test {
 
 const VehicleModel& vehicle() {
   static const VehicleModel model = [] {
@@ -137,5 +137,37 @@ TEST(SubsetSearch, WhatLeavesItsBoundsIsNotPossible) {
   EXPECT_TRUE(std::isinf(search().evaluate(gram, {drag}).loss));
 }
 
-}  // namespace
+TEST(SubsetSearch, ADragLeavesWithTheWindThatItAloneFeels) {
+  const SubsetSearch by = search();
+  const int drag = catalogue().find("quadratic_drag"), mass = catalogue().find("mass"),
+            wind = catalogue().find("steady_wind"), inflow = catalogue().find("axial_inflow");
+  const auto to = [](std::vector<Eigen::Index> at) { return at; };
+  // two areas, a mass, and three numbers of each of two flights
+  EXPECT_EQ(by.leaving({drag, mass, wind}, drag), to({0, 1, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(by.leaving({drag, mass, wind}, mass), to({2}));
+  EXPECT_EQ(by.leaving({drag, mass, wind}, wind), to({3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(by.leaving({drag, inflow, wind}, drag), to({0, 1}));
+}
+
+TEST(SubsetSearch, WhatLeavesItsBoundsIsAskedThere) {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Random(300, catalogue().size() + 1);
+  const int wind = catalogue().find("steady_wind"), mass = catalogue().find("mass");
+  const int x = catalogue().group(wind).columns.front(), m = catalogue().group(mass).columns.front();
+  const auto z = rows.cols() - 1;
+  const Column& column = catalogue().column(x);
+  const double most = (column.max - column.nominal) / column.natural, beyond = 1.5 * most;
+  rows.col(z) += beyond * rows.col(x) + 0.2 * rows.col(m);
+  const Eigen::MatrixXd gram = rows.transpose() * rows;
+  const std::vector<int> columns = {m, x};
+  const Fit fit = solve(gram, columns);
+  ASSERT_GT(fit.coefficient[1], most);
+  // least squares of what is left of z with the wind at its bound
+  const Eigen::VectorXd left = rows.col(z) - most * rows.col(x), of = rows.col(m);
+  const double wanted = (left - of * (of.dot(left) / of.squaredNorm())).squaredNorm();
+  EXPECT_NEAR(search().loss_within_bounds(gram, columns, fit, wind), wanted, 1e-6 * wanted);
+  // another group's bounds are not asked, and a fit within them stays as it is
+  EXPECT_NEAR(search().loss_within_bounds(gram, columns, fit, mass), fit.loss, 1e-6 * fit.loss);
+}
+
+}  // namespace subset_search_test
 }  // namespace gustlab::diagnosis
