@@ -1,10 +1,12 @@
-# gustlab_together(TARGET): files of a folder include the same headers and instantiate the same templates, so some of them are
-# compiled as one. Names in a folder are unique; the files that share some are compiled by themselves.
+# gustlab_together(TARGET [ALONE...]): files of a folder include the same headers and instantiate the same templates, so some of them are
+# compiled as one. Names in a folder are unique; the files that share some (ALONE, parts of their paths) are compiled by themselves.
 set(GUSTLAB_TOGETHER 8 CACHE STRING "so many files of a folder are compiled as one; fewer: an edit is quicker, a whole build slower")
 function(gustlab_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
-  list(FILTER sources EXCLUDE REGEX "/score|_loop|/layouts|/pendulum|/rigid_body|/swing_fit|TARGET_OBJECTS")
+  foreach(alone IN ITEMS TARGET_OBJECTS ${ARGN})
+    list(FILTER sources EXCLUDE REGEX ${alone})
+  endforeach()
   foreach(source IN LISTS sources)
     get_filename_component(folder ${source} DIRECTORY)
     file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})

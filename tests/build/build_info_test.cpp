@@ -7,7 +7,7 @@
 #include <string>
 
 namespace gustlab {
-namespace {
+namespace build_info_test {
 
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
@@ -35,5 +35,5 @@ TEST(SourceDirectory, IsTheRootOfTheTree) {
   EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(source_directory()) / "CMakePresets.json"));
 }
 
-}  // namespace
+}  // namespace build_info_test
 }  // namespace gustlab

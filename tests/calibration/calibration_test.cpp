@@ -7,7 +7,7 @@
 #include "sweep/sweep.hpp"
 
 namespace gustlab {
-namespace {
+namespace calibration_test {
 
 using testing::HasSubstr;
 
@@ -217,5 +217,5 @@ TEST(Calibration, ShippedOnesLookAtPublishedCells) {
   }
 }
 
-}  // namespace
+}  // namespace calibration_test
 }  // namespace gustlab

@@ -9,7 +9,7 @@
 #include "support/program.hpp"
 
 namespace gustlab {
-namespace {
+namespace bad_inputs_test {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -538,5 +538,5 @@ TEST(BadInputs, GoodInputOfTheSameKindIsTaken) {
   EXPECT_EQ(test::gustlab({"sweep", "e.toml", "--dry-run"}, folder.path().string()).exit_code, 0);
 }
 
-}  // namespace
+}  // namespace bad_inputs_test
 }  // namespace gustlab

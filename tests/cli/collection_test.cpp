@@ -9,7 +9,7 @@
 #include "support/program.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace collection_test {
 
 namespace fs = std::filesystem;
 
@@ -125,5 +125,5 @@ set = ["duration_s = 0.5"]
   EXPECT_FALSE(fs::exists(folder.file("y")));
 }
 
-}  // namespace
+}  // namespace collection_test
 }  // namespace gustlab::test

@@ -8,7 +8,7 @@
 #include "support/program.hpp"
 
 namespace gustlab {
-namespace {
+namespace divergence_test {
 
 const char* const experiment_text = R"(format = "gustlab-experiment/1"
 name = "torn"
@@ -68,5 +68,5 @@ TEST_P(Divergence, IsAResultAndLeavesNothingElse) {
 // beyond what MuJoCo takes for a number, and beyond what is one
 INSTANTIATE_TEST_SUITE_P(ForceInNewton, Divergence, ::testing::Values("1e10", "1e300"));
 
-}  // namespace
+}  // namespace divergence_test
 }  // namespace gustlab

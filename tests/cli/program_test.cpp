@@ -9,7 +9,7 @@
 #include "support/program.hpp"
 
 namespace gustlab {
-namespace {
+namespace program_test {
 
 using test::Said;
 using ::testing::HasSubstr;
@@ -78,5 +78,5 @@ TEST(Program, RunsFromAnyFolderAndPrintsNoColourIntoAFile) {
   EXPECT_THAT(said.out + said.err, Not(HasSubstr("\033")));
 }
 
-}  // namespace
+}  // namespace program_test
 }  // namespace gustlab

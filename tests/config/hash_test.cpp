@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace gustlab::config {
-namespace {
+namespace hash_test {
 
 using Words = std::array<std::uint64_t, 2>;
 
@@ -21,5 +21,5 @@ TEST(Hash, IsOfAllBytesInTheirOrderAndNotOfTheirParts) {
   EXPECT_NE(Hash().add("\xff").words(), Hash().add("\x7f").words());
 }
 
-}  // namespace
+}  // namespace hash_test
 }  // namespace gustlab::config

@@ -8,7 +8,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab {
-namespace {
+namespace input_file_test {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -70,5 +70,5 @@ TEST(InputFile, StandsInAKeyWithItsBytesAndNotWithItsPlace) {
   EXPECT_EQ(config::canonical_text(owner), "weights = \"\"\n");
 }
 
-}  // namespace
+}  // namespace input_file_test
 }  // namespace gustlab

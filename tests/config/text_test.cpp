@@ -6,7 +6,7 @@
 #include "config/toml.hpp"
 
 namespace gustlab::config {
-namespace {
+namespace text_test {
 
 TEST(Text, WhatIsQuotedIsReadBackByteForByte) {
   std::string every;
@@ -31,5 +31,5 @@ TEST(Text, ControlCharactersAreShownAndNotObeyed) {
 
 TEST(Text, LowerTouchesOnlyAsciiLetters) { EXPECT_EQ(lower("AbZ-9 Ω[`{@"), "abz-9 Ω[`{@"); }
 
-}  // namespace
+}  // namespace text_test
 }  // namespace gustlab::config

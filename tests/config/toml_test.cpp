@@ -7,7 +7,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab::config {
-namespace {
+namespace toml_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -248,5 +248,5 @@ TEST(Shortest, ReadsBackTheSameDouble) {
   EXPECT_EQ(shortest(5.0), "5");
 }
 
-}  // namespace
+}  // namespace toml_test
 }  // namespace gustlab::config

@@ -16,7 +16,7 @@
 #include "../../examples/plugins/controller.cpp"
 
 namespace gustlab::test {
-namespace {
+namespace controllers_contract_test {
 
 constexpr ControllerRow template_row{.name = "template", .says = "", .source = "", .make = make_template_controller};
 
@@ -244,5 +244,5 @@ INSTANTIATE_TEST_SUITE_P(Registry, ControllerContract,
                            return std::string(std::get<0>(test.param)) + "_" + std::string(std::get<1>(test.param));
                          });
 
-}  // namespace
+}  // namespace controllers_contract_test
 }  // namespace gustlab::test

@@ -9,7 +9,7 @@
 #include "support/trials.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace diagnosis_contract_test {
 
 using ::testing::IsEmpty;
 
@@ -132,5 +132,5 @@ std::vector<std::string_view> tested_effects() {
 INSTANTIATE_TEST_SUITE_P(Registry, DiagnosisContractTrials, ::testing::ValuesIn(tested_effects()),
                          [](const auto& tested) { return std::string(tested.param); });
 
-}  // namespace
+}  // namespace diagnosis_contract_test
 }  // namespace gustlab::test

@@ -4,7 +4,7 @@
 #include "contract/effects_flight.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace effect_traits_test {
 
 // a symmetric vehicle, far from every surface
 VehicleModel plain_vehicle() {
@@ -325,5 +325,5 @@ TEST(EffectKinds, DeclareWhatIsWrittenOfThem) {
   EXPECT_THAT(names([](const EffectRow& r) { return r.in_hover == InHover::rotor; }), IsSupersetOf({"rotor", "loss"}));
 }
 
-}  // namespace
+}  // namespace effect_traits_test
 }  // namespace gustlab::test

@@ -7,7 +7,7 @@
 #include "../../examples/plugins/effect.cpp"
 
 namespace gustlab::test {
-namespace {
+namespace effects_contract_test {
 
 // as its author may leave it to the diagnosis
 constexpr EffectRow template_row{.name = "template",
@@ -229,5 +229,5 @@ TEST(EffectRegistry, HasTheCatalogueInItsOrder) {
   EXPECT_EQ(diagnosable, catalogue);
 }
 
-}  // namespace
+}  // namespace effects_contract_test
 }  // namespace gustlab::test

@@ -6,7 +6,7 @@
 #include "support/experiments.hpp"
 
 namespace gustlab {
-namespace {
+namespace flight_contract_test {
 
 class FlightContract : public testing::TestWithParam<std::string> {};
 
@@ -32,5 +32,5 @@ std::vector<std::string> controllers() {
 INSTANTIATE_TEST_SUITE_P(Registry, FlightContract, testing::ValuesIn(controllers()),
                          [](const auto& one) { return one.param; });
 
-}  // namespace
+}  // namespace flight_contract_test
 }  // namespace gustlab

@@ -9,7 +9,7 @@
 #include "../../examples/plugins/trajectory.cpp"
 
 namespace gustlab::test {
-namespace {
+namespace trajectories_contract_test {
 
 class TrajectoryContract : public ::testing::TestWithParam<std::string_view> {
  protected:
@@ -71,5 +71,5 @@ std::vector<std::string_view> names() {
 INSTANTIATE_TEST_SUITE_P(Registry, TrajectoryContract, ::testing::ValuesIn(names()),
                          [](const auto& test) { return std::string(test.param); });
 
-}  // namespace
+}  // namespace trajectories_contract_test
 }  // namespace gustlab::test

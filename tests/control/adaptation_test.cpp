@@ -7,7 +7,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab {
-namespace {
+namespace adaptation_test {
 
 using Row = Adaptation::Row;
 using Parameters = Adaptation::Parameters;
@@ -123,5 +123,5 @@ TEST(Adaptation, PrintedLawLosesSymmetryAndKeepsAHigherGain) {
   EXPECT_GT(phi * printed.covariance() * phi.transpose(), phi * corrected.covariance() * phi.transpose());
 }
 
-}  // namespace
+}  // namespace adaptation_test
 }  // namespace gustlab

@@ -5,7 +5,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab {
-namespace {
+namespace attitude_test {
 
 Quaternion random_attitude(std::uint64_t i) {
   const auto n = RandomStream(1, 0, "attitude_test").normal4(i);
@@ -81,5 +81,5 @@ TEST(AttitudeError, PutsTheThrustDirectionRightBeforeTheHeading) {
   EXPECT_LT(std::abs(error.z()), 0.2 * 2.5 + 1e-9);
 }
 
-}  // namespace
+}  // namespace attitude_test
 }  // namespace gustlab

@@ -8,7 +8,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
-namespace {
+namespace feature_terms_test {
 
 FeatureInput some_input() {
   FeatureInput in;
@@ -99,5 +99,5 @@ TEST(Evaluate, FillsInOrder) {
   EXPECT_EQ(out[2], 19.4);
 }
 
-}  // namespace
+}  // namespace feature_terms_test
 }  // namespace gustlab

@@ -5,7 +5,7 @@
 #include "control/pid.hpp"
 
 namespace gustlab {
-namespace {
+namespace filters_test {
 
 double gain_at(double cutoff_hz, double frequency_hz) {
   const double period_s = 0.002;
@@ -81,5 +81,5 @@ TEST(SquareRootLaw, IsSmoothAndStopsInTime) {
   EXPECT_EQ(square_root_law(-e, p, a), -square_root_law(e, p, a));
 }
 
-}  // namespace
+}  // namespace filters_test
 }  // namespace gustlab

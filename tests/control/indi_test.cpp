@@ -7,7 +7,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab {
-namespace {
+namespace indi_test {
 
 constexpr double period_s = 0.002;
 
@@ -131,5 +131,5 @@ TEST(IndiForce, AddsToTheThrustWhatIsMissing) {
   EXPECT_LT((wanted.attitude_WB * Vector3::UnitZ() - force.normalized()).norm(), 1e-9);
 }
 
-}  // namespace
+}  // namespace indi_test
 }  // namespace gustlab

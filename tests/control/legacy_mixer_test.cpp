@@ -6,7 +6,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab {
-namespace {
+namespace legacy_mixer_test {
 
 // m1 front right, m2 back right, m3 back left, m4 front left; the firmware's pitch is nose up, ours nose down. m1 and m3 turn
 // counterclockwise (direction +1): yaw to the left slows them
@@ -49,5 +49,5 @@ TEST(LegacyMixer, ThrustOfACountIsThatOfItsSpeeds) {
   }
 }
 
-}  // namespace
+}  // namespace legacy_mixer_test
 }  // namespace gustlab

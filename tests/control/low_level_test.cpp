@@ -11,7 +11,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab {
-namespace {
+namespace low_level_test {
 
 struct Case {
   VehicleModel vehicle;
@@ -123,5 +123,5 @@ TEST(LowLevelLoop, LetsANanThrough) {
   }
 }
 
-}  // namespace
+}  // namespace low_level_test
 }  // namespace gustlab

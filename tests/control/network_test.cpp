@@ -5,7 +5,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
-namespace {
+namespace network_test {
 
 NetworkWeights small() {
   NetworkWeights weights;
@@ -66,5 +66,5 @@ TEST(Network, SaysWhereAFileIsWrong) {
   EXPECT_THAT(message("weights 2\n1 2 0.3333333333333333 -0.5\n", ""), testing::HasSubstr("the file ends"));
 }
 
-}  // namespace
+}  // namespace network_test
 }  // namespace gustlab

@@ -7,7 +7,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab {
-namespace {
+namespace position_pid_test {
 
 constexpr double period_s = 0.01;
 
@@ -117,5 +117,5 @@ TEST(ForcePosition, BoostsThrustByTheTilt) {
   }
 }
 
-}  // namespace
+}  // namespace position_pid_test
 }  // namespace gustlab

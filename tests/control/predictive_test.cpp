@@ -7,7 +7,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab {
-namespace {
+namespace predictive_test {
 
 constexpr PredictiveControl::Limits limits{5.0, -6.0, 4.0};
 
@@ -114,5 +114,5 @@ TEST(Predictive, FiftyStepsAreEnough) {
   EXPECT_LT(cost_of(quick, error, quick.solve(error, u_ref)), 1.01 * least);
 }
 
-}  // namespace
+}  // namespace predictive_test
 }  // namespace gustlab

@@ -8,7 +8,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab {
-namespace {
+namespace residual_test {
 
 using ::testing::HasSubstr;
 
@@ -105,5 +105,5 @@ TEST(ResidualAdaptation, KnowsTwoCovarianceLaws) {
   }
 }
 
-}  // namespace
+}  // namespace residual_test
 }  // namespace gustlab

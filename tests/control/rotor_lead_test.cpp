@@ -8,7 +8,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab {
-namespace {
+namespace rotor_lead_test {
 
 constexpr double period_s = 0.002;
 
@@ -58,5 +58,5 @@ TEST(RotorLead, AsksForNoMoreThanTheLimit) {
   EXPECT_EQ(command.speed_radps[2], 700.0);
 }
 
-}  // namespace
+}  // namespace rotor_lead_test
 }  // namespace gustlab

@@ -5,7 +5,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab {
-namespace {
+namespace rotors_test {
 
 std::vector<VehicleModel> vehicles() {
   std::vector<VehicleModel> all{test::crazyflie(), test::iris()};
@@ -87,5 +87,5 @@ TEST(NominalMotorLag, IsThatOfTheVehicleFile) {
   EXPECT_EQ(nominal_motor_lag_s(test::iris()), 0.0);
 }
 
-}  // namespace
+}  // namespace rotors_test
 }  // namespace gustlab

@@ -12,7 +12,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace controllers_test {
 
 constexpr double circle_speed_mps = 2.0 * pi * 1.1 / 24.0;
 
@@ -427,5 +427,5 @@ TEST(EveryController, FliesEveryVehicleUnderModels) {
   }
 }
 
-}  // namespace
+}  // namespace controllers_test
 }  // namespace gustlab::test

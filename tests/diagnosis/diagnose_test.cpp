@@ -12,7 +12,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace diagnose_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -150,5 +150,5 @@ TEST(DiagnoseTrials, SetsAFlightWithImpossibleInputsAsideAndGoesOn) {
   EXPECT_THAT(names(d), IsEmpty());
 }
 
-}  // namespace
+}  // namespace diagnose_test
 }  // namespace gustlab::diagnosis

@@ -4,7 +4,7 @@
 #include "effects/instant.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace actuation_measurement_test {
 
 // a command that steps from 1000 to 2000 rad/s at t = 0
 struct StepPast final : Actuation::Past {
@@ -207,5 +207,5 @@ TEST(MeasurementNoise, IsAFunctionOfSeedAndTickAndSensorsAreIndependent) {
   EXPECT_NE(measure(position, 5).position_W_m, measure(position, 5, 2).position_W_m);
 }
 
-}  // namespace
+}  // namespace actuation_measurement_test
 }  // namespace gustlab::test

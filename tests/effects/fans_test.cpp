@@ -7,7 +7,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace fans_test {
 
 std::unique_ptr<Effect> fans(std::int64_t count, double turbulence) {
   auto effect = make_fans();
@@ -56,5 +56,5 @@ TEST(Fans, TurbulenceHasTheVarianceThatWasAskedFor) {
   }
 }
 
-}  // namespace
+}  // namespace fans_test
 }  // namespace gustlab::test

@@ -8,7 +8,7 @@
 #include "support/effects.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace gust_test {
 
 // the force in W (or the torque) at every step; the vehicle stands level
 std::vector<Vector3> record(const Values& values, double duration_s, double step_s, std::uint64_t seed = 3,
@@ -216,5 +216,5 @@ TEST(Gust, StrengthMultipliesAllOfIt) {
   for (const Vector3& force : record(none, 5.0, 0.002)) EXPECT_EQ(force, Vector3::Zero());
 }
 
-}  // namespace
+}  // namespace gust_test
 }  // namespace gustlab::test

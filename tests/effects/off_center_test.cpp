@@ -5,7 +5,7 @@
 #include "support/effects.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace off_center_test {
 
 TEST(OffCentre, PlantAcceleratesAsTheForceModelSays) {
   VehicleModel vehicle = small_quadrotor();
@@ -37,5 +37,5 @@ TEST(OffCentre, PlantAcceleratesAsTheForceModelSays) {
   EXPECT_LT((angular - expected.angular_B_radps2).norm(), 1e-3 * expected.angular_B_radps2.norm());
 }
 
-}  // namespace
+}  // namespace off_center_test
 }  // namespace gustlab::test

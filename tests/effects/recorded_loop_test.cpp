@@ -6,7 +6,7 @@
 #include "support/experiments.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace recorded_loop_test {
 
 EffectSpec loop(std::vector<std::pair<std::string, std::string>> values) {
   EffectSpec spec;
@@ -47,5 +47,5 @@ TEST(RecordedLoop, IsLeftOutWhereAControllerFlies) {
   EXPECT_EQ(to_hex(plan(with).front().key), to_hex(plan(plain).front().key));
 }
 
-}  // namespace
+}  // namespace recorded_loop_test
 }  // namespace gustlab::test

@@ -4,7 +4,7 @@
 #include "effects/instant.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace rotor_test {
 
 // thrust and reaction torque of each rotor, relative to the nominal
 struct Ratio {
@@ -241,5 +241,5 @@ TEST(Inertia, ScalesEachAxisAndKeepsCorrelation) {
   EXPECT_EQ(after(0, 1), after(1, 0));
 }
 
-}  // namespace
+}  // namespace rotor_test
 }  // namespace gustlab::test

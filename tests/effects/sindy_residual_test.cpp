@@ -4,7 +4,7 @@
 #include "simulation/make_effects.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace sindy_residual_test {
 
 Wrench added(const Instant& now, std::vector<std::pair<std::string, std::string>> values) {
   EffectSpec spec;
@@ -51,5 +51,5 @@ TEST(SindyResidual, RefusesAnUnknownFrameAndListsOfAnotherLength) {
                ConfigError);
 }
 
-}  // namespace
+}  // namespace sindy_residual_test
 }  // namespace gustlab::test

@@ -7,7 +7,7 @@
 #include "support/effects.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace slung_load_test {
 
 constexpr double load_kg = 0.004, length_m = 0.3, step_s = 0.002;
 
@@ -115,5 +115,5 @@ TEST(SlungLoad, KeepsItsSwingForAMinute) {
   EXPECT_NEAR(largest(n - 1000, n) / largest(0, 1000), 1.0, 0.02);
 }
 
-}  // namespace
+}  // namespace slung_load_test
 }  // namespace gustlab::test

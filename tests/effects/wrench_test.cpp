@@ -2,7 +2,7 @@
 #include "effects/instant.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace wrench_test {
 
 const Vector3 e3 = Vector3::UnitZ();
 
@@ -126,5 +126,5 @@ TEST(RotorInertia, SpeedingUpACounterClockwiseRotorTurnsTheVehicleClockwise) {
   EXPECT_LT(now.added({{"rotor_inertia", {{"inertia", 3e-8}}}}).torque_B_Nm.z(), 0.0);
 }
 
-}  // namespace
+}  // namespace wrench_test
 }  // namespace gustlab::test

@@ -11,7 +11,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab {
-namespace {
+namespace csv_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -137,5 +137,5 @@ TEST(Columns, AreSuggestedAmongThoseWithoutAMeaning) {
   EXPECT_THAT(suggest_column("px", {"py", "pz"}), IsEmpty());
 }
 
-}  // namespace
+}  // namespace csv_test
 }  // namespace gustlab

@@ -8,7 +8,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab {
-namespace {
+namespace flight_log_test {
 
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
@@ -275,5 +275,5 @@ TEST(FlightLog, MissingAndDamagedFilesAreDataErrors) {
   EXPECT_THAT(message("a.csv.gz"), StartsWith("a.csv.gz: cannot read ("));
 }
 
-}  // namespace
+}  // namespace flight_log_test
 }  // namespace gustlab

@@ -8,7 +8,7 @@
 #include "identification/synthetic.hpp"
 
 namespace gustlab {
-namespace {
+namespace differentiation_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -105,5 +105,5 @@ TEST(Differentiation, RefusesNonsense) {
   }
 }
 
-}  // namespace
+}  // namespace differentiation_test
 }  // namespace gustlab

@@ -6,7 +6,7 @@
 #include "identification/synthetic.hpp"
 
 namespace gustlab {
-namespace {
+namespace feature_library_test {
 
 std::vector<std::string> names(const char* text) {
   std::vector<std::string> out;
@@ -59,5 +59,5 @@ TEST(Registry, EveryLibraryCanBeMadeByItsName) {
   for (const LibraryRow& row : library_registry()) EXPECT_FALSE(make_library(row.name).empty()) << row.name;
 }
 
-}  // namespace
+}  // namespace feature_library_test
 }  // namespace gustlab

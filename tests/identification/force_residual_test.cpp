@@ -8,7 +8,7 @@
 #include "identification/planted_flight.hpp"
 
 namespace gustlab {
-namespace {
+namespace force_residual_test {
 
 Vector3 planted_force(const FeatureInput& in) {
   return {0.4 - 0.3 * in.thrust_N * std::sin(in.pitch_rad), 0.9 * in.roll_rad, -0.5};
@@ -111,5 +111,5 @@ TEST(ForceResidual, SaysWhatIsMissing) {
   refuses({}, AccelerationSource::velocity, {.kind = DerivativeKind::savitzky_golay, .window = 51});
 }
 
-}  // namespace
+}  // namespace force_residual_test
 }  // namespace gustlab

@@ -11,7 +11,7 @@
 #include "identification/planted_flight.hpp"
 
 namespace gustlab {
-namespace {
+namespace identify_test {
 
 using Eigen::MatrixXd;
 
@@ -176,5 +176,5 @@ TEST(Constraints, WhatIsNoneIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace identify_test
 }  // namespace gustlab

@@ -6,7 +6,7 @@
 #include "identification/synthetic.hpp"
 
 namespace gustlab {
-namespace {
+namespace lorenz_test {
 
 // terms of polynomial:2:px,py,pz: 1, x, y, z, x², xy, xz, y², yz, z²
 constexpr int x = 1, y = 2, z = 3, xy = 5, xz = 6, terms = 10;
@@ -67,5 +67,5 @@ TEST(Lorenz, BestSubsetFindsTheSameSupport) {
       {{0, x, -9.999}, {0, y, 9.999}, {1, x, 27.992}, {1, y, -0.999}, {1, xz, -1.000}, {2, z, -2.666}, {2, xy, 1.000}});
 }
 
-}  // namespace
+}  // namespace lorenz_test
 }  // namespace gustlab

@@ -11,7 +11,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab {
-namespace {
+namespace regression_data_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -101,5 +101,5 @@ TEST(RegressionData, RefusesWhatIsNotFinite) {
   EXPECT_THROW(RegressionData(p.theta, p.target.topRows(10)), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace regression_data_test
 }  // namespace gustlab

@@ -11,7 +11,7 @@
 #include "identification/synthetic.hpp"
 
 namespace gustlab {
-namespace {
+namespace regression_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -291,5 +291,5 @@ TEST(ModelSelection, HeldOutErrorIsThatOfFoldsNotSeen) {
   EXPECT_NEAR(cross_validated_rms(row, folds, options), std::sqrt((first * first + second * second) / 2.0), 1e-12);
 }
 
-}  // namespace
+}  // namespace regression_test
 }  // namespace gustlab

@@ -10,7 +10,7 @@
 #include "simulation/recorder.hpp"
 
 namespace gustlab {
-namespace {
+namespace simulator_test {
 
 constexpr const char* experiment_text = R"(
 format = "gustlab-experiment/1"
@@ -85,5 +85,5 @@ TEST(FlownModel, IsFoundAgainFromTheAccelerometer) { expect_found(AccelerationSo
 
 TEST(FlownModel, IsFoundAgainFromTheDerivativeOfVelocity) { expect_found(AccelerationSource::velocity, 0.01, 0.01); }
 
-}  // namespace
+}  // namespace simulator_test
 }  // namespace gustlab

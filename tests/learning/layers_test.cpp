@@ -6,7 +6,7 @@
 #include <Eigen/SVD>
 
 namespace gustlab {
-namespace {
+namespace layers_test {
 
 Draws draws(const char* stream) { return Draws(RandomStream(9, 0, stream)); }
 
@@ -110,5 +110,5 @@ TEST(Adam, StepsAsItsPaperSays) {
   EXPECT_EQ(layers[0].bias[0], -1.0);
 }
 
-}  // namespace
+}  // namespace layers_test
 }  // namespace gustlab

@@ -7,7 +7,7 @@
 #include <functional>
 
 namespace gustlab {
-namespace {
+namespace meta_loss_test {
 
 Samples random_samples(Eigen::Index count, Draws& draws) {
   Samples samples{Eigen::MatrixXd(count, 4), Eigen::MatrixXd(count, 3)};
@@ -118,5 +118,5 @@ TEST(Layers, AreEvaluatedInTrainingAsInFlight) {
   EXPECT_NEAR((network.evaluate(std::span<const double>(input.data(), 4)) - trained).norm(), 0.0, 1e-12);
 }
 
-}  // namespace
+}  // namespace meta_loss_test
 }  // namespace gustlab

@@ -10,7 +10,7 @@
 #include "util/sha256.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace train_command_test {
 
 namespace fs = std::filesystem;
 
@@ -77,5 +77,5 @@ TEST(ShippedWeights, BeatTheConstantAndPidInGustsOnBothVehicles) {
   }
 }
 
-}  // namespace
+}  // namespace train_command_test
 }  // namespace gustlab::test

@@ -9,7 +9,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
-namespace {
+namespace train_daiml_test {
 
 Condition made_up(const std::string& name, bool held_out, std::uint32_t number, Eigen::Index count = 600) {
   Draws draws(RandomStream(7, number, "made_up"));
@@ -99,5 +99,5 @@ TEST(TrainDaiml, RefusesAConditionThatIsTooShort) {
       testing::ThrowsMessage<ConfigError>(testing::HasSubstr("condition \"short\": 287 samples (a batch takes 288)")));
 }
 
-}  // namespace
+}  // namespace train_daiml_test
 }  // namespace gustlab

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace gustlab {
-namespace {
+namespace effort_test {
 
 // a sine of amplitude A and ω has the standard deviation A/√2 and its rate Aω/√2; a rotor that stands still halves the mean square
 TEST(Effort, IsThatOfASine) {
@@ -21,5 +21,5 @@ TEST(Effort, IsThatOfASine) {
   EXPECT_TRUE(std::isnan(Effort(0.0, interval).figures().speed_sd_radps));
 }
 
-}  // namespace
+}  // namespace effort_test
 }  // namespace gustlab

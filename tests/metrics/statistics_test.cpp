@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace gustlab {
-namespace {
+namespace statistics_test {
 
 const std::vector<double> a{5.1, 4.9, 6.2, 5.7, 5.5}, b{4.4, 4.6, 5.9, 5.0, 5.2};
 
@@ -88,5 +88,5 @@ TEST(Statistics, BootstrapIsAFunctionOfItsInputAndCoversTheMean) {
   EXPECT_NEAR(once.high - once.low, 2 * 1.96 * 0.219089 * std::sqrt(0.8 / 5.0), 0.03);
 }
 
-}  // namespace
+}  // namespace statistics_test
 }  // namespace gustlab

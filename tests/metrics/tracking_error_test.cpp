@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace gustlab {
-namespace {
+namespace tracking_error_test {
 
 TEST(TrackingError, ConstantOffsetGivesTheSameFourFigures) {
   TrackingError error(0.0, 10);
@@ -47,5 +47,5 @@ TEST(TrackingError, NoSampleIsNotANumber) {
   EXPECT_TRUE(std::isnan(figures.rmse_z_m));
 }
 
-}  // namespace
+}  // namespace tracking_error_test
 }  // namespace gustlab

@@ -8,7 +8,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
-namespace {
+namespace closed_forms_test {
 
 Plant make_plant(const VehicleModel& vehicle, const std::vector<EffectSpec>& effects, double step_s) {
   return Plant(vehicle, make_effects(effects), {.step_s = step_s, .seed = 1, .replicate = 1});
@@ -156,5 +156,5 @@ TEST(Plant, CommandsBeyondTheMotorsAreClipped) {
   EXPECT_EQ(plant.state().rotor_speed_radps[1], 0.0);
 }
 
-}  // namespace
+}  // namespace closed_forms_test
 }  // namespace gustlab

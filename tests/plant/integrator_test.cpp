@@ -9,7 +9,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
-namespace {
+namespace integrator_test {
 
 constexpr double drag_at_hover = 0.02;
 
@@ -112,5 +112,5 @@ TEST_F(Integrator, HalvingTheStepHalvesTheError) {
   }
 }
 
-}  // namespace
+}  // namespace integrator_test
 }  // namespace gustlab

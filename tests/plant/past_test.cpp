@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace gustlab {
-namespace {
+namespace past_test {
 
 constexpr double step_s = 0.002, lookback_s = 0.0105;
 
@@ -54,5 +54,5 @@ TEST(Past, GoesOnFromASnapshot) {
   for (double age_s = 0.0; age_s < 0.02; age_s += 0.0007) EXPECT_EQ(again.before(age_s), past.before(age_s));
 }
 
-}  // namespace
+}  // namespace past_test
 }  // namespace gustlab

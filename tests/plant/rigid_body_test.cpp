@@ -8,7 +8,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab {
-namespace {
+namespace rigid_body_test {
 
 using ::testing::HasSubstr;
 
@@ -98,5 +98,5 @@ TEST(BiasForce, IsTheWeightAndTheTorqueOfTheTurning) {
   EXPECT_LT((bias.torque_B_Nm - w.cross(body.inertia_kgm2.cwiseProduct(w))).norm(), 1e-12);
 }
 
-}  // namespace
+}  // namespace rigid_body_test
 }  // namespace gustlab

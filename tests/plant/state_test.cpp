@@ -11,7 +11,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
-namespace {
+namespace state_test {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -202,5 +202,5 @@ TEST(MeasuredSpeed, DrivesTheBodyPastLagAndDelay) {
   EXPECT_EQ(slow.state().rotor_speed_radps, quick.state().rotor_speed_radps);
 }
 
-}  // namespace
+}  // namespace state_test
 }  // namespace gustlab

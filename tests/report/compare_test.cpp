@@ -7,7 +7,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
-namespace {
+namespace compare_test {
 
 ResultRow row(const std::string& controller, std::int64_t replicate, double rmse_m,
               Outcome outcome = Outcome::completed) {
@@ -124,5 +124,5 @@ TEST(Compare, NeedsTheSameRuns) {
   EXPECT_THROW(compare(variants, 0.5), DataError);
 }
 
-}  // namespace
+}  // namespace compare_test
 }  // namespace gustlab

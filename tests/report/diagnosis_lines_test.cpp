@@ -4,7 +4,7 @@
 #include "report/diagnosis_lines.hpp"
 
 namespace gustlab {
-namespace {
+namespace diagnosis_lines_test {
 
 diagnosis::EffectFinding finding(const char* name, double confidence, std::vector<std::string> alike) {
   diagnosis::EffectFinding effect;
@@ -44,5 +44,5 @@ TEST(DiagnosisLines, OfNothingAreTheVerdict) {
   EXPECT_EQ(diagnosis_lines(d), "quad: consistent\n");
 }
 
-}  // namespace
+}  // namespace diagnosis_lines_test
 }  // namespace gustlab

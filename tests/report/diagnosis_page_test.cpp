@@ -17,7 +17,7 @@
 #include "support/parameters.hpp"
 
 namespace gustlab {
-namespace {
+namespace diagnosis_page_test {
 
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
@@ -799,5 +799,5 @@ TEST(Svg, BreaksLinesWhereNothingIsKnownAndKeepsWithinItsFrame) {
   EXPECT_THAT(svg::draw(chart), Not(HasSubstr("nan")));
 }
 
-}  // namespace
+}  // namespace diagnosis_page_test
 }  // namespace gustlab

@@ -8,7 +8,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
-namespace {
+namespace gate_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -162,5 +162,5 @@ TEST(Gate, MarkdownShowsThePairedChangeOfEachCell) {
   EXPECT_THAT(to_markdown(gate(rows, baseline(), {})), HasSubstr("| **worse** | changed |"));
 }
 
-}  // namespace
+}  // namespace gate_test
 }  // namespace gustlab

@@ -8,7 +8,7 @@
 #include "simulation/experiment.hpp"
 
 namespace gustlab {
-namespace {
+namespace reproduction_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -212,5 +212,5 @@ TEST(Published, HoldsThePapers96MeansAndRefusesOthers) {
   EXPECT_GT(paper.claims.size(), 60u);
 }
 
-}  // namespace
+}  // namespace reproduction_test
 }  // namespace gustlab

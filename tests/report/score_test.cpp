@@ -9,7 +9,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
-namespace {
+namespace score_test {
 
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
@@ -215,5 +215,5 @@ TEST_F(ScoreTest, AnswersThatAreNoneAreRefusedWithTheirLine) {
   EXPECT_THROW(score(), DataError);
 }
 
-}  // namespace
+}  // namespace score_test
 }  // namespace gustlab

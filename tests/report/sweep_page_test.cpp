@@ -7,7 +7,7 @@
 #include "report/page_checks.hpp"
 
 namespace gustlab {
-namespace {
+namespace sweep_page_test {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -122,5 +122,5 @@ TEST(SweepPage, ASpreadHasADigitAndTheBarATitle) {
 
 TEST(SweepPage, FitsAPhoneAndADesk) { expect_fits(sweep_page(grid(), round_paths())); }
 
-}  // namespace
+}  // namespace sweep_page_test
 }  // namespace gustlab

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 namespace gustlab {
-namespace {
+namespace tables_test {
 
 ResultRow row(const std::string& trajectory, std::int64_t replicate, double rmse_m,
               Outcome outcome = Outcome::completed) {
@@ -104,5 +104,5 @@ TEST(Tables, JsonReadsBack) {
   EXPECT_TRUE(table["cells"][1]["rmse_xy_m"]["sd"].is_null());
 }
 
-}  // namespace
+}  // namespace tables_test
 }  // namespace gustlab

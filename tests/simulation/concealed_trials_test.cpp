@@ -10,7 +10,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
-namespace {
+namespace concealed_trials_test {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -107,5 +107,5 @@ TEST_F(ConcealedTrialsTest, AFlightThatDoesNotEndWellIsNoTrial) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a"));
 }
 
-}  // namespace
+}  // namespace concealed_trials_test
 }  // namespace gustlab

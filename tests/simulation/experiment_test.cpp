@@ -9,7 +9,7 @@
 #include "support/experiments.hpp"
 
 namespace gustlab {
-namespace {
+namespace experiment_test {
 
 using test::read_text_experiment;
 using test::small_experiment;
@@ -280,5 +280,5 @@ TEST(Experiment, NameUnderExperimentsIsFoundFromAnywhere) {
   EXPECT_THROW(find_experiment("table9"), ConfigError);
 }
 
-}  // namespace
+}  // namespace experiment_test
 }  // namespace gustlab

@@ -12,7 +12,7 @@
 #include "support/experiments.hpp"
 
 namespace gustlab {
-namespace {
+namespace flight_test {
 
 using test::read_text_experiment;
 using test::small_experiment;
@@ -336,5 +336,5 @@ TEST(Recorder, SensorsAreNoisyAndTruthIsNot) {
   EXPECT_NE(first_position("sensors"), 1.0);
 }
 
-}  // namespace
+}  // namespace flight_test
 }  // namespace gustlab

@@ -6,7 +6,7 @@
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
-namespace {
+namespace make_effects_test {
 
 std::vector<NamedEffect> make(const char* text) {
   config::Table document = config::Table::parse(text, "f.toml");
@@ -52,5 +52,5 @@ TEST(MakeEffects, EveryEffectPrintsWhatItReads) {
   }
 }
 
-}  // namespace
+}  // namespace make_effects_test
 }  // namespace gustlab

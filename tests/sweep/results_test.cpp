@@ -10,7 +10,7 @@
 #include "util/files.hpp"
 
 namespace gustlab {
-namespace {
+namespace results_test {
 
 namespace fs = std::filesystem;
 
@@ -73,5 +73,5 @@ TEST_F(ResultsCsv, SaysWhereATableIsBroken) {
   EXPECT_THROW(read_results_csv("/nonexistent/runs.csv"), DataError);
 }
 
-}  // namespace
+}  // namespace results_test
 }  // namespace gustlab

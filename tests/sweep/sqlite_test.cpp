@@ -11,7 +11,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab {
-namespace {
+namespace sqlite_test {
 
 TEST(Sqlite, WhatIsBoundComesBack) {
   const TemporaryFolder folder;
@@ -52,5 +52,5 @@ TEST(Sqlite, ErrorsNameTheFile) {
   }
 }
 
-}  // namespace
+}  // namespace sqlite_test
 }  // namespace gustlab

@@ -10,7 +10,7 @@
 #include "sweep/sqlite.hpp"
 
 namespace gustlab {
-namespace {
+namespace sweep_test {
 
 using test::read_text_experiment;
 using test::small_experiment;
@@ -216,5 +216,5 @@ TEST_F(Sweep, ProvenanceSaysWhereResultsComeFrom) {
   EXPECT_THAT(provenance.at("experiment"), HasSubstr("[trajectory.circle]\ntype = \"circle\""));
 }
 
-}  // namespace
+}  // namespace sweep_test
 }  // namespace gustlab

@@ -12,7 +12,7 @@
 #include "support/experiments.hpp"
 
 namespace gustlab {
-namespace {
+namespace time_left_test {
 
 // 3 trajectories of unlike length, each with 4 controllers whose steps cost what those of table2_crazyflie do
 class SweepOfUnlikeRuns {
@@ -73,5 +73,5 @@ TEST(TimeLeft, SaysNothingWhereNothingTells) {
   EXPECT_FALSE(TimeLeft(0.0).seconds(1.0, 5.0));
 }
 
-}  // namespace
+}  // namespace time_left_test
 }  // namespace gustlab

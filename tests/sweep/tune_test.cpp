@@ -7,7 +7,7 @@
 #include "support/experiments.hpp"
 
 namespace gustlab::test {
-namespace {
+namespace tune_test {
 
 const std::string tuning_text = R"(
 format = "gustlab-tuning/1"
@@ -142,5 +142,5 @@ TEST_F(Tune, SaysWhereItsFileIsWrong) {
   EXPECT_THAT(message("log = true", "logarithm = true"), testing::HasSubstr("unknown key \"logarithm\""));
 }
 
-}  // namespace
+}  // namespace tune_test
 }  // namespace gustlab::test

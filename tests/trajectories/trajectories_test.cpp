@@ -9,7 +9,7 @@
 #include "trajectories/trajectories.hpp"
 
 namespace gustlab {
-namespace {
+namespace trajectories_test {
 
 using test::set;
 using test::set_number;
@@ -253,5 +253,5 @@ TEST(Trajectories, ContradictionsAreSaid) {
               testing::HasSubstr("0 and 50 Hz"));
 }
 
-}  // namespace
+}  // namespace trajectories_test
 }  // namespace gustlab

@@ -11,7 +11,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab {
-namespace {
+namespace parallel_test {
 
 class ParallelFor : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Jobs, ParallelFor, ::testing::Values(1, 2, 3, 8));
@@ -70,5 +70,5 @@ TEST(DefaultJobs, KeepsToTheLeastQuotaOfItsControlGroups) {
   EXPECT_EQ(cpu_quota(first, mounted), 0.5);
 }
 
-}  // namespace
+}  // namespace parallel_test
 }  // namespace gustlab

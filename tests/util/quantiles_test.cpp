@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace gustlab {
-namespace {
+namespace quantiles_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -47,5 +47,5 @@ TEST(Correlation, OfALineIsOneAndOfAConstantNothing) {
   EXPECT_DOUBLE_EQ(correlation(ranks({1.0, 2.0, 3.0}), ranks({1.0, 10.0, 1000.0})), 1.0);
 }
 
-}  // namespace
+}  // namespace quantiles_test
 }  // namespace gustlab

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace gustlab {
-namespace {
+namespace sha256_test {
 
 // FIPS 180-4 examples (NIST, "Examples with Intermediate Values"), and every length around the padding's edge
 TEST(Sha256, KnownAnswers) {
@@ -27,5 +27,5 @@ TEST(Sha256, PiecesAreTheWhole) {
   }
 }
 
-}  // namespace
+}  // namespace sha256_test
 }  // namespace gustlab

@@ -8,7 +8,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab {
-namespace {
+namespace three_test {
 
 Vector3 random_vector(std::uint64_t counter) {
   const auto n = RandomStream(1, 0, "three_test").normal4(counter);
@@ -46,5 +46,5 @@ TEST(Three, IsTurnedByAMatrixAndBack) {
   }
 }
 
-}  // namespace
+}  // namespace three_test
 }  // namespace gustlab

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace gustlab {
-namespace {
+namespace edit_vehicle_test {
 
 constexpr const char* file = R"(# my vehicle
 mass = 1.0
@@ -78,5 +78,5 @@ TEST(EditVehicle, DropsEveryEffectOfATypeAndNoComment) {
   EXPECT_EQ(text, file);
 }
 
-}  // namespace
+}  // namespace edit_vehicle_test
 }  // namespace gustlab

@@ -12,7 +12,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
-namespace {
+namespace new_vehicle_test {
 
 // opposite hubs mirror each other and turns cancel, in every layout
 TEST(NewVehicle, LayoutsAreBalanced) {
@@ -118,5 +118,5 @@ TEST(NewVehicle, AHoverThrottleIsAThrustToWeight) {
   EXPECT_THROW(hovers(0.001), ConfigError);
 }
 
-}  // namespace
+}  // namespace new_vehicle_test
 }  // namespace gustlab

@@ -12,7 +12,7 @@
 #include "vehicle/rotor_speed.hpp"
 
 namespace gustlab {
-namespace {
+namespace read_vehicle_test {
 
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
@@ -270,5 +270,5 @@ TEST(FindResource, PrefersGustlabHome) {
   EXPECT_THAT(message([] { find_resource("models/mine"); }), StartsWith("models/mine: not found"));
 }
 
-}  // namespace
+}  // namespace read_vehicle_test
 }  // namespace gustlab

@@ -12,7 +12,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab {
-namespace {
+namespace thrust_stand_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -105,5 +105,5 @@ TEST(ThrustStand, SaysWhatATableCannotTell) {
   EXPECT_THROW(read_thrust_stand(rows("thrust_N,throttle", 6, {1.0, 0.5})), DataError);  // one row, six times
 }
 
-}  // namespace
+}  // namespace thrust_stand_test
 }  // namespace gustlab

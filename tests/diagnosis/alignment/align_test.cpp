@@ -8,7 +8,7 @@
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace align_test {
 
 using ::testing::Contains;
 using ::testing::Field;
@@ -138,5 +138,5 @@ TEST(Align, SaysThatCommandsJitterWhereTheClocksAreApartToo) {
   EXPECT_TRUE(found.commands_jitter);
 }
 
-}  // namespace
+}  // namespace align_test
 }  // namespace gustlab::diagnosis

@@ -8,7 +8,7 @@
 #include "support/sessions.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace command_offsets_test {
 
 constexpr double early_s = 0.04;
 
@@ -56,5 +56,5 @@ TEST(Likeliest, IsAPeakAndNoSlope) {
   EXPECT_FALSE(is_likeliest(0.024, [&](double x) { return 0.2 * parabola(0.024)(x); }));  // too little
 }
 
-}  // namespace
+}  // namespace command_offsets_test
 }  // namespace gustlab::diagnosis

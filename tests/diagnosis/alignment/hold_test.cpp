@@ -12,7 +12,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace hold_test {
 
 constexpr double step_s = 0.001, sample_s = 0.02, duration_s = 3.0;
 
@@ -70,5 +70,5 @@ TEST_P(HoldOfCommands, IsTheOneThatFlew) {
 INSTANTIATE_TEST_SUITE_P(BothWays, HoldOfCommands, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "linear" : "held"; });
 
-}  // namespace
+}  // namespace hold_test
 }  // namespace gustlab::diagnosis

@@ -8,7 +8,7 @@
 #include "support/linear_flights.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace direct_forces_test {
 
 constexpr double interval_s = 0.02;
 const std::vector<Vector3> residuals = {{1.0, 2.0, -1.0}, {0.5, -1.0, 3.0}, {-2.0, 0.0, 1.0}, {4.0, 1.0, 0.0}};
@@ -117,5 +117,5 @@ TEST(DirectForces, MomentsAreOfNeighboursInOnePiece) {
   EXPECT_NEAR(missing.lagged[0], -8.0, 1e-12);
 }
 
-}  // namespace
+}  // namespace direct_forces_test
 }  // namespace gustlab::diagnosis

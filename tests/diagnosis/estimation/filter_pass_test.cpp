@@ -9,7 +9,7 @@
 #include "support/linear_flights.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace filter_pass_test {
 
 NoiseModel some_noise() {
   NoiseModel noise = test::some_noise();
@@ -199,5 +199,5 @@ TEST(FilterPass, PositionRowIsTheDerivativeOfTheOrigin) {
   }
 }
 
-}  // namespace
+}  // namespace filter_pass_test
 }  // namespace gustlab::diagnosis

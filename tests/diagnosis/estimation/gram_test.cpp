@@ -9,7 +9,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace gram_test {
 
 constexpr int columns = 5, rows_per_block = 12, blocks = 8;
 
@@ -149,5 +149,5 @@ TEST(Gram, LossesOfBlocksAreThoseOfTheirRows) {
   }
 }
 
-}  // namespace
+}  // namespace gram_test
 }  // namespace gustlab::diagnosis

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace indices_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -14,5 +14,5 @@ TEST(Indices, AreWhereEachStandsAmongTheOthers) {
   EXPECT_THAT(indices_of({}, among), IsEmpty());
 }
 
-}  // namespace
+}  // namespace indices_test
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@
 #include "support/linear_flights.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace innovation_filter_test {
 
 constexpr std::size_t samples = 4;
 constexpr Eigen::Index states = 18 * static_cast<Eigen::Index>(samples);
@@ -225,5 +225,5 @@ TEST(EmStep, OfTheSensorsRaisesTheLikelihood) {
   }
 }
 
-}  // namespace
+}  // namespace innovation_filter_test
 }  // namespace gustlab::diagnosis

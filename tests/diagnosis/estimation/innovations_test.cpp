@@ -9,7 +9,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace innovations_test {
 
 // innovations of one channel among those of another, a first column that is not y, and cold rows that must not count
 struct Written {
@@ -76,5 +76,5 @@ TEST(LagCorrelation, IsUnknownOfFewInnovations) {
   EXPECT_TRUE(std::isfinite(lag_correlation({few.whitened}, 1).front()[2]));
 }
 
-}  // namespace
+}  // namespace innovations_test
 }  // namespace gustlab::diagnosis

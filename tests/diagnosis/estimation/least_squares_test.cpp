@@ -8,7 +8,7 @@
 #include <cmath>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace least_squares_test {
 
 // exp(−rate t) at t = 1…5 against rate 0.7; a rate below 0.1 is refused
 struct Decay final : ceres::SizedCostFunction<5, 1> {
@@ -45,5 +45,5 @@ TEST(FewUnknowns, EndAfterSoManySteps) {
   EXPECT_GT(std::abs(rate - 0.7), 1e-3);
 }
 
-}  // namespace
+}  // namespace least_squares_test
 }  // namespace gustlab::diagnosis

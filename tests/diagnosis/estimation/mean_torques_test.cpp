@@ -12,7 +12,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace mean_torques_test {
 
 constexpr double sample_s = 0.01, duration_s = 20.0;
 
@@ -132,5 +132,5 @@ TEST(MeanTorques, AreWhitenedByTheirNoise) {
   EXPECT_EQ(whiten_mean_torques(flight, 0.0).rows.size(), 0);
 }
 
-}  // namespace
+}  // namespace mean_torques_test
 }  // namespace gustlab::diagnosis

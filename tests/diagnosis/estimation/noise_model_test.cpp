@@ -8,7 +8,7 @@
 #include "support/linear_flights.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace noise_model_test {
 
 constexpr double sample_s = 0.01;
 
@@ -181,5 +181,5 @@ TEST(NoiseExtrapolation, GoesNoFartherThanItMay) {
   EXPECT_EQ(next.variance[3], last.variance[3]);
 }
 
-}  // namespace
+}  // namespace noise_model_test
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace reference_test {
 
 Eigen::MatrixXd rows_of(int count, int columns, std::uint32_t replicate) {
   const RandomStream random(11, replicate, "reference_test");
@@ -158,5 +158,5 @@ TEST(Reference, FlightsThatDifferInOneNumberAreAsSureOfTheOthers) {
     EXPECT_GT(differ.information(i, i), 0.2 * alike.information(i, i)) << i;
 }
 
-}  // namespace
+}  // namespace reference_test
 }  // namespace gustlab::diagnosis

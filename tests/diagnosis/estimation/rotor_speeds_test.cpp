@@ -4,7 +4,7 @@
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace rotor_speeds_test {
 
 Diagnosis with_rotor_speeds(const std::string& concealed) {
   const TemporaryFolder folder;
@@ -54,5 +54,5 @@ TEST(RotorSpeedsTrials, LeaveWhatTurnsTheBodyToTheBody) {
   EXPECT_EQ(d.effects[0].effect, "mass");
 }
 
-}  // namespace
+}  // namespace rotor_speeds_test
 }  // namespace gustlab::diagnosis

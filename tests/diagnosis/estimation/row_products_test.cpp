@@ -6,7 +6,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace row_products_test {
 
 constexpr Eigen::Index states = 7;
 
@@ -92,5 +92,5 @@ TEST(RowProducts, ColumnsDoNotKnowTheirNeighbours) {
   }
 }
 
-}  // namespace
+}  // namespace row_products_test
 }  // namespace gustlab::diagnosis

@@ -12,7 +12,7 @@
 #include "util/rotations.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace sensor_windows_test {
 
 constexpr double sample_s = 0.004, duration_s = 20.0;
 
@@ -149,5 +149,5 @@ TEST_F(SensorWindowsTest, ThatErrTogetherAreLessSure) {
   EXPECT_NEAR(sensor_window_variance({together}, catalogue, catalogue.nominal())[0], 10.0, 1e-12);
 }
 
-}  // namespace
+}  // namespace sensor_windows_test
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace shooting_test {
 
 constexpr double sample_s = 0.02, extra_mps2 = 0.3;
 constexpr int window_rows = 30;
@@ -338,5 +338,5 @@ TEST(Answers, ThatAreSetAsideLeaveNoTorquePerCommandAndNoAnswer) {
         1e-9);
 }
 
-}  // namespace
+}  // namespace shooting_test
 }  // namespace gustlab::diagnosis

@@ -8,7 +8,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace surrogates_test {
 
 constexpr int samples = 3000;
 
@@ -70,5 +70,5 @@ TEST(Surrogates, TheirPValuesAreUniformWhereNothingIsThere) {
   EXPECT_GE(below, 1);
 }
 
-}  // namespace
+}  // namespace surrogates_test
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace torque_trims_test {
 
 Catalogue catalogue_of(int flights) {
   return {read_vehicle("crazyflie"), flights, {.observable = Need::attitude | Need::motion | Need::torque}};
@@ -115,5 +115,5 @@ TEST(TorqueTrims, ThatAreKnownAreDrawnToZero) {
   }
 }
 
-}  // namespace
+}  // namespace torque_trims_test
 }  // namespace gustlab::diagnosis

@@ -11,7 +11,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace whitened_speeds_test {
 
 const VehicleModel vehicle = test::crazyflie();
 const double hover_radps = vehicle.hover_speed_radps();
@@ -204,5 +204,5 @@ TEST(StartLatency, IsNearALagADelayOrNoneThatWasPlanted) {
   EXPECT_EQ(none.delay_s, 0.0);
 }
 
-}  // namespace
+}  // namespace whitened_speeds_test
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@
 #include "support/sessions.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace challenge_stages_test {
 
 constexpr auto center = R"({type = "center_of_mass", x = 6e-4, y = -4e-4})";
 
@@ -107,5 +107,5 @@ TEST(Weakest, OfSeveralRotorsOneGoesAtATime) {
   EXPECT_EQ(weakest(records, {}, {0, 1, 2}, apart), (Indices{1, 2}));
 }
 
-}  // namespace
+}  // namespace challenge_stages_test
 }  // namespace gustlab::diagnosis

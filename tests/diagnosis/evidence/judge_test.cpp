@@ -7,7 +7,7 @@
 #include <limits>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace judge_test {
 
 Evidence strong() {
   Evidence e;
@@ -111,5 +111,5 @@ TEST(Evidence, CountsFlightsForAndAgainst) {
   EXPECT_EQ(e.flights_against(), 1);
 }
 
-}  // namespace
+}  // namespace judge_test
 }  // namespace gustlab::diagnosis

@@ -8,7 +8,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace own_acceleration_test {
 
 TEST(OwnAcceleration, OfAForcePerFlightIsItsRootMeanSquareOverBothFlights) {
   const VehicleModel vehicle = test::crazyflie();
@@ -35,5 +35,5 @@ TEST(OwnAcceleration, OfAForcePerFlightIsItsRootMeanSquareOverBothFlights) {
   EXPECT_NEAR(own_acceleration_mps2(session, selection, finding), expected_mps2, 1e-6 * expected_mps2);
 }
 
-}  // namespace
+}  // namespace own_acceleration_test
 }  // namespace gustlab::diagnosis

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace suspect_test {
 
 Diagnosis with_names() {
   Diagnosis d;
@@ -38,5 +38,5 @@ TEST(Suspect, NothingStandsWhereNothingIsSaidOfIt) {
   EXPECT_EQ(d.rejected.size(), 4u);
 }
 
-}  // namespace
+}  // namespace suspect_test
 }  // namespace gustlab::diagnosis

@@ -5,7 +5,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace undone_test {
 
 // predictions of two effects over three rows, and of two that nearly undo each other
 TEST(UndoneShares, AreOfThePredictionsAndNotOfTheCoefficients) {
@@ -50,5 +50,5 @@ TEST(ShareDoneBy, IsHowMuchOfAnEffectTheFurtherColumnsAre) {
   EXPECT_NEAR(share_done_by(gram, answer, {2}, {}), 0.0, 1e-9);
 }
 
-}  // namespace
+}  // namespace undone_test
 }  // namespace gustlab::diagnosis

@@ -7,7 +7,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace crazypad_flights_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -81,5 +81,5 @@ TEST_F(CrazyPad, NamesNothingFromDefectFlightsAlone) {
     }
 }
 
-}  // namespace
+}  // namespace crazypad_flights_test
 }  // namespace gustlab::diagnosis

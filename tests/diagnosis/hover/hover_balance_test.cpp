@@ -9,7 +9,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace hover_balance_test {
 
 constexpr double sample_s = 0.01;
 
@@ -111,5 +111,5 @@ TEST(HoverBalance, SaysWhichRotorIsAtItsLimit) {
   EXPECT_EQ(balance->limited, (std::vector<bool>{false, false, false, true}));
 }
 
-}  // namespace
+}  // namespace hover_balance_test
 }  // namespace gustlab::diagnosis

@@ -12,7 +12,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace quasi_static_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -172,5 +172,5 @@ TEST(QuasiStatic, WithdrawsWhatAHeldOutFlightContradicts) {
   EXPECT_EQ(d.verdict, Verdict::insufficient_data);
 }
 
-}  // namespace
+}  // namespace quasi_static_test
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace command_innovation_test {
 
 using ::testing::IsEmpty;
 
@@ -161,5 +161,5 @@ TEST(CommandInnovationOf, IsNotKnownWithoutTorques) {
   EXPECT_THAT(command_innovation(flight), IsEmpty());
 }
 
-}  // namespace
+}  // namespace command_innovation_test
 }  // namespace gustlab::diagnosis

@@ -12,7 +12,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace linear_model_test {
 
 // A lag of rotors that have none yet shows in a specific force at the samples alone, as it does in what moves the vehicle between them.
 TEST(LinearModel, ForcesAloneSeeALag) {
@@ -111,5 +111,5 @@ TEST(LinearModel, PredictsAtAnotherValueWithTheColumnsItHas) {
   EXPECT_NE(again.b, before.b);
 }
 
-}  // namespace
+}  // namespace linear_model_test
 }  // namespace gustlab::diagnosis

@@ -7,7 +7,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace propagation_test {
 
 constexpr double lag_s = 0.03;
 
@@ -153,5 +153,5 @@ TEST(RotorHistory, TakesTheBestThatThereIs) {
   EXPECT_EQ(rotor_history(flight, forces).mean, flight.estimated.mean);
 }
 
-}  // namespace
+}  // namespace propagation_test
 }  // namespace gustlab::diagnosis

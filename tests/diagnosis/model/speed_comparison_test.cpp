@@ -9,7 +9,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace speed_comparison_test {
 
 constexpr double step_at_s = 0.3, lag_s = 0.0125;
 
@@ -79,5 +79,5 @@ TEST_F(SpeedComparison, ACommandIsNoMeasurementOfItself) {
   EXPECT_TRUE(linear.predicted.empty());
 }
 
-}  // namespace
+}  // namespace speed_comparison_test
 }  // namespace gustlab::diagnosis

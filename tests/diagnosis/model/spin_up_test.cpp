@@ -9,7 +9,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace spin_up_test {
 
 // samples every 10 ms and commands every 2 ms that swing, but for a gap from 1 to 2.005 s
 FlightData flight(double first_radps) {
@@ -68,5 +68,5 @@ TEST(SpinUp, OfMeasuredSpeedsThereIsNone) {
   EXPECT_EQ(without_spin_up(data).samples.size(), data.samples.size());
 }
 
-}  // namespace
+}  // namespace spin_up_test
 }  // namespace gustlab::diagnosis

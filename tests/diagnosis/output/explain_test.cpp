@@ -11,7 +11,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace explain_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -269,5 +269,5 @@ TEST_F(Explained, AGustIsItsPartsTimesTheMass) {
   EXPECT_EQ(d.effects[1].parameters[1].value, 2.2);
 }
 
-}  // namespace
+}  // namespace explain_test
 }  // namespace gustlab::diagnosis

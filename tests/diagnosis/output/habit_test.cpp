@@ -7,7 +7,7 @@
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace habit_test {
 
 // pieces of a second of a loop with this habit, each from another state
 FlightData turned_by(const Habit& habit) {
@@ -92,5 +92,5 @@ TEST(HabitTrials, IsOfferedWhereActuatorsPredictNoneAndIsCalledOne) {
             d.fit.at("body_rate_radps").at("hold")[1].get<double>());
 }
 
-}  // namespace
+}  // namespace habit_test
 }  // namespace gustlab::diagnosis

@@ -8,7 +8,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace next_flight_test {
 
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -95,5 +95,5 @@ TEST(NextFlight, IsNotSuggestedWhereNothingIsOpenOrNoFlightWouldTellIt) {
   EXPECT_EQ(next_after_hover({{"ground_effect", "no ground height"}}).next_trajectory, "");
 }
 
-}  // namespace
+}  // namespace next_flight_test
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace residual_effect_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -101,5 +101,5 @@ TEST(ResidualEffectTrials, OffersNothingWhereNothingIsMissing) {
   EXPECT_FALSE(to_json(d).contains("residual_model"));
 }
 
-}  // namespace
+}  // namespace residual_effect_test
 }  // namespace gustlab::diagnosis

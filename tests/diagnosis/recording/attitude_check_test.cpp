@@ -9,7 +9,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace attitude_check_test {
 
 using ::testing::HasSubstr;
 
@@ -98,5 +98,5 @@ TEST(AttitudeCheck, WhereNothingMovesNothingIsSaid) {
   EXPECT_TRUE(check_attitude(blind, test::crazyflie()).empty());
 }
 
-}  // namespace
+}  // namespace attitude_check_test
 }  // namespace gustlab::diagnosis

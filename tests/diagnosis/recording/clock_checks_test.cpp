@@ -9,7 +9,7 @@
 #include "gustlab/random.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace clock_checks_test {
 
 constexpr double step_s = 0.01, duration_s = 25.0;
 
@@ -93,5 +93,5 @@ TEST(PoseGaps, AreLongerThanTheColumnsOwnIntervals) {
   EXPECT_EQ(gaps.front(), (std::pair<std::size_t, std::size_t>{96, 204}));
 }
 
-}  // namespace
+}  // namespace clock_checks_test
 }  // namespace gustlab::diagnosis

@@ -11,7 +11,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace command_jitter_test {
 
 using ::testing::Contains;
 using ::testing::Field;
@@ -211,5 +211,5 @@ TEST(CommandJitterTrials, DoesNotConcernSmoothCommandsWhoseHoldIsUnknown) {
   EXPECT_THAT(finding_kinds(d), IsEmpty()) << to_json(d)["log_findings"].dump();
 }
 
-}  // namespace
+}  // namespace command_jitter_test
 }  // namespace gustlab::diagnosis

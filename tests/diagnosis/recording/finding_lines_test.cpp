@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace finding_lines_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -42,5 +42,5 @@ TEST(FindingLines, NeverSayMoreFlightsThanThereAre) {
 
 TEST(FindingLines, OfNothingAreNone) { EXPECT_THAT(lines({}, 3), IsEmpty()); }
 
-}  // namespace
+}  // namespace finding_lines_test
 }  // namespace gustlab::diagnosis

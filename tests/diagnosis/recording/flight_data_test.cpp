@@ -14,7 +14,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace flight_data_test {
 
 constexpr double spin_radps = 2.0, step_s = 0.004;
 
@@ -330,5 +330,5 @@ TEST(FlightData, NoiseOfASlowPositionIsSmooth) {
   EXPECT_LT(change / square, std::pow(2.0 * std::numbers::pi * 8.0, 2) * 0.0034);
 }
 
-}  // namespace
+}  // namespace flight_data_test
 }  // namespace gustlab::diagnosis

@@ -7,7 +7,7 @@
 #include "support/closed_form_flights.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace force_checks_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -85,5 +85,5 @@ TEST(ForceChecks, WeighTheInputsAgainstTheMotion) {
         << name;
 }
 
-}  // namespace
+}  // namespace force_checks_test
 }  // namespace gustlab::diagnosis

@@ -8,7 +8,7 @@
 #include "support/closed_form_flights.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace log_checks_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -171,5 +171,5 @@ TEST(LogChecksOfSlowColumns, MeasureTimeOnTheGroundByTheClock) {
   EXPECT_THAT(says(log), ElementsAre(HasSubstr("2.0 s with rotors too slow to fly")));
 }
 
-}  // namespace
+}  // namespace log_checks_test
 }  // namespace gustlab::diagnosis

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace log_filters_test {
 
 // 20 s of slow motion with white noise in every column, as a Gaussian filter (standard deviation, s; 0: none) leaves it, then
 // rounded to a step
@@ -73,5 +73,5 @@ TEST(LogFilters, CommandsAreJudgedByThemselves) {
   EXPECT_FALSE(commands_filtered(recorded(100.0, 0.02)));
 }
 
-}  // namespace
+}  // namespace log_filters_test
 }  // namespace gustlab::diagnosis

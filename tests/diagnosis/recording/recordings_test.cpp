@@ -11,7 +11,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace recordings_test {
 
 using ::testing::ElementsAre;
 using ::testing::Field;
@@ -123,5 +123,5 @@ TEST_F(RecordingsOfFlights, CommandsAreReadLaterByTheirOwnOffset) {
   }
 }
 
-}  // namespace
+}  // namespace recordings_test
 }  // namespace gustlab::diagnosis

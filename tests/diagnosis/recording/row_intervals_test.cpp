@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace row_intervals_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -38,5 +38,5 @@ TEST(SampledRows, AreThoseWithANumber) {
   EXPECT_THAT(sampled_rows({nan, std::numeric_limits<double>::infinity()}), IsEmpty());
 }
 
-}  // namespace
+}  // namespace row_intervals_test
 }  // namespace gustlab::diagnosis

@@ -10,7 +10,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace sensor_latency_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -122,5 +122,5 @@ TEST_F(SensorsTrials, LastingErrorsAreNoMissingPhysics) {
   EXPECT_THAT(d.notes, Contains(HasSubstr("errors of the sensors last")));
 }
 
-}  // namespace
+}  // namespace sensor_latency_test
 }  // namespace gustlab::diagnosis

@@ -13,7 +13,7 @@
 #include "support/temporary_folder.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace stretches_test {
 
 using ::testing::AllOf;
 using ::testing::Each;
@@ -161,5 +161,5 @@ TEST(Stretches, OfAClockThatIsSetBackAreAFaultOfTheLog) {
   }
 }
 
-}  // namespace
+}  // namespace stretches_test
 }  // namespace gustlab::diagnosis

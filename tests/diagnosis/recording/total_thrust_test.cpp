@@ -9,7 +9,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace total_thrust_test {
 
 // or thrust would be nought in four of five rows of a log whose commands are slow
 TEST(TotalThrust, IsMissingWhereCommandsAre) {
@@ -73,5 +73,5 @@ TEST(TotalThrust, HasWhatMotorsThatRiseFasterThanTheyFallMakeOfJitter) {
   EXPECT_NEAR(of_sum_N, made_N, 0.002 * made_N);
 }
 
-}  // namespace
+}  // namespace total_thrust_test
 }  // namespace gustlab::diagnosis

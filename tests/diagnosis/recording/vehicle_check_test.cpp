@@ -8,7 +8,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace vehicle_check_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -125,5 +125,5 @@ TEST(AngularAccelerationSeries, OfTorqueAndOfAccelerationAreProportional) {
   EXPECT_GT(size, 1.0);
 }
 
-}  // namespace
+}  // namespace vehicle_check_test
 }  // namespace gustlab::diagnosis

@@ -8,7 +8,7 @@
 #include "diagnosis/result/findings.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace to_json_test {
 
 using nlohmann::ordered_json;
 
@@ -81,5 +81,5 @@ TEST(Evidence, ItsGainIsCountedInUnitsOfTheLargerInflation) {
   EXPECT_EQ(e.robust_delta_chi2(), 45.0);
 }
 
-}  // namespace
+}  // namespace to_json_test
 }  // namespace gustlab::diagnosis

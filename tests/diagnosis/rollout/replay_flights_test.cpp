@@ -7,7 +7,7 @@
 #include "support/program.hpp"
 
 namespace gustlab {
-namespace {
+namespace replay_flights_test {
 
 using test::Said;
 
@@ -57,5 +57,5 @@ TEST(ReplayOfTheNanodroneFlights, PrintsThePublishedNaiveAndPhysicsRows) {
   expect_row(fit["body_rate_radps"]["before"], {0.0796, 0.3596, 0.8837}, 0.05, 1);
 }
 
-}  // namespace
+}  // namespace replay_flights_test
 }  // namespace gustlab

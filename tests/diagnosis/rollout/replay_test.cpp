@@ -15,7 +15,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace replay_test {
 
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -369,5 +369,5 @@ TEST_F(Replay, LaterInputsKeepTheirEmptyCells) {
   }
 }
 
-}  // namespace
+}  // namespace replay_test
 }  // namespace gustlab::diagnosis

@@ -8,7 +8,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace rollout_test {
 
 constexpr double lag_s = 0.05, step_at_s = 0.5, more = 1.1;
 
@@ -74,5 +74,5 @@ TEST(Rollout, ALatePoseIsOfATimeBefore) {
   EXPECT_NEAR(rollout.start(100).time_s, 1.0 - 0.015, 1e-12);
 }
 
-}  // namespace
+}  // namespace rollout_test
 }  // namespace gustlab::diagnosis

@@ -9,7 +9,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace found_effects_test {
 
 class FoundEffects : public ::testing::Test {
  protected:
@@ -79,5 +79,5 @@ TEST_F(FoundEffects, FlyInTheOrderOfTheFindingsWithTheirRotor) {
   EXPECT_EQ(std::stod(effects[1].values[0].second), 0.0123456789012345);  // to the last bit
 }
 
-}  // namespace
+}  // namespace found_effects_test
 }  // namespace gustlab::diagnosis

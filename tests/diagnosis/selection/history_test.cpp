@@ -6,7 +6,7 @@
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace history_test {
 
 class HistoryTrials : public ::testing::TestWithParam<bool> {
  protected:
@@ -66,5 +66,5 @@ TEST(Swing, NeitherGainsNorLosesEnergyByItself) {
   EXPECT_NEAR(strongest(5700), strongest(0), 0.1);
 }
 
-}  // namespace
+}  // namespace history_test
 }  // namespace gustlab::diagnosis

@@ -7,7 +7,7 @@
 #include "support/sessions.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace select_effects_test {
 
 using ::testing::IsSupersetOf;
 
@@ -134,5 +134,5 @@ TEST_F(SelectEffects, AReferenceFlightMakesThemTheVehicles) {
   EXPECT_TRUE(std::any_of(effects.begin(), effects.end(), [](const EffectSpec& e) { return e.type == "mass"; }));
 }
 
-}  // namespace
+}  // namespace select_effects_test
 }  // namespace gustlab::diagnosis

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace selection_test {
 
 using ::testing::ElementsAre;
 
@@ -20,5 +20,5 @@ TEST(Selection, FindsAFindingByItsGroup) {
   EXPECT_EQ(selection.find(5), nullptr);
 }
 
-}  // namespace
+}  // namespace selection_test
 }  // namespace gustlab::diagnosis

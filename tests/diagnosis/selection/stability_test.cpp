@@ -10,7 +10,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace stability_test {
 
 constexpr int clusters = 12, rows_per_block = 60;
 
@@ -87,5 +87,5 @@ TEST_F(Stability, OfNothingThatWasChosenThereIsNothingToAsk) {
   for (const double s : inclusion(session, grams(5.0, 0.0), {})) EXPECT_EQ(s, 0.0);
 }
 
-}  // namespace
+}  // namespace stability_test
 }  // namespace gustlab::diagnosis

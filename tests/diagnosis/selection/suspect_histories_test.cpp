@@ -10,7 +10,7 @@
 #include "support/sessions.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace suspect_histories_test {
 
 using test::Unexplained;
 
@@ -84,5 +84,5 @@ TEST(SuspectHistories, ASwingingLoadIsSuspectedWithItsLength) {
     EXPECT_EQ(flight.load_force_W_mps2.size(), flight.samples.size());
 }
 
-}  // namespace
+}  // namespace suspect_histories_test
 }  // namespace gustlab::diagnosis

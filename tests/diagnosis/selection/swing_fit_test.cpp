@@ -10,7 +10,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace swing_fit_test {
 
 const VehicleModel vehicle = test::crazyflie();
 const SwingingLoad truth{{0.32, 0.02}, 0.004, 0.006};
@@ -114,5 +114,5 @@ TEST(SwingFit, StatesTwiceTheScatterOfFitsToWhiteNoise) {
   EXPECT_NEAR(stated / std::sqrt(squares / draws), 2.0, 2.0 * 2.0 / 7.0);
 }
 
-}  // namespace
+}  // namespace swing_fit_test
 }  // namespace gustlab::diagnosis

@@ -14,7 +14,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace trims_test {
 
 class Trims : public ::testing::Test {
  protected:
@@ -120,5 +120,5 @@ TEST_F(Trims, ASignatureThatScatterHasTooIsImitated) {
   EXPECT_TRUE(imitated_by_scatter(session_, gram(loud), {group}, group));
 }
 
-}  // namespace
+}  // namespace trims_test
 }  // namespace gustlab::diagnosis

@@ -9,7 +9,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace wind_start_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -97,5 +97,5 @@ TEST(LatencyTrials, KnowWhatFlightsWithoutALongLagWouldBe) {
     }
 }
 
-}  // namespace
+}  // namespace wind_start_test
 }  // namespace gustlab::diagnosis

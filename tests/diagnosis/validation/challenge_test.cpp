@@ -5,7 +5,7 @@
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace challenge_test {
 
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -67,5 +67,5 @@ TEST(GustPartsTrials, TellsTheRandomPartAndTheLine) {
   EXPECT_NEAR(find(d, "gust", "correlation_time")->value, 1.0, 0.7);
 }
 
-}  // namespace
+}  // namespace challenge_test
 }  // namespace gustlab::diagnosis

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace gustlab::diagnosis {
-namespace {
+namespace dependence_test {
 
 TEST(Dependence, EveryFlightIsMovedInItsOwnCircle) {
   const Eigen::VectorXd y{{1.0, 2.0, 3.0, 4.0, 10.0, 20.0, 30.0, 7.0}};
@@ -15,5 +15,5 @@ TEST(Dependence, EveryFlightIsMovedInItsOwnCircle) {
   EXPECT_EQ(moved_along(moved_along(y, flight, 5), flight, 7), y);
 }
 
-}  // namespace
+}  // namespace dependence_test
 }  // namespace gustlab::diagnosis

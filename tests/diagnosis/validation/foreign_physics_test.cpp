@@ -9,7 +9,7 @@
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace foreign_physics_test {
 
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -86,5 +86,5 @@ TEST(SmoothedLogTrials, WithoutMissingPhysicsNamesNothing) {
   EXPECT_THAT(diagnose(trial).effects, IsEmpty());
 }
 
-}  // namespace
+}  // namespace foreign_physics_test
 }  // namespace gustlab::diagnosis

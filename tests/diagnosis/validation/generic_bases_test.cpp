@@ -10,7 +10,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace generic_bases_test {
 
 const VehicleModel& vehicle() {
   static const VehicleModel model = test::crazyflie();
@@ -172,5 +172,5 @@ TEST_F(GenericBases, GainsAreWhatDenseLeastSquaresSaves) {
   }
 }
 
-}  // namespace
+}  // namespace generic_bases_test
 }  // namespace gustlab::diagnosis

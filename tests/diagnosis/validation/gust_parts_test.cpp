@@ -10,7 +10,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace gust_parts_test {
 
 constexpr double duration_s = 120.0, sample_s = 0.04;
 
@@ -112,5 +112,5 @@ TEST(MeansOfGust, AreForcesThatAGustLeavesAndNotLargerOnes) {
   EXPECT_EQ(means_of_gust(session, selection, gust), std::vector<int>{});
 }
 
-}  // namespace
+}  // namespace gust_parts_test
 }  // namespace gustlab::diagnosis

@@ -9,7 +9,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace holdout_test {
 
 Catalogue catalogue(int flights) {
   return {test::crazyflie(), flights, {.observable = Need::attitude | Need::motion | Need::torque}};
@@ -50,5 +50,5 @@ TEST(HoldOut, BesideReferenceFlightsAChangeSaysWhatItSaysOfTheOthers) {
   EXPECT_NEAR(test.delta_chi2[0], test.expected[0], 0.3 * test.expected[0]);
 }
 
-}  // namespace
+}  // namespace holdout_test
 }  // namespace gustlab::diagnosis

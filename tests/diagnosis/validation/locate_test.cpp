@@ -11,7 +11,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace locate_test {
 
 using ::testing::Contains;
 using ::testing::Each;
@@ -222,5 +222,5 @@ TEST(RemainderOfFlights, AForceOfOneFrequencyIsAGustOfThatLine) {
   EXPECT_FALSE(remainder(blown.session, blown.selection, true).gust_like) << "after a force was withdrawn";
 }
 
-}  // namespace
+}  // namespace locate_test
 }  // namespace gustlab::diagnosis

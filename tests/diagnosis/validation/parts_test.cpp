@@ -6,7 +6,7 @@
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace parts_test {
 
 using ::testing::Contains;
 using ::testing::Each;
@@ -99,5 +99,5 @@ TEST(PartsTrials, OfADampingAloneAreNoInflow) {
   EXPECT_THAT(d.effects, Each(Field(&EffectFinding::effect, Not("axial_inflow")))) << to_json(d).dump(1);
 }
 
-}  // namespace
+}  // namespace parts_test
 }  // namespace gustlab::diagnosis

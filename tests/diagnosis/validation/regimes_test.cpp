@@ -11,7 +11,7 @@
 #include "support/vehicles.hpp"
 
 namespace gustlab::diagnosis {
-namespace {
+namespace regimes_test {
 
 constexpr int blocks = 60;
 
@@ -95,5 +95,5 @@ TEST(BeyondChance, IsFarMoreThanTheMeanOfChiSquared) {
   EXPECT_FALSE(beyond_chance(12.0 + 7.0 * std::sqrt(24.0), 12, 1e6));
 }
 
-}  // namespace
+}  // namespace regimes_test
 }  // namespace gustlab::diagnosis
