@@ -55,7 +55,7 @@ void check_balance(const VehicleModel& vehicle, std::vector<std::string>& said) 
 void check_sizes(const VehicleModel& vehicle, std::vector<std::string>& said) {
   const double square = vehicle.mass_kg * vehicle.arm_m() * vehicle.arm_m();
   for (int axis = 0; axis < 3; ++axis) {
-    const double usual = (axis == 2 ? yaw_inertia : tilt_inertia) * square,
+    const double usual = (axis == 2 ? yaw_inertia_factor : tilt_inertia_factor) * square,
                  inertia = vehicle.inertia_B_kgm2(axis, axis);
     if (far_from(inertia, usual, inertia_spread))
       said.push_back(

@@ -22,7 +22,7 @@ inline constexpr double diameter_per_hub_distance = 0.8, diameter_spread = 0.15;
 // Moments of inertia in units of mass times the square of the arm, roll and pitch, and yaw: Crazyflie 2.1 (Förster, ETH 2015) 0.29,
 // 0.51; Iris (ArduPilot's Gazebo model) 0.15, 0.20; Hummingbird 0.34, 0.58 and Pelican 0.23, 0.45 (RotorS, Furrer et al. 2016);
 // 5-inch racer (Bauersfeld et al., RSS 2021) 0.20, 0.37.
-inline constexpr double tilt_inertia = 0.24, yaw_inertia = 0.42, inertia_spread = 0.35;
+inline constexpr double tilt_inertia_factor = 0.24, yaw_inertia_factor = 0.42, inertia_spread = 0.35;
 
 // f of thrust ~ f u² + (1 − f) u of motor controllers that are given no curve: ArduPilot's default MOT_THST_EXPO; its
 // documentation recommends 0.55 for small propellers to 0.75 for large ones. An absolute spread.

@@ -214,9 +214,10 @@ std::string mjcf(const NewVehicle& wanted) {
   const double mass = wanted.mass_kg.value, arm = arm_m(wanted), square = mass * arm * arm;
   const std::string rule = fmt::format(
       "estimated, {} and {} of mass times arm squared, within {:.0f} % (five vehicles: see src/vehicle/estimates.hpp)",
-      tilt_inertia, yaw_inertia, 100.0 * inertia_spread);
-  const auto inertia = wanted.inertia_kgm2.value_or(std::array<Sourced, 3>{
-      Sourced{tilt_inertia * square, rule}, Sourced{tilt_inertia * square, rule}, Sourced{yaw_inertia * square, rule}});
+      tilt_inertia_factor, yaw_inertia_factor, 100.0 * inertia_spread);
+  const auto inertia = wanted.inertia_kgm2.value_or(std::array<Sourced, 3>{Sourced{tilt_inertia_factor * square, rule},
+                                                                           Sourced{tilt_inertia_factor * square, rule},
+                                                                           Sourced{yaw_inertia_factor * square, rule}});
   std::string text = fmt::format(
       "<mujoco model=\"{0}\">\n  <!-- x forward, y left, z up; kg, m, kg m^2 -->\n  <compiler "
       "inertiafromgeom=\"false\"/>\n  <worldbody>\n"
