@@ -5,7 +5,11 @@ set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-if [[ ${1:-} == --quick ]]; then set -- --label-regex quick "${@:2}"; fi
+targets=()
+if [[ ${1:-} == --quick ]]; then
+  targets=(gustlab quick_tests)
+  set -- --label-regex quick "${@:2}"
+fi
 scripts/setup.sh --test
-scripts/build.sh release
+scripts/build.sh release "${targets[@]}"
 ctest --test-dir build/release --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"
