@@ -9,6 +9,14 @@
 
 namespace gustlab::diagnosis {
 
+namespace {
+
+double fitted_value(const Column& column, const Fit& fit, std::size_t i) {
+  return column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural;
+}
+
+}  // namespace
+
 SubsetSearch::SubsetSearch(const Catalogue& known, const VehicleModel&, double per_parameter)
     : catalogue(known), penalty(per_parameter) {
   for (std::size_t g = 0; g < catalogue.groups().size(); ++g)
@@ -58,7 +66,7 @@ double SubsetSearch::loss_within_bounds(const Eigen::MatrixXd& gram, const std::
   Eigen::VectorXd held = Eigen::VectorXd::Zero(catalogue.size());
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const Column& column = catalogue.column(columns[i]);
-    const double value = column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural;
+    const double value = fitted_value(column, fit, i);
     if (column.group != group || column.admits(value)) free.push_back(columns[i]);
     else held[columns[i]] = (std::clamp(value, column.min, column.max) - column.nominal) / column.natural;
   }
@@ -73,8 +81,7 @@ Subset SubsetSearch::evaluate(const Eigen::MatrixXd& gram, const std::vector<int
   subset.loss = fit.loss;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const Column& column = catalogue.column(columns[i]);
-    if (!column.admits(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural))
-      subset.loss = std::numeric_limits<double>::infinity();
+    if (!column.admits(fitted_value(column, fit, i))) subset.loss = std::numeric_limits<double>::infinity();
   }
   subset.score = subset.loss + penalty * static_cast<double>(columns.size());
   // a cable's length and its swing in every flight were fitted beforehand
