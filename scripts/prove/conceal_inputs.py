@@ -201,10 +201,15 @@ def missing(vehicle, motion, thrust):
     return rest - wrench(vehicle, motion, thrust)
 
 
+def state_of(motion):
+    """What drag and its moments follow: [(n, 3)] that the log has."""
+    return [x for x in (motion.velocity_B, motion.rate_B) if x is not None] + ([motion.velocity_B**2] if motion.velocity_B is not None else [])
+
+
 def remainder(vehicle, motion, thrust):
     """(n, 4): what is missing below 5 Hz, less what the inputs' own scale, velocity and rate explain."""
     given, rest = wrench(vehicle, motion, thrust), missing(vehicle, motion, thrust)
-    state = [x for x in (motion.velocity_B, motion.rate_B) if x is not None] + ([motion.velocity_B**2] if motion.velocity_B is not None else [])
+    state = state_of(motion)
     for k in np.flatnonzero(np.isfinite(rest).all(axis=0)):
         known = np.column_stack([np.ones(len(rest)), given[:, k], *state])
         rest[:, k] = low_pass(motion.time_s, rest[:, k] - known @ np.linalg.lstsq(known, rest[:, k], rcond=None)[0], 5)
@@ -218,6 +223,13 @@ TRIM = ("thrust_scale", "mass", "rotor_loss", "center_of_mass", "yaw_torque_rati
 SHOWN_IN = {"thrust_scale": [0], "mass": [0], "rotor_loss": [0, 1, 2], "center_of_mass": [1, 2], "inertia": [], "yaw_torque_ratio": []}
 
 
+def scales_of(effect, values):
+    """(4,): by which share each channel's wrench is another one, of an effect that is that and no more; else None."""
+    if effect == "yaw_torque_ratio":
+        return np.array([0.0, 0.0, 0.0, values["delta"]])
+    return np.array([0.0, *(values.get(f"delta_{axis}", 0.0) for axis in "xyz")]) if effect == "inertia" else None
+
+
 def beside_trims(effect, given, values):
     """`values` (n, 4) less what a scale of each channel's own wrench and constant torques explain; those of a trim as they are."""
     left = values.copy()
@@ -227,10 +239,27 @@ def beside_trims(effect, given, values):
     return left
 
 
+def told_of_scale(vehicle, motion, thrust):
+    """(4,): information on the scale of each channel's wrench, N r²/(1 − r²), where r is the correlation of what the inputs give and what the
+    motion needs, below 5 Hz, beside velocity and rate. Inputs have noise: of a channel in which they do not go with the motion nothing is told."""
+    given, told = wrench(vehicle, motion, thrust), np.zeros(4)
+    needed = missing(vehicle, motion, thrust) + given
+    known = np.column_stack([np.ones(len(given)), *state_of(motion)])
+    independent = (motion.time_s[-1] - motion.time_s[0]) / CORRELATION_S
+    for k in np.flatnonzero(np.isfinite(needed).all(axis=0) & (np.ptp(given, axis=0) > 0) & (np.ptp(needed, axis=0) > 0)):
+        both = low_pass(motion.time_s, np.column_stack([given[:, k], needed[:, k]]), 5)
+        r = np.corrcoef((both - known @ np.linalg.lstsq(known, both, rcond=None)[0]).T)[0, 1]
+        told[k] = independent * max(r, 0.0)**2 / (1 - r**2)
+    return told
+
+
 def standard_error(vehicle, flights, effect, unit):
     """Standard error of an effect's size, in units of `unit`, against what remains of the wrench as noise. flights: [(motion, thrust)]."""
     information = 0.0
     for motion, thrust in flights:
+        if (scales := scales_of(effect, unit)) is not None:
+            information += np.sum(scales**2 * told_of_scale(vehicle, motion, thrust))
+            continue
         rest = remainder(vehicle, motion, thrust)
         shape, given = (low_pass(motion.time_s, values, 5) for values in (signature(vehicle, motion, thrust, effect, unit), wrench(vehicle, motion, thrust)))
         shape = beside_trims(effect, given, shape)

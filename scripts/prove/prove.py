@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The whole proof: draws concealed trials from the independent reality, diagnoses them, scores, and writes docs/PROOF.md.
 
-    scripts/prove.sh [--quick] [--count X] [--seed 9000] [--jobs 2] [--flights DIR] [--only NAME,NAME] [--work DIR] [--out docs]
+    scripts/prove.sh [--quick] [--count X] [--seed 9000] [--jobs 2] [--flights DIR] [--semi-real N] [--only NAME,NAME] [--work DIR] [--out docs]
 
 `--count` multiplies the number of trials, of each kind and strength at least one; `--quick` is a small sample of every kind.
 Trials and answers stay under --work, with their SHA-256, which are printed before the first diagnosis. What is finished is
@@ -111,12 +111,12 @@ def timing(gustlab, work, names):
     return {"seconds": [f["seconds"] for f in figures], "peak_MiB": [f["peak_MiB"] for f in figures], "same_bytes": same}
 
 
-def real_flights(flights, gustlab, work, jobs):
-    if flights is None:
+def real_flights(options, work):
+    if options.flights is None:
         return None
     script = Path(__file__).with_name("real_flights.py")
-    result = subprocess.run([sys.executable, script, flights, "--gustlab", gustlab, "--out", work / "real", "--jobs", str(jobs)],
-                            stdout=subprocess.PIPE, text=True, check=True)
+    result = subprocess.run([sys.executable, script, options.flights, "--gustlab", options.gustlab, "--out", work / "real", "--jobs", str(options.jobs),
+                             "--semi-real", str(options.semi_real)], stdout=subprocess.PIPE, text=True, check=True)
     return json.loads(result.stdout)
 
 
@@ -140,6 +140,7 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--flights", type=Path, help="real flights, as docs/DATA.md describes")
+    parser.add_argument("--semi-real", type=int, default=260, help="most semi-real cases; any first part of them is a sample of every family")
     parser.add_argument("--only", default="", help="these sets alone, comma-separated ('real': the real flights); no page")
     parser.add_argument("--no-baseline", action="store_true")
     options = parser.parse_args()
@@ -162,12 +163,13 @@ def main():
     if not options.no_baseline:
         program = [sys.executable, str(Path(__file__).with_name("naive_baseline.py"))]
         diagnose_sets(places, "baseline", program, ["--gustlab", options.gustlab], options.jobs, keep=True)
-    real = real_flights(options.flights, options.gustlab, work, options.jobs) if not only or "real" in only else None
+    real = real_flights(options, work) if not only or "real" in only else None
     if only:
         return 0
     scored = lambda name: json.loads(score(places, name, options.gustlab, "json"))
     timed = [name for name, _, _ in drawn if name.startswith(("single_", "pair", "clean"))]
-    result = {"score": scored("diagnosis"), "baseline": None if options.no_baseline else scored("baseline"), "sets": drawn, "real": real,
+    program = subprocess.run([options.gustlab, "--version"], check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()[0]
+    result = {"program": program, "seed": options.seed, "score": scored("diagnosis"), "baseline": None if options.no_baseline else scored("baseline"), "sets": drawn, "real": real,
               "air": list(scored_by_air(work / "air", work / "answers" / "air.jsonl", "diagnosis")),
               "timing": timing(options.gustlab, work, timed[:3] if options.quick else timed[:10]), "quick": options.quick}
     (work / "proof.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")

@@ -350,6 +350,12 @@ def mean_shown(recordings, effect, values):
     return np.mean([size for size, _ in shown(recordings, effect, values)] or [0.0])
 
 
+def hover_difference(recordings):
+    """By how much the mean thrusts of the rotors in hover, as shares of their mean, differ between two untouched flights (rms)."""
+    thrusts = [recordings.motion(recordings.log(entry))[1].mean(axis=0) for entry in recordings.set.new + recordings.set.reference]
+    return float(np.sqrt(2 * np.var([t / t.mean() for t in thrusts], axis=0, ddof=1).mean()))
+
+
 def limit_of(recordings, effect, values, asked):
     """The larger of the tolerance and five standard errors on the new flights, in the leading parameter; beside reference flights, of the
     difference to those. Flights that differ among themselves tell no more than their spread allows."""
@@ -358,7 +364,7 @@ def limit_of(recordings, effect, values, asked):
     if effect in ("actuation_delay", "motor_lag"):
         return tolerance
     if not recordings.has_rates():
-        return 0.05  # hovering flights without rates: what two normal flights of one vehicle differ by
+        return 5 * hover_difference(recordings)
     natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
     small = {name: value if name == "rotor" else natural * value for name, value in values.items()}
     spread, variance = natural * physics.spread(shown(recordings, effect, small)), 0.0
@@ -584,6 +590,24 @@ def counts(rows, key, only=lambda row: True):
         tally = Counter(row["outcome"] for row in rows if only(row) and group in (str(row[key] or "nothing concealed"), "all"))
         lines.append(f"| {group} | {sum(tally.values())} | " + " | ".join(str(tally[o]) for o in OUTCOMES) + " |")
     return lines
+
+
+def summary(rows):
+    """Counts by way of asking at twice the limit and where nothing is concealed, as shares of what was asked."""
+    named = {"exact": "exact", "wrong": "a wrong name", "withheld": "only suspected", "size": "another size", "nothing": "nothing said", "not_told": "said to be not identifiable",
+             "failed": "no diagnosis"}
+    share = lambda part, whole: f"{part} ({100 * part / whole:.0f} %)" if part else "0"
+    lines = ["| at twice its limit | N | " + " | ".join(named.values()) + " |", "|" + " --- |" + " ---: |" * (len(named) + 1)]
+    for text, chosen in (("asked for", None), ("against the vehicle file", lambda r: r["truth"] and r["asked"] == "file"),
+                         ("beside reference flights", lambda r: r["truth"] and r["asked"] == "reference"), ("both", lambda r: r["truth"]),
+                         ("nothing concealed", lambda r: not r["truth"])):
+        if chosen is None:
+            lines.append(f"| {text} | | ≥ 85 % | ≤ 3 % | | | | | |")
+            continue
+        tally = Counter(r["outcome"] for r in rows if chosen(r) and (r["times"] == 2 or not r["truth"]))
+        if total := sum(tally.values()):
+            lines.append(f"| {text} | {total} | " + " | ".join(share(tally[o], total) for o in named) + " |")
+    return "\n".join(lines) + "\n"
 
 
 def markdown(rows):

@@ -54,6 +54,17 @@ Json headline(const Trials& trials) {
   table["two effects: both among the names"] = rate_of(trials, single(2, true), all_found);
   table["two effects: exact"] = rate_of(trials, single(2, true), exact);
   table["two effects, one below its limit: no wrong name"] = rate_of(trials, single(2, false), no_wrong_name);
+  // a wrong name is worse than none, and a right one withheld is a failure too
+  std::size_t unnamed = 0, suspected = 0, names = 0, wrong = 0;
+  for (const ScoredTrial& t : trials) {
+    if (t.outside()) continue;
+    names += t.named.size();
+    wrong += static_cast<std::size_t>(std::count(t.right.begin(), t.right.end(), false));
+    for (std::size_t i = 0; i < t.truth.size(); ++i)
+      if (t.truth[i].above_limit() && t.partner[i] < 0) ++unnamed, suspected += t.suspects(t.truth[i]) ? 1 : 0;
+  }
+  table["effects without a name: suspected"] = score_rate(suspected, unnamed);
+  table["names of what is not there"] = score_rate(wrong, names);
   table["outside the catalogue: no name"] = rate_of(trials, kind("outside"), silent);
   const auto visible = [](const ScoredTrial& t) {
     return t.outside() && !t.channels.empty() && !(t.stranger_strength < 1.0);

@@ -131,15 +131,20 @@ nlohmann::ordered_json score_reliability(const std::vector<ScoredTrial>& trials)
   std::array<Bin, 10> bins;
   std::size_t n = 0;
   double brier = 0.0;
-  for (const ScoredTrial& trial : trials)
-    for (std::size_t i = 0; i < trial.named.size(); ++i) {
-      const double confidence = std::clamp(trial.named[i].confidence, 0.0, 1.0);
-      Bin& bin = bins[std::min<std::size_t>(9, static_cast<std::size_t>(confidence * 10.0))];
-      bin.right.add(trial.right[i]);
-      bin.confidence += confidence;
-      brier += std::pow(confidence - (trial.right[i] ? 1.0 : 0.0), 2);
-      ++n;
-    }
+  const auto add = [&](double said, bool right) {
+    const double confidence = std::clamp(said, 0.0, 1.0);
+    Bin& bin = bins[std::min<std::size_t>(9, static_cast<std::size_t>(confidence * 10.0))];
+    bin.right.add(right);
+    bin.confidence += confidence;
+    brier += std::pow(confidence - (right ? 1.0 : 0.0), 2);
+    ++n;
+  };
+  for (const ScoredTrial& trial : trials) {
+    for (std::size_t i = 0; i < trial.named.size(); ++i) add(trial.named[i].confidence, trial.right[i]);
+    for (const Named& name : trial.suspected)
+      add(name.confidence, std::any_of(trial.truth.begin(), trial.truth.end(),
+                                       [&](const Concealed& truth) { return matches(name, truth); }));
+  }
   double error = 0.0;
   Json rows = Json::array();
   for (std::size_t b = 0; b < bins.size(); ++b) {

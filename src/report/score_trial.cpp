@@ -78,6 +78,7 @@ void read_diagnosis(const std::filesystem::path& path, ScoredTrial& trial) {
     const Json diagnosis = parse(text);
     trial.verdict = diagnosis.at("verdict").get<std::string>();
     for (const Json& entry : diagnosis.at("effects")) trial.named.push_back(read_named(entry));
+    for (const Json& entry : part(diagnosis, "suspected")) trial.suspected.push_back(read_named(entry));
     for (const Json& entry : part(diagnosis, "mismatch"))
       if (entry.value("significant", false)) trial.significant.push_back(entry.at("channel").get<std::string>());
     trial.fit = part(diagnosis, "fit");
@@ -86,6 +87,7 @@ void read_diagnosis(const std::filesystem::path& path, ScoredTrial& trial) {
     // a diagnosis that is not one counts as missing
     trial.verdict = "unreadable";
     trial.named.clear();
+    trial.suspected.clear();
     trial.significant.clear();
   }
 }
@@ -134,6 +136,10 @@ bool ScoredTrial::above_limit() const {
 
 int ScoredTrial::found() const {
   return static_cast<int>(std::count_if(partner.begin(), partner.end(), [](int name) { return name >= 0; }));
+}
+
+bool ScoredTrial::suspects(const Concealed& effect) const {
+  return std::any_of(suspected.begin(), suspected.end(), [&](const Named& name) { return matches(name, effect); });
 }
 
 bool ScoredTrial::exact() const {

@@ -36,8 +36,9 @@ struct ScoredTrial {
   bool diagnosed = false;  // false: no readable diagnosis.json, which counts as a failure everywhere
   std::string verdict;
   std::vector<Named> named;
-  std::vector<int> partner;  // of each truth: index into named, or −1
-  std::vector<bool> right;   // of each name: it belongs to a truth
+  std::vector<int> partner;      // of each truth: index into named, or −1
+  std::vector<bool> right;       // of each name: it belongs to a truth
+  std::vector<Named> suspected;  // said with its probability, not named
   // physics outside the catalogue: what it is, how visible (like strength above), and where it acts
   std::string stranger;
   double stranger_strength = 0.0;
@@ -46,8 +47,9 @@ struct ScoredTrial {
   nlohmann::ordered_json fit, oracle;
 
   bool outside() const { return kind == "outside"; }
-  bool above_limit() const;   // every concealed effect
-  int found() const;          // how many truths have a name
+  bool above_limit() const;  // every concealed effect
+  int found() const;         // how many truths have a name
+  bool suspects(const Concealed& truth) const;
   bool exact() const;         // every truth has a name and every name a truth
   bool exact_strict() const;  // likewise, with the name itself and not one of its class
 };

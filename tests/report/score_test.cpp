@@ -156,6 +156,20 @@ TEST_F(ScoreTest, CalibrationErrorIsTheMeanGapBetweenSaidAndRight) {
   EXPECT_NEAR(reliability.at("expected_calibration_error").get<double>(), (4 * 0.2 + 0.55) / 5, 1e-12);
 }
 
+TEST_F(ScoreTest, WhatIsSuspectedCountsAsSaidAndNotAsNamed) {
+  const auto suspects = [](const char* effect) { return Json{{"suspected", {found(effect, 0.75)}}}; };
+  add("single", {hidden("mass", 2)}, Json::array(), Json::object(), suspects("mass"));
+  add("single", {hidden("mass", 2)}, Json::array(), Json::object(), suspects("gust"));
+  add("single", {hidden("mass", 0.5)}, Json::array(), Json::object(), suspects("mass"));  // need not be named
+  add("single", {hidden("mass", 2)}, {found("mass"), found("gust")});
+  EXPECT_EQ(headline("effects without a name: suspected"), "1/2");
+  EXPECT_EQ(headline("names of what is not there"), "1/2");
+  EXPECT_EQ(headline("one effect: exact"), "0/3");
+  const Json reliability = score().at("reliability");
+  EXPECT_EQ(reliability.at("findings"), 5);
+  EXPECT_EQ(rate(reliability.at("bins")[0].at("right")), "2/3");
+}
+
 TEST_F(ScoreTest, PowerIsBinnedByStrength) {
   add("single", {hidden("mass", 2.9999999999)}, {found("mass")});
   add("single", {hidden("mass", 9)}, Json::array());

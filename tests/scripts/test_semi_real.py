@@ -3,6 +3,7 @@
 import sys
 from copy import deepcopy
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ import conceal_inputs as physics  # noqa: E402
 from falsify import VehicleFolder  # noqa: E402
 from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
 from flight_files import Log, read_vehicle  # noqa: E402
-from semi_real import Case, change_inputs, change_recording, combined, falsify_file, in_range, judge, seen_away  # noqa: E402
+from semi_real import Case, change_inputs, change_recording, combined, falsify_file, hover_difference, in_range, judge, seen_away, summary  # noqa: E402
 
 FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
 VEHICLE = read_vehicle(FILE)
@@ -68,6 +69,21 @@ def test_the_standard_error_falls_with_the_signature():
     one = physics.standard_error(VEHICLE, [(motion, thrust)], "thrust_curve", {"curvature": 0.01})
     assert physics.standard_error(VEHICLE, [(motion, thrust)], "thrust_curve", {"curvature": 0.02}) == pytest.approx(one / 2, rel=1e-6)
     assert physics.standard_error(VEHICLE, [(motion, thrust)] * 4, "thrust_curve", {"curvature": 0.01}) == pytest.approx(one / 2, rel=1e-6)
+
+
+def test_a_channel_of_noise_tells_nothing_of_its_scale():
+    motion, thrust = flight(6000)
+    rng = np.random.default_rng(2)
+    commanded = physics.wrench(VEHICLE, motion, thrust)[:, 3]
+    error = lambda: physics.standard_error(VEHICLE, [(motion, thrust)], "yaw_torque_ratio", {"delta": 0.01})
+    # turned about z alone, by what is commanded and by as much again that is not
+    motion.rate_B[:, :2] = motion.angular_B[:, :2] = 0.0
+    motion.angular_B[:, 2] = commanded / VEHICLE.inertia[2]
+    motion.angular_B[:, 2] += motion.angular_B[:, 2].std() * rng.standard_normal(6000)
+    independent = 60 / physics.CORRELATION_S
+    assert error() == pytest.approx(1 / (0.01 * np.sqrt(independent)), rel=0.3)  # r² = 1/2
+    motion.angular_B[:, 2] = rng.permutation(motion.angular_B[:, 2])
+    assert error() > 1 / (0.01 * np.sqrt(independent)) * 4
 
 
 def test_flights_show_a_trim_by_themselves():
@@ -295,3 +311,18 @@ def test_nothing_concealed_wants_nothing_and_a_wrong_file_is_no_change():
     both = Case("file_mass", "s", "file", "reference", "mass", {"delta": 0.1})
     assert both.truth is None and deepcopy(both).effect == "mass"
     assert combined("rotor_loss", "loss", 0.1, 0.2) == pytest.approx(0.28)
+
+
+def test_hovering_flights_differ_by_the_shares_of_their_rotors():
+    thrusts = {"a": np.array([[1.0, 1.0, 1.0, 1.0]] * 3), "b": 2 * np.array([[1.04, 0.96, 1.0, 1.0]] * 3)}
+    recordings = SimpleNamespace(set=SimpleNamespace(new=("a",), reference=("b",)), log=lambda entry: entry, motion=lambda entry: (None, thrusts[entry]))
+    assert hover_difference(recordings) == pytest.approx(np.sqrt(2 * 0.04**2 / 4))
+
+
+def test_the_summary_counts_twice_the_limit_and_nothing_concealed():
+    row = lambda outcome, truth="mass", asked="file", times=2.0: {"outcome": outcome, "truth": truth, "asked": asked, "times": times}
+    lines = summary([row("exact"), row("wrong"), row("exact", times=4.0), row("nothing", asked="reference"), row("exact", truth=None, times=0.0)]).splitlines()
+    assert lines[3:] == ["| against the vehicle file | 2 | 1 (50 %) | 1 (50 %) | 0 | 0 | 0 | 0 | 0 |",
+                         "| beside reference flights | 1 | 0 | 0 | 0 | 0 | 1 (100 %) | 0 | 0 |",
+                         "| both | 3 | 1 (33 %) | 1 (33 %) | 0 | 0 | 1 (33 %) | 0 | 0 |",
+                         "| nothing concealed | 1 | 1 (100 %) | 0 | 0 | 0 | 0 | 0 | 0 |"]
