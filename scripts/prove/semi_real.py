@@ -535,6 +535,21 @@ def totals(diagnosis, effect, rotor, file):
     return {name: value for name, value in own.items() if isinstance(value, float)}
 
 
+def sizes_before(base, case, recordings):
+    """{parameter: value} of what is concealed, in the untouched flights against the file: as named there, or, where an equal of it is named (a
+    mass for a thrust scale), as their own equation error shows it."""
+    there = [effect for effect in base["effects"] if means(effect, case.effect, case.rotor)]
+    sizes = []
+    if there and all(effect["effect"] != case.effect for effect in there) and case.effect not in physics.SEEN_BY_SENSORS:
+        motions = [recordings.motion(recordings.log(entry)) for entry in recordings.set.new]
+        small = {name: value if name == "rotor" else 0.01 * value for name, value in case.parameters.items()}
+        sizes = physics.sizes_shown(recordings.vehicle, motions, case.effect, small)
+    if not sizes:
+        return totals(base, case.effect, case.rotor, VehicleFolder(recordings.vehicle_file))
+    size, weight = np.array(sizes).T
+    return {name: 0.01 * value * float(np.average(size, weights=weight)) for name, value in case.parameters.items() if name != "rotor"}
+
+
 def judge(case, found, base=None, before=None, reported=()):
     """One row. Against the file: what is named beyond `base`; against reference flights: all that is named but values of every flight's
     own (a wind) that `base` names too, which are no change of the vehicle. What the flights have by their authors (`reported`) is not wrong.
@@ -666,7 +681,7 @@ class Bench:
         if found is None or (case.asked == "file" and base is None):
             return {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times, "outcome": "failed"}
         from_file = base and case.effect and shown is None and case.asked == "file"
-        before = totals(base, case.effect, case.rotor, VehicleFolder(self.of(case.set).vehicle_file)) if from_file else {}
+        before = sizes_before(base, case, self.of(case.set)) if from_file else {}
         return judge(case, found, base, before, SETS[case.set].reported)
 
 
