@@ -9,6 +9,7 @@ Prints one JSON object: {"cases": [...], "nanodrone": {...}, "semi_real": [...]}
 
 import argparse
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -26,7 +27,7 @@ GOAL = {"position_m": 0.090, "velocity_mps": 0.33, "attitude_rad": 0.15, "body_r
 
 
 def import_flights(source, out, jobs_log):
-    """Flight logs of every set under `out`; what is one already is linked."""
+    """{set: folder} of flight logs: as they are, or imported under `out`; a set that was imported is kept."""
     done = {}
     for name in ("nanodrone", "nanobench", "arpl", "crazypad"):
         if list((source / name).glob("*.meta.toml")):
@@ -36,8 +37,12 @@ def import_flights(source, out, jobs_log):
             continue
         inputs = sorted(path for path in (source / name).rglob("*") if path.is_file() and path.suffix in (".gz", ".csv", "")
                         and path.name not in ("LICENSE", "README"))
-        subprocess.run([sys.executable, HOME / "scripts" / "import_log.py", *inputs, "--map", name, "--out", out / name,
-                        "--keep-unusable"], check=True, stdout=jobs_log, stderr=jobs_log)
+        if not (out / name).exists():
+            unfinished = out / f"{name}.part"
+            shutil.rmtree(unfinished, ignore_errors=True)
+            subprocess.run([sys.executable, HOME / "scripts" / "import_log.py", *inputs, "--map", name, "--out", unfinished,
+                            "--keep-unusable"], check=True, stdout=jobs_log, stderr=jobs_log)
+            unfinished.rename(out / name)
         done[name] = out / name
     corrupt = source / "nanobench_corrupt"
     if corrupt.is_dir():
