@@ -96,7 +96,7 @@ def timing(result):
         return "No diagnosis ended.\n"
     seconds = sorted(result["seconds"])
     return (f"4 flights × 25 s × 100 Hz, full catalogue, two threads, nothing else running, N = {len(seconds)}: median "
-            f"{seconds[len(seconds) // 2]:.1f} s, longest {seconds[-1]:.1f} s (asked for: < 10 s), peak memory "
+            f"{seconds[len(seconds) // 2]:.1f} s, longest {seconds[-1]:.1f} s (asked for: ≤ 5 s), peak memory "
             f"{max(result['peak_MiB']):.0f} MiB (< 1024). Same bytes with one and with two threads: "
             f"{'yes' if result['same_bytes'] else '**no**'}.\n")
 
