@@ -612,13 +612,11 @@ def summary(rows):
     named = {"exact": "exact", "wrong": "a wrong name", "withheld": "only suspected", "size": "another size", "nothing": "nothing said", "not_told": "said to be not identifiable",
              "failed": "no diagnosis"}
     share = lambda part, whole: f"{part} ({100 * part / whole:.0f} %)" if part else "0"
-    lines = ["| at twice its limit | N | " + " | ".join(named.values()) + " |", "|" + " --- |" + " ---: |" * (len(named) + 1)]
-    for text, chosen in (("asked for", None), ("against the vehicle file", lambda r: r["truth"] and r["asked"] == "file"),
+    lines = ["| at twice its limit | N | " + " | ".join(named.values()) + " |", "|" + " --- |" + " ---: |" * (len(named) + 1),
+             "| asked for | | ≥ 85 % | ≤ 3 % | | | | | |"]
+    for text, chosen in (("against the vehicle file", lambda r: r["truth"] and r["asked"] == "file"),
                          ("beside reference flights", lambda r: r["truth"] and r["asked"] == "reference"), ("both", lambda r: r["truth"]),
                          ("nothing concealed", lambda r: not r["truth"])):
-        if chosen is None:
-            lines.append(f"| {text} | | ≥ 85 % | ≤ 3 % | | | | | |")
-            continue
         tally = Counter(r["outcome"] for r in rows if chosen(r) and (r["times"] == 2 or not r["truth"]))
         if total := sum(tally.values()):
             lines.append(f"| {text} | {total} | " + " | ".join(share(tally[o], total) for o in named) + " |")

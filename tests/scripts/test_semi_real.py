@@ -18,7 +18,7 @@ import conceal_inputs as physics  # noqa: E402
 from falsify import VehicleFolder  # noqa: E402
 from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
 from flight_files import Log, read_vehicle  # noqa: E402
-from semi_real import Case, change_inputs, change_recording, combined, falsify_file, hover_difference, in_range, judge, seen_away, summary  # noqa: E402
+from semi_real import Case, change_inputs, change_recording, combined, falsify_file, hover_difference, in_range, judge, seen_away, sizes_before, summary  # noqa: E402
 
 FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
 VEHICLE = read_vehicle(FILE)
@@ -311,6 +311,18 @@ def test_nothing_concealed_wants_nothing_and_a_wrong_file_is_no_change():
     both = Case("file_mass", "s", "file", "reference", "mass", {"delta": 0.1})
     assert both.truth is None and deepcopy(both).effect == "mass"
     assert combined("rotor_loss", "loss", 0.1, 0.2) == pytest.approx(0.28)
+
+
+def test_where_an_equal_is_named_the_untouched_flights_equation_error_says_the_size():
+    motion, thrust = flight(3000)
+    motion.time_s = 0.01 * np.arange(3000)
+    motion.specific_B[:, 2] = 0.8 * thrust.sum(axis=1) / VEHICLE.mass
+    recordings = SimpleNamespace(set=SimpleNamespace(new=("a",)), log=lambda entry: entry, motion=lambda entry: (motion, thrust), vehicle=VEHICLE, vehicle_file=FILE)
+    case = Case("file_thrust_scale", "s", "file", "file", "thrust_scale", {"delta": -0.1})
+    named = lambda effect, **parameters: {"effects": [{"effect": effect, "class": [effect, "thrust_scale"],
+                                                       "parameters": {name: {"value": value} for name, value in parameters.items()}}]}
+    assert sizes_before(named("battery_sag", exponent=2.5), case, recordings)["delta"] == pytest.approx(-0.2, abs=0.01)
+    assert sizes_before(named("thrust_scale", delta=-0.3), case, recordings) == {"delta": -0.3}
 
 
 def test_hovering_flights_differ_by_the_shares_of_their_rotors():
