@@ -37,9 +37,12 @@ if command -v dpkg-query > /dev/null; then
       as_root=(sudo)
     fi
     echo "setup: installing ${missing[*]}" >&2
+    # a container is made anew when the power fails while packages are unpacked; writing each file through takes most of the time
+    quickly=()
+    [[ -d /run/systemd/system ]] || quickly=(-o Dpkg::Options::=--force-unsafe-io)
     "${as_root[@]}" apt-get -qq update
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-      apt-get -qq -y --no-install-recommends install "${missing[@]}" > /dev/null
+      apt-get -qq -y "${quickly[@]}" --no-install-recommends install "${missing[@]}" > /dev/null
   fi
 else
   echo "setup: not a Debian system; these must be there by other means: ${packages[*]}" >&2
@@ -64,7 +67,8 @@ for list in "${requirements[@]}"; do
   installed="$venv/installed-$(basename "$list")"
   if ! cmp -s "$list" "$installed"; then
     echo "setup: installing $list" >&2
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$list"
+    # modules are compiled when they are first imported: most never are
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile --requirement "$list"
     cp "$list" "$installed"
   fi
 done

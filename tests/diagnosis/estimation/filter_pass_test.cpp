@@ -44,29 +44,27 @@ Matrix3 skew(const Vector3& v) {
 }
 
 // what every row would measure of the state
-template <int size>
-Eigen::Matrix<double, row_count, size> all_rows(const LinearFlight& flight, std::size_t k) {
-  Eigen::Matrix<double, row_count, size> H = Eigen::Matrix<double, row_count, size>::Zero();
-  H.template block<3, 3>(0, 0).setIdentity();
-  H.template block<3, 3>(0, 6) = flight.R_WB[k] * skew(flight.center_of_mass_B_m);
-  H.template block<6, 6>(3, 6).setIdentity();
-  H.template block<3, 9>(9, 3) = flight.force_rows[k];
-  H.template block<3, 3>(9, 12) = flight.R_WB[k].transpose();
-  if constexpr (size > state_size) H.template rightCols<row_count>().setIdentity();
+Eigen::MatrixXd all_rows(int size, const LinearFlight& flight, std::size_t k) {
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(row_count, size);
+  H.block(0, 0, 3, 3).setIdentity();
+  H.block(0, 6, 3, 3) = flight.R_WB[k] * skew(flight.center_of_mass_B_m);
+  H.block(3, 6, 6, 6).setIdentity();
+  H.block(9, 3, 3, 9) = flight.force_rows[k];
+  H.block(9, 12, 3, 3) = flight.R_WB[k].transpose();
+  if (size > state_size) H.rightCols(row_count).setIdentity();
   return H;
 }
 
-// one Gaussian, and a column of a regression that the pass carries beside it
-template <int size>
+// One Gaussian, and a column of a regression that the pass carries beside it. Matrices of any size: to make templates of a size takes long.
 struct Dense {
-  Eigen::Matrix<double, size, size> P;
-  Eigen::Matrix<double, size, 1> mean = Eigen::Matrix<double, size, 1>::Zero(), column = mean;
+  Eigen::MatrixXd P;
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(P.rows()), column = mean;
 };
 
 constexpr double column_at_row = 0.01, column_of_motion = 1e-3;
 
 template <int size>
-void expect_same(FilterPass<size>& pass, const Dense<size>& dense, const char* when) {
+void expect_same(FilterPass<size>& pass, const Dense& dense, const char* when) {
   EXPECT_LT((pass.state().leftCols(size) - dense.P).cwiseAbs().maxCoeff(), 1e-11) << when;
   EXPECT_LT((pass.state().col(size) + dense.mean).cwiseAbs().maxCoeff(), 1e-11) << when;
   EXPECT_LT((pass.state().col(size + 1) + dense.column).cwiseAbs().maxCoeff(), 1e-11) << when;
@@ -74,7 +72,7 @@ void expect_same(FilterPass<size>& pass, const Dense<size>& dense, const char* w
 
 // the sample is one vector; whitening row by row is the inverse of its Cholesky factor
 template <int size>
-void measure_both(FilterPass<size>& pass, Dense<size>& dense, const LinearFlight& flight, const NoiseModel& noise,
+void measure_both(FilterPass<size>& pass, Dense& dense, const LinearFlight& flight, const NoiseModel& noise,
                   std::size_t k) {
   pass.measure(k, [&](int row, double* e) { e[FilterPass<size>::first_column] += column_at_row * (row + 1); });
   Eigen::MatrixXd H;
@@ -83,7 +81,7 @@ void measure_both(FilterPass<size>& pass, Dense<size>& dense, const LinearFlight
     if (!flight.measured[k][r]) continue;
     const Eigen::Index n = H.rows() + 1;
     H.conservativeResize(n, size), y.conservativeResize(n), D.conservativeResize(n), R.conservativeResize(n);
-    H.bottomRows<1>() = all_rows<size>(flight, k).row(r);
+    H.bottomRows<1>() = all_rows(size, flight, k).row(r);
     y[n - 1] = flight.y[k][r], D[n - 1] = column_at_row * (r + 1);
     R[n - 1] = noise.measurement[static_cast<std::size_t>(r / 3)];
     EXPECT_EQ(pass.row(n - 1), r);
@@ -103,12 +101,11 @@ void measure_both(FilterPass<size>& pass, Dense<size>& dense, const LinearFlight
 }
 
 template <int size>
-void advance_both(FilterPass<size>& pass, Dense<size>& dense, const LinearFlight& flight, const NoiseModel& noise,
+void advance_both(FilterPass<size>& pass, Dense& dense, const LinearFlight& flight, const NoiseModel& noise,
                   std::size_t k) {
-  using State = Eigen::Matrix<double, size, size>;
   const double dt = flight.interval_s[k];
-  State A = State::Zero(), Q = 1e-14 * State::Identity();
-  A.template topLeftCorner<12, 12>() = flight.F[k];
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size), Q = 1e-14 * Eigen::MatrixXd::Identity(size, size);
+  A.topLeftCorner(12, 12) = flight.F[k];
   const auto remembers = [&](int at, double variance, double time_s) {
     A(at, at) = std::exp(-dt / time_s);
     Q(at, at) += variance * (1.0 - A(at, at) * A(at, at));
@@ -124,15 +121,15 @@ void advance_both(FilterPass<size>& pass, Dense<size>& dense, const LinearFlight
     const auto g = static_cast<std::size_t>((j - state_size) / 3);
     remembers(j, noise.lasting_variance[g], noise.lasting_time_s[g]);
   }
-  if (!flight.torque_known) Q.template block<3, 3>(9, 9) += 1e4 * dt * Matrix3::Identity();
+  if (!flight.torque_known) Q.diagonal().segment(9, 3).array() += 1e4 * dt;
   pass.advance(k);
   // what a push changes is the caller's to add
   for (int i = 0; i < 12; ++i) pass.state()(i, size + 1) -= column_of_motion * (i + 1);
   dense.P = (A * dense.P * A.transpose() + Q).eval();
   dense.mean = (A * dense.mean).eval();
-  dense.mean.template head<12>() += flight.b[k];
+  dense.mean.head(12) += flight.b[k];
   dense.column = (A * dense.column).eval();
-  dense.column.template head<12>() += column_of_motion * Vector12::LinSpaced(1.0, 12.0);
+  dense.column.head(12) += column_of_motion * Vector12::LinSpaced(1.0, 12.0);
 }
 
 template <int size>
@@ -140,8 +137,7 @@ void expect_a_kalman_filter(const LinearFlight& flight) {
   const NoiseModel noise = some_noise();
   FilterPass<size> pass(flight, noise, 1);
   pass.start(0);
-  Dense<size> dense;
-  dense.P = pass.state().leftCols(size);
+  Dense dense{pass.state().leftCols(size)};
   expect_same(pass, dense, "start");
   for (std::size_t k = 0; k < 3; ++k) {
     measure_both(pass, dense, flight, noise, k);

@@ -45,17 +45,15 @@ struct Joint {
 };
 
 Joint joint(const LinearFlight& flight, const NoiseModel& noise) {
-  using State = Eigen::Matrix<double, 18, 18>;
   Joint all;
-  State P = State::Zero();
+  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(18, 18);  // matrices of any size: to make templates of a size takes long
   constexpr std::array<double, 4> prior = {4e-6, 4e-3, 4e-4, 4e-2};
   for (int i = 0; i < 12; ++i) P(i, i) = prior[static_cast<std::size_t>(i / 3)];
   for (int j = 0; j < 6; ++j)
     P(12 + j, 12 + j) = noise.variance[static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)])];
-  std::vector<Eigen::Matrix<double, 1, 18>> rows;
   for (std::size_t k = 0; k < samples; ++k) {
     const auto at = 18 * static_cast<Eigen::Index>(k);
-    all.covariance.block<18, 18>(at, at) = P;
+    all.covariance.block(at, at, 18, 18) = P;
     for (int r = 0; r < row_count; ++r) {
       if (!flight.measured[k][r]) continue;
       Eigen::RowVectorXd h = Eigen::RowVectorXd::Zero(states);
@@ -72,8 +70,8 @@ Joint joint(const LinearFlight& flight, const NoiseModel& noise) {
     }
     if (k + 1 == samples) break;
     const double dt = flight.interval_s[k];
-    State A = State::Zero(), Q = 1e-14 * State::Identity();
-    A.topLeftCorner<12, 12>() = flight.F[k];
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(18, 18), Q = 1e-14 * Eigen::MatrixXd::Identity(18, 18);
+    A.topLeftCorner(12, 12) = flight.F[k];
     for (int j = 0; j < 6; ++j) {
       const auto g = static_cast<std::size_t>(disturbance_group[static_cast<std::size_t>(j)]);
       const int moved = j < 3 ? j : 3 + j;
@@ -82,8 +80,8 @@ Joint joint(const LinearFlight& flight, const NoiseModel& noise) {
       Q(12 + j, 12 + j) += noise.variance[g] * (1.0 - A(12 + j, 12 + j) * A(12 + j, 12 + j));
       Q(moved + 3, moved + 3) += noise.white[g] * dt;
     }
-    all.mean.segment<18>(at + 18) = A * all.mean.segment<18>(at);
-    all.mean.segment<12>(at + 18) += flight.b[k];
+    all.mean.segment(at + 18, 18) = A * all.mean.segment(at, 18);
+    all.mean.segment(at + 18, 12) += flight.b[k];
     all.covariance.block(at + 18, 0, 18, at + 18) = A * all.covariance.block(at, 0, 18, at + 18);
     all.covariance.block(0, at + 18, at + 18, 18) = all.covariance.block(at + 18, 0, 18, at + 18).transpose();
     P = A * P * A.transpose() + Q;
