@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/propagation.hpp"
@@ -83,9 +84,16 @@ struct Reading {
   }
 };
 
-// measured ⊟ predicted at every horizon of every window
+// What is predicted over one sample interval of a window, at its middle: forces see the recorded attitude, torques the recorded velocity.
+struct Stride {
+  std::size_t sample;
+  double interval_s;
+  Point moves, turns;
+};
+
+// measured ⊟ predicted at every horizon of every window; `strides`: the intervals that led there, of all windows in turn
 Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, const RotorHistory& rotors,
-                          const std::vector<Window>& windows) {
+                          const std::vector<Window>& windows, std::vector<Stride>* strides = nullptr) {
   const FlightData& flight = reading.flight;
   Eigen::MatrixXd out(window_rows, static_cast<Eigen::Index>(windows.size()));
   const auto count = static_cast<std::size_t>(rotors.substeps);
@@ -99,15 +107,15 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
     for (std::size_t h = 0; h < windows[w].at.size(); ++h) {
       for (; k < windows[w].at[h]; ++k) {
         const Sample& sample = flight.samples[k];
+        const double interval_s = flight.samples[k + 1].time_s - sample.time_s;
         const auto run = [&](const Point& from) {
-          return propagate(evaluate, from, sample.time_s - flight.start_s, flight.samples[k + 1].time_s - sample.time_s,
-                           sample.voltage_V, rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
+          return propagate(evaluate, from, sample.time_s - flight.start_s, interval_s, sample.voltage_V,
+                           rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
         };
-        const Point recorded = center_of_mass(flight.motion[k + 1], arm);
-        moves = run(moves);
-        turns = run(turns);
-        moves.attitude = recorded.attitude, moves.rate = recorded.rate;
-        turns.position = recorded.position, turns.velocity = recorded.velocity;
+        const Point recorded = center_of_mass(flight.motion[k + 1], arm), moved = run(moves), turned = run(turns);
+        if (strides) strides->push_back({k, interval_s, halfway(moves, moved), halfway(turns, turned)});
+        moves = {moved.position, moved.velocity, recorded.attitude, recorded.rate};
+        turns = {recorded.position, recorded.velocity, turned.attitude, turned.rate};
       }
       const Vector12 missed = center_of_mass(flight.motion[k], arm)
                                   .minus(Point{moves.position, moves.velocity, turns.attitude, turns.rate});
@@ -121,6 +129,116 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
   return out;
 }
 
+// accelerations of a model along the strides: of the centre of mass where it moves, of the body where it turns
+std::vector<Acceleration> accelerations(const std::vector<Stride>& strides, const FlightData& flight,
+                                        const ForceModel& forces, const RotorHistory& rotors) {
+  std::vector<Acceleration> result;
+  result.reserve(strides.size());
+  const auto count = static_cast<std::size_t>(rotors.substeps);
+  Evaluator evaluate{forces, {}, {}};
+  for (const Stride& stride : strides) {
+    const double time_s = flight.samples[stride.sample].time_s - flight.start_s + 0.5 * stride.interval_s;
+    const double voltage_V = flight.samples[stride.sample].voltage_V;
+    const RotorArray speed = mean_of(&rotors.mean[stride.sample * count], rotors.substeps);
+    const RotorArray rise = mean_of(&rotors.acceleration[stride.sample * count], rotors.substeps);
+    result.push_back({evaluate(stride.moves, time_s, voltage_V, speed, rise).linear_W_mps2,
+                      flight.collective_only
+                          ? Vector3::Zero()
+                          : evaluate(stride.turns, time_s, voltage_V, speed, rise).angular_B_radps2});
+  }
+  return result;
+}
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix3x6 = Eigen::Matrix<double, 3, 6>;
+
+// How accelerations along a stride depend on where it is: the linear one on position and velocity, the angular one on attitude and rate.
+struct Slopes {
+  Matrix3x6 moves = Matrix3x6::Zero(), turns = Matrix3x6::Zero();
+};
+
+std::vector<Slopes> slopes_along(const std::vector<Stride>& strides, const FlightData& flight, const ForceModel& forces,
+                                 const RotorHistory& rotors, const std::vector<Acceleration>& base) {
+  std::vector<Slopes> slopes(strides.size());
+  constexpr double step = 1e-4;
+  for (int i = 0; i < 6; ++i) {
+    std::vector<Stride> beside = strides;
+    for (Stride& stride : beside)
+      stride.moves = stride.moves.plus(i, step), stride.turns = stride.turns.plus(i + 6, step);
+    const auto moved = accelerations(beside, flight, forces, rotors);
+    for (std::size_t j = 0; j < slopes.size(); ++j) {
+      slopes[j].moves.col(i) = (moved[j].linear_W_mps2 - base[j].linear_W_mps2) / step;
+      slopes[j].turns.col(i) = (moved[j].angular_B_radps2 - base[j].angular_B_radps2) / step;
+    }
+  }
+  return slopes;
+}
+
+// How much the predictions of every window change by small accelerations along its strides: rows as in `residuals`, to first order (the
+// variational equation of both motions, midpoint rule).
+class Variation {
+ public:
+  Variation(const FlightData& flight, const ForceModel& forces, const RotorHistory& rotors,
+            const std::vector<Window>& windows, const std::vector<Stride>& strides)
+      : flight_(flight),
+        windows_(windows),
+        strides_(strides),
+        base_(accelerations(strides, flight, forces, rotors)),
+        slopes_(slopes_along(strides, flight, forces, rotors, base_)) {}
+
+  // of accelerations that another model has instead, per `step`
+  Eigen::MatrixXd by(const ForceModel& forces, const RotorHistory& rotors, double step) const {
+    std::vector<Acceleration> change = accelerations(strides_, flight_, forces, rotors);
+    for (std::size_t j = 0; j < change.size(); ++j) {
+      change[j].linear_W_mps2 = (change[j].linear_W_mps2 - base_[j].linear_W_mps2) / step;
+      change[j].angular_B_radps2 = (change[j].angular_B_radps2 - base_[j].angular_B_radps2) / step;
+    }
+    return by(change);
+  }
+
+  Eigen::MatrixXd by(const std::vector<Acceleration>& change) const {
+    Eigen::MatrixXd out(window_rows, static_cast<Eigen::Index>(windows_.size()));
+    std::size_t j = 0;
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+      Vector6 moves = Vector6::Zero(), turns = Vector6::Zero();
+      std::size_t k = windows_[w].start;
+      for (std::size_t h = 0; h < windows_[w].at.size(); ++h) {
+        for (; k < windows_[w].at[h]; ++k, ++j) advance(change[j], j, moves, turns);
+        const unsigned seen = flight_.samples[k].channels;
+        out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, static_cast<Eigen::Index>(w))
+            << moves.segment<3>(seen & has_velocity ? 3 : 0),
+            flight_.collective_only ? Vector3::Zero() : Vector3(turns.segment<3>(seen & has_rate ? 3 : 0));
+      }
+    }
+    return out;
+  }
+
+ private:
+  // the changes of position and velocity and those of attitude (in the axes of the body) and rate over stride j
+  void advance(const Acceleration& change, std::size_t j, Vector6& moves, Vector6& turns) const {
+    const double h = strides_[j].interval_s;
+    const Vector3& rate = strides_[j].turns.rate;
+    const auto move = [&](const Vector6& x) {
+      Vector6 d;
+      d << x.tail<3>(), slopes_[j].moves * x + change.linear_W_mps2;
+      return d;
+    };
+    const auto turn = [&](const Vector6& x) {
+      Vector6 d;
+      d << x.tail<3>() - rate.cross(x.head<3>()), slopes_[j].turns * x + change.angular_B_radps2;
+      return d;
+    };
+    moves += h * move(moves + 0.5 * h * move(moves));
+    turns += h * turn(turns + 0.5 * h * turn(turns));
+  }
+
+  const FlightData& flight_;
+  const std::vector<Window>& windows_;
+  const std::vector<Stride>& strides_;
+  const std::vector<Acceleration> base_;
+  const std::vector<Slopes> slopes_;
+};
+
 // Histories come from scans; a lever shows in an accelerometer only. A gyroscope's scale is told by the attitude (sensor_windows): predictions
 // would be best if it read nothing at all.
 bool has_no_prediction(const EffectRow& row) {
@@ -133,6 +251,7 @@ struct Shot {
   Reading reading;
   ForceModel forces;
   RotorHistory rotors;
+  std::vector<Stride> strides;
   Eigen::MatrixXd missed;  // one column per window
 
   Shot(const FlightData& flight, int index, const Catalogue& catalogue, const Eigen::VectorXd& value, double spacing_s)
@@ -140,7 +259,63 @@ struct Shot {
         reading(flight, index, catalogue, value),
         forces(force_model(reading.flight, catalogue, value, index, -1)),
         rotors(rotor_history(reading.flight, forces)),
-        missed(residuals(reading, forces, rotors, windows)) {}
+        missed(residuals(reading, forces, rotors, windows, &strides)) {}
+};
+
+// how the predictions of a shot depend on one column of the catalogue
+class Differentiator {
+ public:
+  Differentiator(const Shot& shot, const FlightData& recorded, int index, const Catalogue& catalogue,
+                 const Eigen::VectorXd& value)
+      : shot_(shot),
+        recorded_(recorded),
+        index_(index),
+        catalogue_(catalogue),
+        value_(value),
+        variation_(shot.reading.flight, shot.forces, shot.rotors, shot.windows, shot.strides) {}
+
+  // rows × windows, per natural size; none: predictions do not depend on it
+  std::optional<Eigen::MatrixXd> operator()(int c) const {
+    const Column& column = catalogue_.column(c);
+    const double step = 1e-3 * column.natural;
+    Eigen::VectorXd to = value_;
+    to[c] += step;
+    if (column.group < 0) return of_nuisance(column, to, step);
+    const EffectRow& row = *catalogue_.group(column.group).row;
+    if (has_no_prediction(row)) return std::nullopt;
+    // what moves the record itself is predicted anew
+    if (row.place == Place::measurement) return anew(read_at(to), shot_.forces, column, step);
+    const FlightData& flight = shot_.reading.flight;
+    const ForceModel model = force_model(flight, catalogue_, to, index_, column.group);
+    if (model.vehicle().center_of_mass_B_m != shot_.forces.vehicle().center_of_mass_B_m)
+      return anew(shot_.reading, model, column, step);
+    const RotorHistory moved = row.place == Place::actuation ? rotor_history(flight, model) : RotorHistory{};
+    return column.natural * variation_.by(model, row.place == Place::actuation ? moved : shot_.rotors, step);
+  }
+
+ private:
+  std::optional<Eigen::MatrixXd> of_nuisance(const Column& column, const Eigen::VectorXd& to, double step) const {
+    if (column.parameter >= command_clock)
+      return column.natural * variation_.by(shot_.forces, rotor_history(read_at(to).flight, shot_.forces), step);
+    if (column.parameter >= torque_trim)
+      return variation_.by(std::vector<Acceleration>(
+          shot_.strides.size(), {Vector3::Zero(), column.natural * Vector3::Unit(column.parameter - torque_trim)}));
+    if (column.parameter >= force_bias) return std::nullopt;
+    return anew(read_at(to), shot_.forces, column, step);
+  }
+
+  Reading read_at(const Eigen::VectorXd& to) const { return {shot_.reading, recorded_, index_, catalogue_, to}; }
+
+  Eigen::MatrixXd anew(const Reading& reading, const ForceModel& forces, const Column& column, double step) const {
+    return (shot_.missed - residuals(reading, forces, shot_.rotors, shot_.windows)) * (column.natural / step);
+  }
+
+  const Shot& shot_;
+  const FlightData& recorded_;
+  const int index_;
+  const Catalogue& catalogue_;
+  const Eigen::VectorXd& value_;
+  const Variation variation_;
 };
 
 }  // namespace
@@ -155,46 +330,25 @@ void shoot_again(const FlightData& flight, int flight_index, const Catalogue& ca
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                  const std::vector<int>& wanted, double spacing_s) {
   ShotFlight shot;
-  const auto [windows, base, forces, rotors, r0] = Shot(flight, flight_index, catalogue, value, spacing_s);
+  const Shot base(flight, flight_index, catalogue, value, spacing_s);
   for (const int c : wanted) {
     const Column& column = catalogue.column(c);
     if (column.flight < 0 || column.flight == flight_index) shot.columns.push_back(c);
   }
   const auto width = static_cast<Eigen::Index>(shot.columns.size()) + 1;
-  shot.window.assign(windows.size(), Eigen::MatrixXd::Zero(window_rows, width));
-  for (std::size_t w = 0; w < windows.size(); ++w) {
-    shot.time_s.push_back(flight.samples[windows[w].start].time_s);
-    shot.sample.push_back({windows[w].start});
-    std::copy(windows[w].at.begin(), windows[w].at.end(), shot.sample.back().begin() + 1);
-    shot.window[w].col(width - 1) = r0.col(static_cast<Eigen::Index>(w));
+  shot.window.assign(base.windows.size(), Eigen::MatrixXd::Zero(window_rows, width));
+  for (std::size_t w = 0; w < base.windows.size(); ++w) {
+    const Window& window = base.windows[w];
+    shot.time_s.push_back(flight.samples[window.start].time_s);
+    shot.sample.push_back({window.start});
+    std::copy(window.at.begin(), window.at.end(), shot.sample.back().begin() + 1);
+    shot.window[w].col(width - 1) = base.missed.col(static_cast<Eigen::Index>(w));
   }
-  for (Eigen::Index j = 0; j + 1 < width; ++j) {
-    const int c = shot.columns[static_cast<std::size_t>(j)];
-    const Column& column = catalogue.column(c);
-    Eigen::VectorXd to = value;
-    const double step = 1e-3 * column.natural;
-    to[c] += step;
-    Eigen::MatrixXd moved;
-    if (column.group < 0) {
-      if (column.parameter >= force_bias && column.parameter < torque_trim) continue;
-      const Reading reading(base, flight, flight_index, catalogue, to);
-      moved = residuals(reading, forces,
-                        column.parameter >= command_clock ? rotor_history(reading.flight, forces) : rotors, windows);
-    } else {
-      const EffectRow& row = *catalogue.group(column.group).row;
-      if (has_no_prediction(row)) continue;
-      if (row.place == Place::measurement) {
-        moved = residuals(Reading(base, flight, flight_index, catalogue, to), forces, rotors, windows);
-      } else {
-        const ForceModel model = force_model(base.flight, catalogue, to, flight_index, column.group);
-        moved =
-            residuals(base, model, row.place == Place::actuation ? rotor_history(base.flight, model) : rotors, windows);
-      }
-    }
-    for (std::size_t w = 0; w < windows.size(); ++w)
-      shot.window[w].col(j) =
-          (r0.col(static_cast<Eigen::Index>(w)) - moved.col(static_cast<Eigen::Index>(w))) * (column.natural / step);
-  }
+  const Differentiator differentiate(base, flight, flight_index, catalogue, value);
+  for (Eigen::Index j = 0; j + 1 < width; ++j)
+    if (const auto column = differentiate(shot.columns[static_cast<std::size_t>(j)]))
+      for (std::size_t w = 0; w < shot.window.size(); ++w)
+        shot.window[w].col(j) = column->col(static_cast<Eigen::Index>(w));
   return shot;
 }
 

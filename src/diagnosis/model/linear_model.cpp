@@ -298,15 +298,9 @@ class Lineariser {
 
   // where the vehicle is halfway to the next sample
   std::vector<Point> middles() const {
-    const std::size_t n = x_.size();
     std::vector<Point> middle = x_;
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t k1 = k + 1 < n && !flight_.samples[k + 1].starts_segment ? k + 1 : k;
-      middle[k].position = 0.5 * (x_[k].position + x_[k1].position);
-      middle[k].velocity = 0.5 * (x_[k].velocity + x_[k1].velocity);
-      middle[k].attitude = x_[k].attitude.slerp(0.5, x_[k1].attitude);
-      middle[k].rate = 0.5 * (x_[k].rate + x_[k1].rate);
-    }
+    for (std::size_t k = 0; k + 1 < x_.size(); ++k)
+      if (!flight_.samples[k + 1].starts_segment) middle[k] = halfway(x_[k], x_[k + 1]);
     return middle;
   }
 

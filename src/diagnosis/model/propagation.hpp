@@ -41,6 +41,11 @@ struct Point {
   }
 };
 
+inline Point halfway(const Point& a, const Point& b) {
+  return {0.5 * (a.position + b.position), 0.5 * (a.velocity + b.velocity), a.attitude.slerp(0.5, b.attitude),
+          0.5 * (a.rate + b.rate)};
+}
+
 inline Point center_of_mass(const Motion& motion, const Vector3& arm) {
   const Matrix3 R = motion.attitude_WB.toRotationMatrix();
   return {motion.position_W_m + R * arm, motion.velocity_W_mps + R * motion.body_rate_B_radps.cross(arm),

@@ -39,29 +39,43 @@ class Columns {
   std::vector<const std::vector<double>*> columns_;
 };
 
-// local polynomial of given degree through (t − t0, value) of a window, weighted least squares; returns its coefficients
-template <int Degree, class Value>
-std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> local_polynomial(const std::vector<double>& time_s,
-                                                                     const Value& value, std::size_t first,
-                                                                     std::size_t last, double at_s, double scale_s) {
-  Eigen::Matrix<double, Degree + 1, Degree + 1> gram = decltype(gram)::Zero();
-  Eigen::Matrix<double, Degree + 1, 4> right = decltype(right)::Zero();
-  for (std::size_t k = first; k < last; ++k) {
-    Eigen::Matrix<double, Degree + 1, 1> powers;
-    powers[0] = 1.0;
-    const double s = (time_s[k] - at_s) / scale_s, weight = tricube(s);
-    for (int d = 1; d <= Degree; ++d) powers[d] = powers[d - 1] * s;
-    gram += weight * powers * powers.transpose();
-    right += weight * powers * value(k).transpose();
+// Weighted least squares of a polynomial through a window of samples, as weights on them: coefficient d (of the power d of the time in windows)
+// is the sum of by(d, k) value[k]. Windows in which samples lie alike (nearly all, where they are evenly spaced) share them.
+template <int Degree>
+class LocalWeights {
+ public:
+  using Powers = Eigen::Matrix<double, Degree + 1, 1>;
+
+  // `time`: of the samples from the middle, in half windows
+  const std::vector<Powers>& of(const std::vector<double>& time) {
+    if (!alike(time)) fit(time);
+    return by_;
   }
-  gram.diagonal().array() += 1e-12 * static_cast<double>(last - first);
-  const Eigen::Matrix<double, Degree + 1, 4> solution = gram.ldlt().solve(right);
-  std::array<Eigen::Matrix<double, 4, 1>, Degree + 1> coefficients;
-  double unit = 1.0;
-  for (int d = 0; d <= Degree; ++d, unit *= scale_s)
-    coefficients[static_cast<std::size_t>(d)] = solution.row(d).transpose() / unit;
-  return coefficients;
-}
+
+ private:
+  bool alike(const std::vector<double>& time) const {
+    constexpr double rounding = 1e-11;
+    return std::ranges::equal(time, time_, [](double a, double b) { return std::abs(a - b) < rounding; });
+  }
+
+  void fit(const std::vector<double>& time) {
+    time_ = time;
+    by_.resize(time.size());
+    Eigen::Matrix<double, Degree + 1, Degree + 1> gram = decltype(gram)::Zero();
+    for (std::size_t k = 0; k < time.size(); ++k) {
+      Powers powers = Powers::Ones();
+      for (int d = 1; d <= Degree; ++d) powers[d] = powers[d - 1] * time[k];
+      by_[k] = tricube(time[k]) * powers;
+      gram += by_[k] * powers.transpose();
+    }
+    gram.diagonal().array() += 1e-12 * static_cast<double>(time.size());
+    const auto factor = gram.ldlt();
+    for (Powers& weight : by_) weight = factor.solve(weight).eval();
+  }
+
+  std::vector<double> time_;
+  std::vector<Powers> by_;
+};
 
 // samples of one channel in one segment, and the local fits along them
 struct Stream {
@@ -74,13 +88,22 @@ struct Stream {
     for (std::size_t k = 1; k < time_s.size(); ++k) steps.push_back(time_s[k] - time_s[k - 1]);
     step_s = median(std::move(steps));
   }
+  bool can_fit(std::size_t least) const { return time_s.size() >= least; }
+};
 
-  // Of a polynomial whose window is half_s to either side, or wider where that holds too few samples. A sample's weight fades
-  // towards the ends: one that enters or leaves moves nothing.
-  template <int Degree>
-  std::array<Eigen::Vector4d, Degree + 1> fit(double at_s, double half_s) const {
+// Local polynomials along a stream: the window is half_s to either side, or wider where that holds too few samples. A sample's weight fades
+// towards the ends: one that enters or leaves moves nothing.
+template <int Degree>
+class LocalFit {
+ public:
+  LocalFit(const Stream& stream, double half_s)
+      : stream_(stream), half_s_(std::max(half_s, (0.5 * Degree + 2.1) * stream.step_s)) {}
+
+  // coefficients at a time, of the powers of the time from there
+  std::array<Eigen::Vector4d, Degree + 1> at(double at_s) {
     constexpr auto least = static_cast<std::size_t>(Degree + 2);
-    half_s = std::max(half_s, (0.5 * Degree + 2.1) * step_s);
+    const std::vector<double>& time_s = stream_.time_s;
+    double half_s = half_s_;
     const auto bound = [&](double t) {
       return static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), t) - time_s.begin());
     };
@@ -89,10 +112,22 @@ struct Stream {
       const bool left = first > 0 && (last == time_s.size() || at_s - time_s[first - 1] < time_s[last] - at_s);
       half_s = 1.2 * std::abs(at_s - time_s[left ? --first : last++]);
     }
-    return local_polynomial<Degree>(
-        time_s, [this](std::size_t k) -> const Eigen::Vector4d& { return value[k]; }, first, last, at_s, half_s);
+    time_.clear();
+    for (std::size_t k = first; k < last; ++k) time_.push_back((time_s[k] - at_s) / half_s);
+    const auto& weight = weights_.of(time_);
+    Eigen::Matrix<double, 4, Degree + 1> sum = decltype(sum)::Zero();
+    for (std::size_t k = first; k < last; ++k) sum += stream_.value[k] * weight[k - first].transpose();
+    std::array<Eigen::Vector4d, Degree + 1> coefficients;
+    double unit = 1.0;
+    for (int d = 0; d <= Degree; ++d, unit *= half_s) coefficients[static_cast<std::size_t>(d)] = sum.col(d) / unit;
+    return coefficients;
   }
-  bool can_fit(std::size_t least) const { return time_s.size() >= least; }
+
+ private:
+  const Stream& stream_;
+  const double half_s_;
+  std::vector<double> time_;
+  LocalWeights<Degree> weights_;
 };
 
 // no quaternion has the other sign than the one before it
@@ -589,38 +624,54 @@ struct HalfWindows {
   double pose_s, rate_s, acceleration_s;
 };
 
-// what a segment's poses say of one moment; nothing where none does
-void see_path(double t, const Streams& seen, const HalfWindows& half, Motion& motion) {
-  if (seen.position.can_fit(5)) {
-    const auto c = seen.position.fit<3>(t, half.pose_s);
-    motion.position_W_m = c[0].head<3>();
-    motion.velocity_W_mps = c[1].head<3>();
-    motion.acceleration_W_mps2 = 2.0 * seen.position.fit<3>(t, half.acceleration_s)[2].head<3>();
-  }
-  if (seen.velocity.can_fit(5)) {
-    const auto c = seen.velocity.fit<3>(t, half.pose_s);
-    motion.velocity_W_mps = c[0].head<3>();
-    motion.acceleration_W_mps2 = c[1].head<3>();
-  }
-}
+// the local fits of one segment, and what they say of one moment; nothing where they cannot
+class LocalFits {
+ public:
+  LocalFits(const Streams& seen, const HalfWindows& half)
+      : seen_(seen),
+        position_(seen.position, half.pose_s),
+        curvature_(seen.position, half.acceleration_s),
+        velocity_(seen.velocity, half.pose_s),
+        attitude_(seen.attitude, half.pose_s),
+        rate_(seen.rate, half.rate_s) {}
 
-void see_attitude(double t, const Streams& seen, const HalfWindows& half, Motion& motion) {
-  if (!seen.attitude.can_fit(5)) return;
-  const auto c = seen.attitude.fit<3>(t, half.pose_s);
-  motion.attitude_WB.coeffs() = c[0].normalized();
-  motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
-}
+  void see_path(double t, Motion& motion) {
+    if (seen_.position.can_fit(5)) {
+      const auto c = position_.at(t);
+      motion.position_W_m = c[0].head<3>();
+      motion.velocity_W_mps = c[1].head<3>();
+      motion.acceleration_W_mps2 = 2.0 * curvature_.at(t)[2].head<3>();
+    }
+    if (seen_.velocity.can_fit(5)) {
+      const auto c = velocity_.at(t);
+      motion.velocity_W_mps = c[0].head<3>();
+      motion.acceleration_W_mps2 = c[1].head<3>();
+    }
+  }
 
-GyroFit gyro_at(double t, const Streams& seen, const HalfWindows& half) {
-  GyroFit gyro;
-  gyro.attitude_known = seen.attitude.can_fit(5);
-  gyro.known = seen.rate.can_fit(5);
-  if (!gyro.known) return gyro;
-  const auto c = seen.rate.fit<2>(t, half.rate_s);
-  gyro.rate_B_radps = c[0].head<3>();
-  gyro.acceleration_B_radps2 = c[1].head<3>();
-  return gyro;
-}
+  void see_attitude(double t, Motion& motion) {
+    if (!seen_.attitude.can_fit(5)) return;
+    const auto c = attitude_.at(t);
+    motion.attitude_WB.coeffs() = c[0].normalized();
+    motion.body_rate_B_radps = rate_of(motion.attitude_WB, c[1] / c[0].norm());
+  }
+
+  GyroFit gyro_at(double t) {
+    GyroFit gyro;
+    gyro.attitude_known = seen_.attitude.can_fit(5);
+    gyro.known = seen_.rate.can_fit(5);
+    if (!gyro.known) return gyro;
+    const auto c = rate_.at(t);
+    gyro.rate_B_radps = c[0].head<3>();
+    gyro.acceleration_B_radps2 = c[1].head<3>();
+    return gyro;
+  }
+
+ private:
+  const Streams& seen_;
+  LocalFit<3> position_, curvature_, velocity_, attitude_;
+  LocalFit<2> rate_;
+};
 
 // the first sample of the next segment
 std::size_t end_of_segment(const std::vector<Sample>& samples, std::size_t begin) {
@@ -641,11 +692,12 @@ void fit_streams(FlightData& flight, const SensorCorrection& correction, bool at
   for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
     end = end_of_segment(samples, begin);
     const Streams seen(&samples[begin], samples.data() + end, correction);
+    LocalFits fits(seen, half);
     for (std::size_t k = begin; k < end; ++k) {
-      see_attitude(samples[k].time_s, seen, half, flight.motion[k]);
+      fits.see_attitude(samples[k].time_s, flight.motion[k]);
       if (attitude_only) continue;
-      see_path(samples[k].time_s, seen, half, flight.motion[k]);
-      flight.gyro[k] = gyro_at(samples[k].time_s, seen, half);
+      fits.see_path(samples[k].time_s, flight.motion[k]);
+      flight.gyro[k] = fits.gyro_at(samples[k].time_s);
     }
   }
 }

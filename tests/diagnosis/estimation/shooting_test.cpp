@@ -105,6 +105,54 @@ TEST(Shooting, MissesAtAnotherValueWhatANewShotWouldMiss) {
   }
 }
 
+// the variational equation against shots at both sides of the nominal vehicle, of every column and sensor
+TEST(Shooting, ColumnsAreWhatAShotAtAnotherValueMisses) {
+  const Need seen = Need::attitude | Need::motion | Need::torque | Need::gyro;
+  const Catalogue all(vehicle(), 1, {.observable = seen, .trims = true, .smoothing = true});
+  const double hover_radps = vehicle().hover_speed_radps();
+  const Quaternion bank(Eigen::AngleAxisd(0.3, Vector3::UnitX()));
+  const FlightData turning = test::flight_of(
+      vehicle(), 4.0, sample_s,
+      [&](double t) {
+        const Vector3 rate_B(0.0, 0.4 * std::sin(0.3), 0.4 * std::cos(0.3));  // 0.4 rad/s about the vertical
+        Motion motion;
+        motion.attitude_WB = Eigen::AngleAxisd(0.4 * t, Vector3::UnitZ()) * bank;
+        motion.velocity_W_mps = Vector3(4.0 * std::cos(0.4 * t), 4.0 * std::sin(0.4 * t), 0.5);
+        motion.position_W_m = Vector3(10.0 * std::sin(0.4 * t), 10.0 * (1.0 - std::cos(0.4 * t)), 2.0 + 0.5 * t);
+        motion.body_rate_B_radps = rate_B;
+        return motion;
+      },
+      [&](double t) {
+        RotorArray speeds = test::all_at(1.02 * hover_radps);
+        for (std::size_t i = 0; i < 4; ++i) speeds[i] *= 1.0 + 0.02 * std::sin(4.0 * t + static_cast<double>(i));
+        return speeds;
+      });
+  std::vector<int> columns;
+  for (int c = 0; c < all.size(); ++c) columns.push_back(c);
+  const ShotFlight shot = shoot(turning, 0, all, all.nominal(), columns, 0.5);
+  int compared = 0;
+  for (std::size_t j = 0; j < shot.columns.size(); ++j) {
+    const Column& column = all.column(shot.columns[j]);
+    if (column.group == all.find("gyro_scale")) continue;
+    Eigen::VectorXd above = all.nominal(), below = above;
+    above[shot.columns[j]] += 1e-3 * column.natural;
+    below[shot.columns[j]] = std::max(column.min, below[shot.columns[j]] - 1e-3 * column.natural);
+    ShotFlight more = shot, less = shot;
+    shoot_again(turning, 0, all, above, 0.5, more);
+    shoot_again(turning, 0, all, below, 0.5, less);
+    double off = 0.0, size = 0.0;
+    for (std::size_t w = 0; w < shot.window.size(); ++w) {
+      const Eigen::VectorXd expected =
+          (less.window[w].rightCols<1>() - more.window[w].rightCols<1>()) * (column.natural / (above - below).sum());
+      off += (shot.window[w].col(static_cast<Eigen::Index>(j)) - expected).squaredNorm();
+      size += expected.squaredNorm();
+    }
+    EXPECT_LE(std::sqrt(off), 0.04 * std::sqrt(size)) << column.group << ' ' << column.parameter;
+    compared += size > 0.0;
+  }
+  EXPECT_GT(compared, 35);
+}
+
 TEST(Shooting, WindowsDoNotCrossGapsOrLimits) {
   const Catalogue all = catalogue();
   FlightData torn = climb();

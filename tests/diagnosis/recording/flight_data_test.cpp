@@ -135,6 +135,30 @@ TEST(FlightData, RateAndAttitudeStandInForEachOther) {
 }
 
 // An attitude that is turned alone is smoothed alone: with what was smoothed before it is the motion that all together give.
+// samples that lie alike share the weights of a fit, others have their own: a cubic is itself, however it was sampled
+TEST(FlightData, ACubicPathIsItsOwnLocalFitAtEvenAndUnevenTimes) {
+  FlightData flight;
+  flight.sample_s = 0.01;
+  double t = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    Sample sample;
+    sample.time_s = t;
+    sample.channels = has_position;
+    sample.starts_segment = k == 0;
+    sample.position_W_m = Vector3(t * t * t, 1.0 - 2.0 * t * t, t);
+    flight.samples.push_back(sample);
+    t += k >= 100 && k < 200 ? 0.01 + 0.004 * std::sin(0.7 * k) : k < 300 ? 0.01 : 0.02;
+  }
+  smooth_motion(flight, {});
+  for (std::size_t k = 0; k < flight.samples.size(); ++k) {
+    const double at = flight.samples[k].time_s;
+    const Motion& motion = flight.motion[k];
+    EXPECT_LT((motion.position_W_m - flight.samples[k].position_W_m).norm(), 1e-6) << k;
+    EXPECT_LT((motion.velocity_W_mps - Vector3(3.0 * at * at, -4.0 * at, 1.0)).norm(), 1e-5) << k;
+    EXPECT_LT((motion.acceleration_W_mps2 - Vector3(6.0 * at, -4.0, 0.0)).norm(), 1e-3) << k;
+  }
+}
+
 TEST(FlightData, ATurnedAttitudeIsSmoothedAloneAsWithAllElse) {
   SensorCorrection turned_late, turned_other_way;
   turned_late.attitude_offset_B_rad = Vector3(0.05, 0.0, 0.02);
