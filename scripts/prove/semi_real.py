@@ -48,7 +48,8 @@ class FlightSet:
     holdout: tuple
     latency_s: float = 0.0
     inputs: str = ""                      # "rotor": measured speeds are the inputs; "u": the commands alone
-    reported: tuple = ()                  # what these flights have by their authors: true also where the untouched parts do not show it
+    # what these flights have by their authors, or by measurements that are no diagnosis (docs/DATA.md): true also where the untouched parts do not show it
+    reported: tuple = ()
 
 
 IMRC = ("rotor_drag", "flapping_torque", "rotor_inertia", "battery_sag", "motor_lag", "actuation_delay")
@@ -62,7 +63,8 @@ SETS = {
                              (("large_ground_01", 22, 40), ("large_ground_02", 22, 40)), (("large_ground_01", 42, 60),), 0.055,
                              reported=("ground_effect", "motor_lag", "actuation_delay", "rotor_drag", "quadratic_drag")),
     "nanobench": FlightSet("nanobench/fast", (("B2_circle_fast_rep2", 0, 18), ("B3_figure8_fast_rep2", 0, 18)),
-                           (("B2_circle_fast_rep2", 20, 38), ("B3_figure8_fast_rep2", 20, 38)), (("B6_linear_ramp_rep2", 0, 20),), 0.07),
+                           (("B2_circle_fast_rep2", 20, 38), ("B3_figure8_fast_rep2", 20, 38)), (("B6_linear_ramp_rep2", 0, 20),), 0.07,
+                           reported=("rotor_drag", "motor_lag", "battery_sag")),
     "imrc_bare": FlightSet("imrc/bare", (("bare_01", 0, 9), ("bare_22", 0, 9)), (("bare_12", 0, 9), ("bare_17", 0, 9)), (("bare_26", 0, 9),), 0.0, "rotor", IMRC),
     "imrc_brushed": FlightSet("imrc/brushed", (("brushed_10", 0, 12),), (("brushed_02", 0, 9),), (("brushed_03", 0, 9),), 0.045, "u", IMRC),
     "neuralfly": FlightSet("neuralfly/tunnel", (("NF_nowind", 0, 24), ("L1_35wind", 0, 24), ("NF-C_70wind", 0, 24)),
@@ -552,7 +554,7 @@ def sizes_before(base, case, recordings):
 
 def judge(case, found, base=None, before=None, reported=()):
     """One row. Against the file: what is named beyond `base`; against reference flights: all that is named but values of every flight's
-    own (a wind) that `base` names too, which are no change of the vehicle. What the flights have by their authors (`reported`) is not wrong.
+    own (a wind) that `base` names too, which are no change of the vehicle. What the flights are known to have (`reported`) is not wrong.
     outcome: exact | size (right name, wrong size) | wrong (a name that is not true) | withheld (right, suspected) | nothing | not_told (nothing,
     and the diagnosis says that these logs do not tell it)."""
     row = {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times,
