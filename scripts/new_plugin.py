@@ -6,6 +6,7 @@ Then scripts/build.sh compiles that folder again and links.
 """
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
@@ -65,9 +66,10 @@ def main():
     maker = f"std::unique_ptr<{options.kind.capitalize()}> make_{options.name}();\n"
     makers.write_text(inserted(makers.read_text(encoding="utf-8"), "\n}  // namespace gustlab", maker), encoding="utf-8")
     # how lines break depends on the lengths of name and sentence
-    if shutil.which("clang-format"):
-        style = Path(__file__).resolve().parents[1] / ".clang-format"
-        subprocess.run(["clang-format", f"--style=file:{style}", "-i", new, registry, makers], check=True)
+    root = Path(__file__).resolve().parents[1]
+    formatter = shutil.which("clang-format", path=f"{root / '.venv' / 'bin'}{os.pathsep}{os.environ.get('PATH', '')}")
+    if formatter:
+        subprocess.run([formatter, f"--style=file:{root / '.clang-format'}", "-i", new, registry, makers], check=True)
     else:
         print("new_plugin: no clang-format here: the layout of the new lines is not as the tests want it (scripts/setup.sh installs it)", file=sys.stderr)
     print(f"{new.relative_to(options.tree)}: write your {options.kind} there; its row is the last of {registry.relative_to(options.tree)}")

@@ -11,7 +11,7 @@ packages=(
   ca-certificates git g++ cmake ninja-build pkg-config python3 python3-venv
   libeigen3-dev libtomlplusplus-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libsqlite3-dev
   libtbb-dev libceres-dev libnlopt-dev libnlopt-cxx-dev libboost-dev librandom123-dev zlib1g-dev libtinyxml2-dev
-  libgtest-dev libgmock-dev libbenchmark-dev clang-format libosmesa6
+  libgtest-dev libgmock-dev libbenchmark-dev libosmesa6
 )
 requirements=(scripts/requirements.txt)
 case "${1:-}" in

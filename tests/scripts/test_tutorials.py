@@ -107,7 +107,7 @@ class AddYourOwn(unittest.TestCase):
         written = [str(path) for path in tree.rglob("*.?pp") if not (ROOT / path.relative_to(tree)).exists()
                    or path.read_bytes() != (ROOT / path.relative_to(tree)).read_bytes()]
         self.assertEqual(len(written), 6 + 3 + 3)
-        done = subprocess.run(["clang-format", f"--style=file:{ROOT}/.clang-format", "--dry-run", "--Werror", *written], capture_output=True, text=True, check=False)
+        done = subprocess.run([ROOT / ".venv" / "bin" / "clang-format", f"--style=file:{ROOT}/.clang-format", "--dry-run", "--Werror", *written], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_wrong_names_are_refused(self):
