@@ -64,8 +64,8 @@ void parallel_for(std::int64_t count, int jobs, const std::function<void(std::in
     throw_if_interrupted();
     body(i);
   };
-  // one job needs no arena, and its order is that of the numbers
-  if (jobs == 1) {
+  // one job or one call needs no arena, and its order is that of the numbers
+  if (jobs == 1 || count == 1) {
     for (std::int64_t i = 0; i < count; ++i) careful(i);
     return;
   }

@@ -185,7 +185,7 @@ void Session::balance_torques(std::size_t f, const std::vector<int>* wanted) {
   const int index = static_cast<int>(f);
   if (wanted)
     gustlab::diagnosis::linearise(*each, index, catalogue_, value_, that_shift_torques(catalogue_, *wanted),
-                                  each_rotor_[f]);
+                                  each_rotor_[f], jobs_);
   else predict_again(*each, index, catalogue_, value_, each_rotor_[f]);
   gustlab::diagnosis::balance_torques(*each, each_rotor_[f], linear_[f]);
 }
@@ -199,17 +199,17 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
   for_each_flight([&](std::size_t f) {
     const int index = static_cast<int>(f);
     if (first) {
-      shot_nominal_[f] = shoot(shooting_flights_[f], index, catalogue_, catalogue_.nominal(), all_, spacing_s);
+      shot_nominal_[f] = shoot(shooting_flights_[f], index, catalogue_, catalogue_.nominal(), all_, spacing_s, jobs_);
       slow_torque_[f] = commanded_torque(shooting_flights_[f], shot_nominal_[f], slow_s);
       torque_[f] = commanded_torque(shooting_flights_[f], shot_nominal_[f], 0.0);
     }
     if (shoots())
       shot_[f] = first && wanted == all_ && value == catalogue_.nominal()
                      ? shot_nominal_[f]
-                     : shoot(shooting_flights_[f], index, catalogue_, value, wanted, spacing_s);
+                     : shoot(shooting_flights_[f], index, catalogue_, value, wanted, spacing_s, jobs_);
     if (shoots() && !with_filter) return;
     read_at(value, f);
-    gustlab::diagnosis::linearise(flights_[f], index, catalogue_, value, wanted, linear_[f]);
+    gustlab::diagnosis::linearise(flights_[f], index, catalogue_, value, wanted, linear_[f], jobs_);
     take_biases_out(f);
     balance_torques(f, &wanted);
   });
@@ -221,7 +221,7 @@ void Session::predict_at(const Eigen::VectorXd& value) {
   const double spacing_s = window_spacing_s();
   for_each_flight([&](std::size_t f) {
     const int index = static_cast<int>(f);
-    if (shoots()) return shoot_again(shooting_flights_[f], index, catalogue_, value, spacing_s, shot_[f]);
+    if (shoots()) return shoot_again(shooting_flights_[f], index, catalogue_, value, spacing_s, shot_[f], jobs_);
     read_at(value, f);
     predict_again(flights_[f], index, catalogue_, value, linear_[f]);
     take_biases_out(f);

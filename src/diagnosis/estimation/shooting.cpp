@@ -7,6 +7,7 @@
 
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/propagation.hpp"
+#include "util/parallel.hpp"
 #include "util/quantiles.hpp"
 
 namespace gustlab::diagnosis {
@@ -91,21 +92,24 @@ struct Stride {
   Point moves, turns;
 };
 
-// measured ⊟ predicted at every horizon of every window; `strides`: the intervals that led there, of all windows in turn
+// Measured ⊟ predicted at every horizon of every window. `strides`: the intervals that led there, of all windows in turn.
 Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, const RotorHistory& rotors,
-                          const std::vector<Window>& windows, std::vector<Stride>* strides = nullptr) {
+                          const std::vector<Window>& windows, int jobs = 1, std::vector<Stride>* strides = nullptr) {
   const FlightData& flight = reading.flight;
   Eigen::MatrixXd out(window_rows, static_cast<Eigen::Index>(windows.size()));
   const auto count = static_cast<std::size_t>(rotors.substeps);
   const Vector3 arm = forces.vehicle().center_of_mass_B_m;
-  Evaluator evaluate{forces, {}, {}, reading.trim_B_radps2};
-  for (std::size_t w = 0; w < windows.size(); ++w) {
+  const std::size_t length = windows.empty() ? 0 : windows.front().at.back() - windows.front().start;
+  if (strides) strides->resize(windows.size() * length);
+  parallel_for(std::ssize(windows), jobs, [&](std::int64_t w) {
+    const Window& window = windows[static_cast<std::size_t>(w)];
+    Evaluator evaluate{forces, {}, {}, reading.trim_B_radps2};
     // a smoothed record is nearer the truth than half a second of open loop: forces see the recorded attitude, torques
     // the recorded velocity, and neither is charged with the other's errors
-    Point moves = center_of_mass(flight.motion[windows[w].start], arm), turns = moves;
-    std::size_t k = windows[w].start;
-    for (std::size_t h = 0; h < windows[w].at.size(); ++h) {
-      for (; k < windows[w].at[h]; ++k) {
+    Point moves = center_of_mass(flight.motion[window.start], arm), turns = moves;
+    std::size_t k = window.start;
+    for (std::size_t h = 0; h < window.at.size(); ++h) {
+      for (; k < window.at[h]; ++k) {
         const Sample& sample = flight.samples[k];
         const double interval_s = flight.samples[k + 1].time_s - sample.time_s;
         const auto run = [&](const Point& from) {
@@ -113,19 +117,21 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
                            rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
         };
         const Point recorded = center_of_mass(flight.motion[k + 1], arm), moved = run(moves), turned = run(turns);
-        if (strides) strides->push_back({k, interval_s, halfway(moves, moved), halfway(turns, turned)});
+        if (strides)
+          (*strides)[static_cast<std::size_t>(w) * length + k - window.start] = {k, interval_s, halfway(moves, moved),
+                                                                                 halfway(turns, turned)};
         moves = {moved.position, moved.velocity, recorded.attitude, recorded.rate};
         turns = {recorded.position, recorded.velocity, turned.attitude, turned.rate};
       }
       const Vector12 missed = center_of_mass(flight.motion[k], arm)
                                   .minus(Point{moves.position, moves.velocity, turns.attitude, turns.rate});
       const unsigned seen = flight.samples[k].channels;
-      out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, static_cast<Eigen::Index>(w))
+      out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, w)
           << missed.segment<3>(seen & has_velocity ? 3 : 0),
           // commands that say nothing of torques predict no turn
           flight.collective_only ? Vector3::Zero() : Vector3(missed.segment<3>(seen & has_rate ? 9 : 6));
     }
-  }
+  });
   return out;
 }
 
@@ -254,12 +260,13 @@ struct Shot {
   std::vector<Stride> strides;
   Eigen::MatrixXd missed;  // one column per window
 
-  Shot(const FlightData& flight, int index, const Catalogue& catalogue, const Eigen::VectorXd& value, double spacing_s)
+  Shot(const FlightData& flight, int index, const Catalogue& catalogue, const Eigen::VectorXd& value, double spacing_s,
+       int jobs)
       : windows(windows_of(flight, spacing_s)),
         reading(flight, index, catalogue, value),
         forces(force_model(reading.flight, catalogue, value, index, -1)),
         rotors(rotor_history(reading.flight, forces)),
-        missed(residuals(reading, forces, rotors, windows, &strides)) {}
+        missed(residuals(reading, forces, rotors, windows, jobs, &strides)) {}
 };
 
 // how the predictions of a shot depend on one column of the catalogue
@@ -321,16 +328,16 @@ class Differentiator {
 }  // namespace
 
 void shoot_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                 double spacing_s, ShotFlight& shot) {
-  const Shot again(flight, flight_index, catalogue, value, spacing_s);
+                 double spacing_s, ShotFlight& shot, int jobs) {
+  const Shot again(flight, flight_index, catalogue, value, spacing_s, jobs);
   for (std::size_t w = 0; w < again.windows.size(); ++w)
     shot.window[w].rightCols<1>() = again.missed.col(static_cast<Eigen::Index>(w));
 }
 
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                 const std::vector<int>& wanted, double spacing_s) {
+                 const std::vector<int>& wanted, double spacing_s, int jobs) {
   ShotFlight shot;
-  const Shot base(flight, flight_index, catalogue, value, spacing_s);
+  const Shot base(flight, flight_index, catalogue, value, spacing_s, jobs);
   for (const int c : wanted) {
     const Column& column = catalogue.column(c);
     if (column.flight < 0 || column.flight == flight_index) shot.columns.push_back(c);
@@ -345,10 +352,11 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
     shot.window[w].col(width - 1) = base.missed.col(static_cast<Eigen::Index>(w));
   }
   const Differentiator differentiate(base, flight, flight_index, catalogue, value);
-  for (Eigen::Index j = 0; j + 1 < width; ++j)
-    if (const auto column = differentiate(shot.columns[static_cast<std::size_t>(j)]))
-      for (std::size_t w = 0; w < shot.window.size(); ++w)
-        shot.window[w].col(j) = column->col(static_cast<Eigen::Index>(w));
+  parallel_for(width - 1, jobs, [&](std::int64_t j) {
+    const auto column = differentiate(shot.columns[static_cast<std::size_t>(j)]);
+    for (std::size_t w = 0; column && w < shot.window.size(); ++w)
+      shot.window[w].col(j) = column->col(static_cast<Eigen::Index>(w));
+  });
   return shot;
 }
 

@@ -23,12 +23,12 @@ struct ShotFlight {
       sample;  // first of the window, then at each horizon
 };
 
-// Windows start from the recorded motion, one every `spacing_s`, and do not cross gaps. `wanted`: columns of the catalogue.
+// Windows start from the recorded motion, one every `spacing_s`, and do not cross gaps. `wanted`: columns of the catalogue, on so many threads.
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                 const std::vector<int>& wanted, double spacing_s);
+                 const std::vector<int>& wanted, double spacing_s, int jobs = 1);
 // The residuals of `shot` at another value; its columns and windows (of the same flight and spacing) stay.
 void shoot_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                 double spacing_s, ShotFlight& shot);
+                 double spacing_s, ShotFlight& shot, int jobs = 1);
 
 // What whitens the rows of a window (horizon × error component), from what all windows leave with the columns at
 // `coefficient`.

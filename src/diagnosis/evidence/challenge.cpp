@@ -125,6 +125,7 @@ std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vect
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs, double stands_from) {
   Challenge result;
+  const std::vector<Recording> to_fly = recordings_to_fly(held.logs, session.vehicle());
   Looks looks;
   std::set<int> went, left_out;  // withdrawn once, and again
   bool without_forces_per_flight = false;
@@ -133,7 +134,8 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     result.regimes = regimes(session, selection);
     result.rest = remainder(session, selection, without_forces_per_flight);
     result.records = gather_evidence(session, selection, tested, result.regimes, result.rest);
-    fly_without_each(held.logs, session.vehicle(), effects_found(session.catalogue(), selection), jobs, result.records);
+    fly_without_each(to_fly, session.vehicle().effects, effects_found(session.catalogue(), selection), jobs,
+                     result.records);
     for (Evidence& record : result.records) {
       ask_sensors(session, selection, most_pose_latency_s, record);
       judge(record);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "diagnosis/result/evidence.hpp"
+#include "diagnosis/rollout/rollout.hpp"
 #include "diagnosis/validation/holdout.hpp"
 #include "diagnosis/validation/remainder.hpp"
 #include "gustlab/flight_log.hpp"
@@ -28,8 +29,10 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
                                       const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest);
 
 // Flies held-out flights in the simulator with all findings and without each in turn; fills `recovered` of the records, which are in the
-// order of `found`. Logs that cannot be flown are passed over.
-void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel& vehicle,
+// order of `found`. `own`: effects of the vehicle file. Flights that cannot be flown are passed over.
+void fly_without_each(const std::vector<Recording>& held_out, const std::vector<EffectSpec>& own,
                       const std::vector<EffectSpec>& found, int jobs, std::vector<Evidence>& records);
+// Logs as they are flown there; those that cannot be are left out.
+std::vector<Recording> recordings_to_fly(const std::vector<FlightLog>& logs, const VehicleModel& vehicle);
 
 }  // namespace gustlab::diagnosis

@@ -45,23 +45,35 @@ Removed better_of(const std::array<Pairs, 4>& quantities) {
 
 }  // namespace
 
-void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel& vehicle,
+std::vector<Recording> recordings_to_fly(const std::vector<FlightLog>& logs, const VehicleModel& vehicle) {
+  std::vector<Recording> recordings;
+  for (const FlightLog& log : logs) {
+    try {
+      recordings.emplace_back(log, vehicle, ReplayOptions{});
+    } catch (const DataError&) {
+      // without attitude: said under not_identifiable
+    }
+  }
+  return recordings;
+}
+
+void fly_without_each(const std::vector<Recording>& held_out, const std::vector<EffectSpec>& own,
                       const std::vector<EffectSpec>& found, int jobs, std::vector<Evidence>& records) {
   ReplayOptions options;
   options.jobs = jobs;
   options.with_noise = false;
-  const std::vector<EffectSpec> all = config::merge_effects(vehicle.effects, found);
+  const std::vector<EffectSpec> all = config::merge_effects(own, found);
   std::vector<std::vector<std::array<Pairs, 4>>> pairs(found.size(),
                                                        std::vector<std::array<Pairs, 4>>(options.horizon_s.size()));
   bool flown = false;
-  for (const FlightLog& log : held_out) {
+  for (const Recording& recording : held_out) {
     try {
-      const FitErrors with = replay(log, vehicle, all, options);
+      const FitErrors with = replay(recording, all, options);
       flown = true;
       for (std::size_t i = 0; i < found.size(); ++i) {
         std::vector<EffectSpec> rest = found;
         rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
-        const FitErrors without = replay(log, vehicle, config::merge_effects(vehicle.effects, rest), options);
+        const FitErrors without = replay(recording, config::merge_effects(own, rest), options);
         // a late pose starts its windows later: only windows of both count
         for (std::size_t a = 0, b = 0; a < with.windows() && b < without.windows();) {
           if (with.start_row[a] != without.start_row[b]) {
@@ -76,7 +88,7 @@ void fly_without_each(const std::vector<FlightLog>& held_out, const VehicleModel
         }
       }
     } catch (const DataError&) {
-      // without attitude, or without a stretch of a second: said under not_identifiable
+      // without a stretch of a second: said under not_identifiable
     }
   }
   if (!flown) return;

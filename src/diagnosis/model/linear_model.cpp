@@ -6,6 +6,7 @@
 
 #include "diagnosis/model/propagation.hpp"
 #include "diagnosis/model/speed_comparison.hpp"
+#include "util/parallel.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -163,7 +164,7 @@ class Lineariser {
   }
 
   // `wanted`: columns to differentiate; none: those that are there stay
-  void run(const std::vector<int>* wanted) {
+  void run(const std::vector<int>* wanted, int jobs) {
     feel();
     Evaluator evaluate{forces_, {}, {}};
     for (std::size_t k = 0; k < x_.size(); ++k) {
@@ -172,7 +173,7 @@ class Lineariser {
     }
     find_histories();
     take_histories_in();
-    if (wanted) differentiate(*wanted);
+    if (wanted) differentiate(*wanted, jobs);
   }
 
  private:
@@ -340,7 +341,7 @@ class Lineariser {
     return result;
   }
 
-  void differentiate(const std::vector<int>& wanted) {
+  void differentiate(const std::vector<int>& wanted, int jobs) {
     const std::size_t n = x_.size();
     out_.columns.clear(), out_.sensed.clear();
     for (const int c : wanted) {
@@ -355,22 +356,22 @@ class Lineariser {
     middle_ = middles();
     means_ = means_of(rotors_);
     base_ = evaluate(forces_, rotors_, means_, true);
-    for (Eigen::Index j = 0; j < width; ++j) {
+    parallel_for(width, jobs, [&](std::int64_t j) {
       const int c = out_.columns[static_cast<std::size_t>(j)];
       const Column& column = catalogue_.column(c);
       const auto history =
           std::find_if(histories_.begin(), histories_.end(), [c](const History& h) { return h.column == c; });
       if (history != histories_.end()) push_column(j, column, *history);
-      if (column.group < 0) {
-        for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k) {
-          const int row = 6 + column.parameter;
-          (row < first_force_row ? out_.sensed_by[k](row, sensed_at(j)) : out_.felt_by[k](row - first_force_row, j)) =
-              column.natural;
-        }
-        continue;
+      if (column.group >= 0) {
+        if (!catalogue_.group(column.group).row->is_history()) perturb(j, c);
+        return;
       }
-      if (!catalogue_.group(column.group).row->is_history()) perturb(j, c);
-    }
+      for (std::size_t k = 0; k < n && column.parameter < torque_trim; ++k) {
+        const int row = 6 + column.parameter;
+        (row < first_force_row ? out_.sensed_by[k](row, sensed_at(j)) : out_.felt_by[k](row - first_force_row, j)) =
+            column.natural;
+      }
+    });
   }
 
   template <class Changes>
@@ -488,14 +489,14 @@ std::vector<std::vector<SpatialAcceleration>> limit_changes(const FlightData& fl
 }
 
 void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-               const std::vector<int>& wanted, LinearFlight& out) {
-  Lineariser(flight, flight_index, catalogue, value, out).run(&wanted);
+               const std::vector<int>& wanted, LinearFlight& out, int jobs) {
+  Lineariser(flight, flight_index, catalogue, value, out).run(&wanted, jobs);
   compare_speeds(flight, flight_index, catalogue, value, out);
 }
 
 void predict_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                    LinearFlight& out) {
-  Lineariser(flight, flight_index, catalogue, value, out).run(nullptr);
+  Lineariser(flight, flight_index, catalogue, value, out).run(nullptr, 1);
   compare_speeds_again(flight, flight_index, catalogue, value, out);
 }
 

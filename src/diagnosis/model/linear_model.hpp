@@ -11,9 +11,9 @@
 namespace gustlab::diagnosis {
 
 // Linearises one flight at given values. `wanted`: catalogue columns to differentiate (those of other flights are
-// passed over). F is kept from a former call when there is one.
+// passed over), on so many threads. F is kept from a former call when there is one.
 void linearise(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-               const std::vector<int>& wanted, LinearFlight& out);
+               const std::vector<int>& wanted, LinearFlight& out, int jobs = 1);
 // What the model predicts (b and y) at other values; F and what parameters change stay.
 void predict_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                    LinearFlight& out);

@@ -142,12 +142,16 @@ class Replayer {
 
 FitErrors replay(const FlightLog& log, const VehicleModel& vehicle, const std::vector<EffectSpec>& effects,
                  const ReplayOptions& options) {
-  const Recording recording(log, vehicle, options);
+  return replay(Recording(log, vehicle, options), effects, options);
+}
+
+FitErrors replay(const Recording& recording, const std::vector<EffectSpec>& effects, const ReplayOptions& options) {
   Rollout scout(recording, effects);
   const std::vector<RotorArray> rotor_speeds = scout.rotor_speeds();
   const std::vector<Window> windows = find_windows(recording.motion, options, scout.pose_delay_s());
   if (windows.empty())
-    throw DataError(fmt::format("{}: no unbroken stretch of {} s to replay", log.path, options.horizon_s.back()));
+    throw DataError(
+        fmt::format("{}: no unbroken stretch of {} s to replay", recording.log.path, options.horizon_s.back()));
 
   FitErrors errors;
   errors.horizon_s = options.horizon_s;

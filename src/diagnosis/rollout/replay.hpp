@@ -40,6 +40,7 @@ struct FitErrors {
 // `effects`: all that act, the vehicle's own included.
 FitErrors replay(const FlightLog& log, const VehicleModel& vehicle, const std::vector<EffectSpec>& effects,
                  const ReplayOptions& options);
+FitErrors replay(const Recording& recording, const std::vector<EffectSpec>& effects, const ReplayOptions& options);
 
 // The `fit` block of FORMATS.md §4: means over all windows of all flights. `after` may be empty.
 nlohmann::ordered_json fit_block(const std::vector<FitErrors>& before, const std::vector<FitErrors>& after);

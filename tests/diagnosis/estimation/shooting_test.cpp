@@ -130,6 +130,8 @@ TEST(Shooting, ColumnsAreWhatAShotAtAnotherValueMisses) {
   std::vector<int> columns;
   for (int c = 0; c < all.size(); ++c) columns.push_back(c);
   const ShotFlight shot = shoot(turning, 0, all, all.nominal(), columns, 0.5);
+  const ShotFlight by_threads = shoot(turning, 0, all, all.nominal(), columns, 0.5, 3);
+  for (std::size_t w = 0; w < shot.window.size(); ++w) EXPECT_EQ(shot.window[w], by_threads.window[w]);
   int compared = 0;
   for (std::size_t j = 0; j < shot.columns.size(); ++j) {
     const Column& column = all.column(shot.columns[j]);
