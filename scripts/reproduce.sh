@@ -12,15 +12,12 @@ gustlab=build/release/gustlab
 python=.venv/bin/python
 "$gustlab" reproduce all --out "$out"
 
-sweeps=()
-for experiment in table1_iris table2_crazyflie table3_real_proxy; do
-  sweeps+=("$out/$experiment")
+# tables of one experiment, and its first seeded gust flown by each controller on each trajectory
+show() {
+  local experiment="$1" flights=() trajectory controller replicate
   for format in md csv latex json; do
     "$gustlab" table "$out/$experiment" --format "$format" > "$out/$experiment/table.${format/latex/tex}"
   done
-
-  # the first of the seeded gusts, flown by each controller on each trajectory
-  flights=()
   while IFS=, read -r trajectory controller replicate _; do
     [[ $replicate == 1 ]] || continue
     flights+=("$out/$experiment/flights/${trajectory}_$controller")
@@ -28,6 +25,14 @@ for experiment in table1_iris table2_crazyflie table3_real_proxy; do
       --out "${flights[-1]}"
   done < <("$gustlab" sweep "$experiment" --dry-run)
   "$python" scripts/plot_overlay.py "${flights[@]}" --out "$out/figures/${experiment}_paths"
+}
+
+sweeps=() shown=()
+for experiment in table1_iris table2_crazyflie table3_real_proxy; do
+  sweeps+=("$out/$experiment")
+  show "$experiment" &
+  shown+=($!)
 done
+for one in "${shown[@]}"; do wait "$one"; done
 "$python" scripts/plot_heatmap.py "${sweeps[@]}" --out "$out/figures"
 echo "tables and figures: $out" >&2
