@@ -134,7 +134,6 @@ TEST(FlightData, RateAndAttitudeStandInForEachOther) {
   }
 }
 
-// An attitude that is turned alone is smoothed alone: with what was smoothed before it is the motion that all together give.
 // samples that lie alike share the weights of a fit, others have their own: a cubic is itself, however it was sampled
 TEST(FlightData, ACubicPathIsItsOwnLocalFitAtEvenAndUnevenTimes) {
   FlightData flight;
@@ -159,6 +158,7 @@ TEST(FlightData, ACubicPathIsItsOwnLocalFitAtEvenAndUnevenTimes) {
   }
 }
 
+// An attitude that is turned alone is smoothed alone: with what was smoothed before it is the motion that all together give.
 TEST(FlightData, ATurnedAttitudeIsSmoothedAloneAsWithAllElse) {
   SensorCorrection turned_late, turned_other_way;
   turned_late.attitude_offset_B_rad = Vector3(0.05, 0.0, 0.02);
