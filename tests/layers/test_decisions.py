@@ -21,14 +21,13 @@ METHOD = {
     "estimation/innovations.hpp": "disturbance_groups noise_groups",
     "estimation/mean_torques.cpp": "averaged_s least_sd_radps2",
     "estimation/noise_model.hpp": "slowest_disturbance_s calm_memory_s",
-    "estimation/reference.cpp": "of_all",
     "estimation/rotor_speeds.cpp": "settling_s least_hover most_limit latest_s least_white_share",
     "estimation/sensor_windows.cpp": "turn_s way_s longest_share longest_gap_s clustered",  # what a window is
     "estimation/session.cpp": "fastest_sample_s most_windows least_change slow_s",
     "estimation/shooting.cpp": "rows_per_horizon loose_prior clearly_lost own_share",
     "estimation/surrogates.cpp": "draws places nearest",
     "estimation/torque_trims.cpp": "steps least_share",
-    "evidence/challenge.cpp": "most_looks",
+    "evidence/challenge.cpp": "most_looks most_singles",
     "evidence/gather_evidence.cpp": "parts_of_flight shortest_part_s",
     "evidence/judge.cpp": "intercept",  # a fitted weight
     "hover/hover_balance.cpp": "slow_mps slow_vertical_mps margin_s",  # what hover is

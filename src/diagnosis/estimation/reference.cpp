@@ -10,8 +10,6 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr double of_all = 3.0;  // flights
-
 // numbers that a vehicle has: not those of one flight, and no history that a scan of these flights found
 bool is_shared(const Catalogue& catalogue, const Column& column) {
   return column.group >= 0 && column.flight < 0 && !catalogue.group(column.group).row->is_history();
@@ -36,23 +34,24 @@ std::vector<Eigen::MatrixXd> parts_of(const Grams& grams) {
   return parts;
 }
 
-// By how much parts of the flights differ in each number more than their noise lets them, at least 1: the squares of their scores at what
-// all of them say together, over what they are where the model holds (a score of information A has the covariance A; a part of n counts
-// 1 − 1/n). What a wind of its own changes in one number leaves the others as sure as they are. Few flights agree by chance: the median of all
-// numbers counts as three flights more.
-Eigen::ArrayXd differ_by(const Grams& grams, const std::vector<int>& free, const std::vector<int>& shared,
-                         const Eigen::VectorXd& estimate) {
+// The covariance of the score of all flights at what they say together: where the model holds it is their information H. What flights differ by
+// beyond chance is added, in the directions in which they differ: a wind of its own leaves a gyroscope's scale as sure as it is, and numbers that
+// flights hardly tell apart (a mass, a thrust scale) keep what they say together. Few flights differ in few directions: what they usually differ by,
+// the median over the numbers, counts in all.
+Eigen::MatrixXd score_covariance(const Grams& grams, const std::vector<int>& free, const std::vector<int>& shared,
+                                 const Eigen::MatrixXd& H, const Eigen::VectorXd& estimate) {
   const std::vector<Eigen::MatrixXd> parts = parts_of(grams);
-  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(estimate.size()), expected = squares;
+  const double count = static_cast<double>(parts.size());
+  Eigen::MatrixXd differ = Eigen::MatrixXd::Zero(H.rows(), H.cols());
   for (const Eigen::MatrixXd& part : parts) {
     const Eigen::MatrixXd own = project_out(part, free), A = own(shared, shared);
-    squares += (own(shared, own.cols() - 1) - A * estimate).array().square();
-    expected += A.diagonal().array();
+    const Eigen::VectorXd score = own(shared, own.cols() - 1) - A * estimate;
+    differ += count / (count - 1.0) * score * score.transpose();
   }
-  const double free_flights = static_cast<double>(parts.size()) - 1.0;
-  const Eigen::ArrayXd ratio = squares / (expected * free_flights / (free_flights + 1.0) + 1e-12);
-  const double usual = median({ratio.begin(), ratio.end()});
-  return ((free_flights * ratio + of_all * usual) / (free_flights + of_all)).max(1.0);
+  const Eigen::ArrayXd ratio = differ.diagonal().array() / (H.diagonal().array() + 1e-12);
+  const double usual = std::max(1.0, median({ratio.begin(), ratio.end()})),
+               by_chance = usual * solve_ridged(H, H, 1e-6).trace(), all = solve_ridged(H, differ, 1e-6).trace();
+  return usual * H + std::max(0.0, 1.0 - by_chance / (all + 1e-12)) * differ;
 }
 
 }  // namespace
@@ -67,18 +66,17 @@ Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std
     reference.column.push_back(name_of(catalogue, column));
   }
   const Eigen::MatrixXd total = project_out(grams.total(), free);
-  reference.information = total(shared, shared);
-  Eigen::MatrixXd H = reference.information;
-  H.diagonal().array() += decisions::reference_prior;
-  reference.estimate = H.ldlt().solve(total(shared, total.cols() - 1));
-  const Eigen::VectorXd less = differ_by(grams, free, shared, reference.estimate).sqrt().inverse();
-  reference.information = less.asDiagonal() * reference.information * less.asDiagonal();
+  const Eigen::MatrixXd H = total(shared, shared);
+  Eigen::MatrixXd with_prior = H;
+  with_prior.diagonal().array() += decisions::reference_prior;
+  reference.estimate = with_prior.ldlt().solve(total(shared, total.cols() - 1));
+  reference.information = H * solve_ridged(score_covariance(grams, free, shared, H, reference.estimate), H, 1e-8);
   return reference;
 }
 
-KnownColumns known_columns(const Catalogue& catalogue, const Reference& reference) {
+KnownColumns known_columns(const Catalogue& catalogue, const std::vector<int>& present, const Reference& reference) {
   KnownColumns known;
-  for (int c = 0; c < catalogue.size(); ++c) {
+  for (const int c : present) {
     const Column& column = catalogue.column(c);
     if (!is_shared(catalogue, column)) continue;
     const auto found = std::find(reference.column.begin(), reference.column.end(), name_of(catalogue, column));
@@ -105,8 +103,9 @@ Eigen::VectorXd known_errors(const Reference& reference, const KnownColumns& kno
   return solve_ridged(information + H, score + H * reference.estimate(known.at), 1e-10);
 }
 
-Grams beside_reference(const Catalogue& catalogue, const Reference& reference, Grams grams) {
-  const KnownColumns columns = known_columns(catalogue, reference);
+Grams beside_reference(const Catalogue& catalogue, const std::vector<int>& present, const Reference& reference,
+                       Grams grams) {
+  const KnownColumns columns = known_columns(catalogue, present, reference);
   const std::vector<int>& known = columns.column;
   if (known.empty()) return grams;
   Eigen::VectorXd estimate = Eigen::VectorXd::Zero(catalogue.size());

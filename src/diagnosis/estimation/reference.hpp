@@ -28,12 +28,13 @@ struct Reference {
 // their noise lets them hold as much less information.
 Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std::vector<int>& free);
 
-// Columns of a catalogue that a reference knows, and where it has them.
+// Columns of a catalogue that a reference knows, and where it has them: of those `present` in what is fitted. What has no column there is not
+// free to be wrong either, and stays as the reference has it.
 struct KnownColumns {
   std::vector<int> column;
   std::vector<Eigen::Index> at;
 };
-KnownColumns known_columns(const Catalogue& catalogue, const Reference& reference);
+KnownColumns known_columns(const Catalogue& catalogue, const std::vector<int>& present, const Reference& reference);
 // Likeliest errors of the known numbers, natural units, given what flights leave beside everything else: `information` of their rows about
 // `known`, and `score`, these rows' products with what is left.
 Eigen::VectorXd known_errors(const Reference& reference, const KnownColumns& known, const Eigen::MatrixXd& information,
@@ -41,6 +42,7 @@ Eigen::VectorXd known_errors(const Reference& reference, const KnownColumns& kno
 
 // What flights say of a change beside numbers that are known only as surely as the reference says: their errors are columns of their own
 // that fit both, eliminated. With A of these flights and H of the reference, A − A (A + H)⁻¹ A is left of the information.
-Grams beside_reference(const Catalogue& catalogue, const Reference& reference, Grams grams);
+Grams beside_reference(const Catalogue& catalogue, const std::vector<int>& present, const Reference& reference,
+                       Grams grams);
 
 }  // namespace gustlab::diagnosis

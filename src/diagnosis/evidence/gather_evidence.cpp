@@ -145,7 +145,7 @@ struct FittedRows {
 // Takes out of the rows what the likeliest errors of the numbers that reference flights show do in them.
 void take_out_known_errors(const Session& session, FittedRows& rows) {
   if (!session.reference()) return;
-  const KnownColumns known = known_columns(session.catalogue(), *session.reference());
+  const KnownColumns known = known_columns(session.catalogue(), session.all_columns(), *session.reference());
   const RowSeries errors = session.row_series(known.column);
   const auto size = std::ssize(known.column), fitted = std::ssize(rows.columns);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);

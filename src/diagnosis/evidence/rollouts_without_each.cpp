@@ -29,18 +29,16 @@ struct Pairs {
   }
 };
 
-// the better of what forces move and what moments turn, each the mean of its two quantities
-Removed better_of(const std::array<Pairs, 4>& quantities) {
-  const auto mean = [&](std::size_t first) {
-    Removed sum;
-    double seen = 0.0;
-    for (std::size_t q = first; q < first + 2; ++q)
-      if (quantities[q].count > 0.0)
-        sum.share += quantities[q].removed().share, sum.z += quantities[q].removed().z, seen += 1.0;
-    return Removed{sum.share / std::max(seen, 1.0), sum.z / std::max(seen, 1.0)};
-  };
-  const Removed moves = mean(0), turns = mean(2);
-  return moves.z >= turns.z ? moves : turns;
+using PairsOfHorizon = std::array<Pairs, 4>;  // one per quantity
+
+// of two quantities, those that were recorded
+Removed mean_of(const PairsOfHorizon& quantities, std::size_t first) {
+  Removed sum;
+  double seen = 0.0;
+  for (std::size_t q = first; q < first + 2; ++q)
+    if (quantities[q].count > 0.0)
+      sum.share += quantities[q].removed().share, sum.z += quantities[q].removed().z, seen += 1.0;
+  return Removed{sum.share / std::max(seen, 1.0), sum.z / std::max(seen, 1.0)};
 }
 
 }  // namespace
@@ -57,16 +55,27 @@ std::vector<Recording> recordings_to_fly(const std::vector<FlightLog>& logs, con
   return recordings;
 }
 
-void fly_without_each(const std::vector<Recording>& held_out, const std::vector<EffectSpec>& own,
-                      const std::vector<EffectSpec>& found, int jobs, std::vector<Evidence>& records) {
-  ReplayOptions options;
-  options.jobs = jobs;
-  options.with_noise = false;
+namespace {
+
+// Moments that nobody knows turn a body, and it is then pushed the wrong way. Along the attitude as it was recorded forces are judged by
+// themselves, where they do something and the effect does not turn the body wrongly.
+Removed best_of(const PairsOfHorizon& freely, const PairsOfHorizon& led) {
+  constexpr double does_something = 0.01, turns_wrongly = -0.05, surely = -2.0;
+  const Removed moves = mean_of(freely, 0), turns = mean_of(freely, 2), led_moves = mean_of(led, 0);
+  const Removed best = moves.z >= turns.z ? moves : turns;
+  const bool counts = std::abs(led_moves.share) >= does_something && !(turns.share < turns_wrongly && turns.z < surely);
+  return counts && led_moves.z > best.z ? led_moves : best;
+}
+
+// Errors without each finding and with all, by finding and horizon; `led`: the attitude is taken as it was recorded.
+std::vector<std::vector<PairsOfHorizon>> fly(const std::vector<Recording>& held_out, bool led,
+                                             const std::vector<EffectSpec>& own, const std::vector<EffectSpec>& found,
+                                             const ReplayOptions& options, bool& flown) {
   const std::vector<EffectSpec> all = config::merge_effects(own, found);
-  std::vector<std::vector<std::array<Pairs, 4>>> pairs(found.size(),
-                                                       std::vector<std::array<Pairs, 4>>(options.horizon_s.size()));
-  bool flown = false;
-  for (const Recording& recording : held_out) {
+  const std::size_t horizons = options.horizon_s.size();
+  std::vector<std::vector<PairsOfHorizon>> pairs(found.size(), std::vector<PairsOfHorizon>(horizons));
+  for (Recording recording : held_out) {
+    recording.collective_only |= led;
     try {
       const FitErrors with = replay(recording, all, options);
       flown = true;
@@ -80,10 +89,10 @@ void fly_without_each(const std::vector<Recording>& held_out, const std::vector<
             with.start_row[a] < without.start_row[b] ? ++a : ++b;
             continue;
           }
-          for (std::size_t h = 0; h < options.horizon_s.size(); ++h)
+          for (std::size_t h = 0; h < horizons; ++h)
             for (std::size_t q = 0; q < 4; ++q)
-              pairs[i][h][q].add(without.quantities[q].model[b * options.horizon_s.size() + h],
-                                 with.quantities[q].model[a * options.horizon_s.size() + h]);
+              pairs[i][h][q].add(without.quantities[q].model[b * horizons + h],
+                                 with.quantities[q].model[a * horizons + h]);
           ++a, ++b;
         }
       }
@@ -91,11 +100,24 @@ void fly_without_each(const std::vector<Recording>& held_out, const std::vector<
       // without a stretch of a second: said under not_identifiable
     }
   }
+  return pairs;
+}
+
+}  // namespace
+
+void fly_without_each(const std::vector<Recording>& held_out, const std::vector<EffectSpec>& own,
+                      const std::vector<EffectSpec>& found, int jobs, std::vector<Evidence>& records) {
+  ReplayOptions options;
+  options.jobs = jobs;
+  options.with_noise = false;
+  bool flown = false;
+  const auto freely = fly(held_out, false, own, found, options, flown),
+             led = fly(held_out, true, own, found, options, flown);
   if (!flown) return;
   for (std::size_t i = 0; i < records.size(); ++i) {
     records[i].horizon_s = options.horizon_s;
     for (std::size_t h = 0; h < options.horizon_s.size(); ++h) {
-      const Removed removed = better_of(pairs[i][h]);
+      const Removed removed = best_of(freely[i][h], led[i][h]);
       records[i].recovered.push_back(removed.share);
       records[i].recovered_z.push_back(removed.z);
     }

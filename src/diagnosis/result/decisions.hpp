@@ -109,6 +109,9 @@ inline constexpr double trim_share = 0.25, trim_cost = 9.0, scatter_share = 0.5;
 // Of sets that fit alike, another one is taken when it says so much less.
 // Statistic: sum of sizes in tolerances squared, each at most 1. From: no derivation. Costs: none known.
 inline constexpr double least_said_less = 0.1;
+// A force of each flight is taken for a number of the vehicle that loses no more, beyond what its fewer numbers cost less.
+// Statistic: share of the force's Δχ². From: no derivation. Costs: forces that are upward and alike in all flights.
+inline constexpr double nearly_all = 0.05;
 // A candidate is equal to a rival.
 // Statistic: paired differences of blocks, in standard errors; share of the effect's own gain that the rival loses. From: p = 0.01 for the first, no
 // derivation for the second. Costs: names that are known more weakly are given as a class.
@@ -133,6 +136,9 @@ inline constexpr double hardly_shown = 6.0;
 // Statistic: probability by its record (evidence/judge.cpp). From: of the names from 0.8 on 95 % are true on the data of the fit, of those between 0.5 and
 // 0.8 73 %; no derivation for hopeless. Costs: docs/proof/judge.md.
 inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.1;
+// Once what was withdrawn has been looked at, a candidate is tried alone beside what stands.
+// Statistic: Δχ² beyond what its numbers cost. From: no derivation. Costs: effects that gain less and that the search did not choose.
+inline constexpr double least_single = 30.0;
 // Of several hopeless candidates those go together that do not stand in for each other.
 // Statistic: Δχ² of all together over the sum of what each gains. From: an inertia and a rotor inertia that gained 97 and 83 went together, and 4203 with
 // them; no derivation for the value. Costs: a round more of the challenge.

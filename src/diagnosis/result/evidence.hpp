@@ -57,7 +57,8 @@ struct Evidence {
   double force_over_tilt = std::numeric_limits<double>::infinity();
   int alike = 0;  // other findings of the same effect, of another rotor, or what these logs hardly distinguish from it
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
-  // over its standard error; per horizon, the better of (position, velocity) and (attitude, body rate)
+  // over its standard error; per horizon, the best of (position, velocity), (attitude, body rate) and (position, velocity) with the attitude
+  // as it was recorded
   std::vector<double> horizon_s, recovered, recovered_z;
   std::vector<std::pair<std::string_view, double>>
       features;              // what the judge looked at, each from 0 (against) to 1 (for)

@@ -133,6 +133,7 @@ void Rollout::begin(const VehicleState& start, const std::vector<RotorArray>& ro
   if (steps_from(last) == 0) restart_rotors(rotor_speeds[last]);
   if (recording_.speed_is_measured) restart_rotors(command(start.time_s).speed_radps);
   begin_s_ = start.time_s;
+  beside_recorded_ = motion.attitude_at(start.time_s + pose_delay_s_).conjugate() * start.attitude_WB;
   steps_ = 0;
   before_ = now_ = measured(plant_.observe(false));
 }
@@ -150,7 +151,7 @@ bool Rollout::advance() {
   ++steps_;
   if (!recording_.collective_only) return true;
   VehicleState state = plant_.state();
-  state.attitude_WB = recording_.motion.attitude_at(state.time_s);
+  state.attitude_WB = recording_.motion.attitude_at(state.time_s + pose_delay_s_) * beside_recorded_;
   state.body_rate_B_radps = recording_.motion.body_rate_at(state.time_s);
   plant_.set_state(state);
   return true;

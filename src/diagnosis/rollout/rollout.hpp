@@ -64,6 +64,7 @@ class Rollout {
   Plant plant_;
   double pose_delay_s_ = 0.0;
   double begin_s_ = 0.0;
+  Quaternion beside_recorded_ = Quaternion::Identity();  // attitude at the start, in the axes of the recorded one
   Measured before_, now_;
   std::int64_t steps_ = 0;
 };

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "diagnosis/result/decisions.hpp"
+#include "diagnosis/selection/shared_numbers.hpp"
 #include "diagnosis/selection/stability.hpp"
 #include "diagnosis/selection/subset_search.hpp"
 #include "diagnosis/selection/suspect_histories.hpp"
@@ -123,6 +124,15 @@ class Selector {
     return finished_like(before, more, refine(more, coefficients(grams, more)));
   }
 
+  // One group more, fitted anew.
+  Selection with_one(const Selection& before, int group) {
+    improve_ = Improve::no;
+    anew_ = true;
+    std::vector<int> chosen = before.groups();
+    chosen.insert(std::ranges::lower_bound(chosen, group), group);
+    return finished_like(before, chosen, refine(chosen, before.value));
+  }
+
  private:
   // the set that winds took the place of, and the noise beside it
   struct WithoutWind {
@@ -135,7 +145,7 @@ class Selector {
   Grams absolute(const Eigen::VectorXd& value) {
     Grams grams = s_.grams();
     grams.shift((value - catalogue_.nominal()).cwiseQuotient(natural_));
-    return s_.reference() ? beside_reference(catalogue_, *s_.reference(), std::move(grams)) : grams;
+    return s_.reference() ? beside_reference(catalogue_, s_.all_columns(), *s_.reference(), std::move(grams)) : grams;
   }
 
   // what a further effect must gain; where the model was linearised anew about what was found, a large effect leaves no
@@ -411,7 +421,7 @@ class Selector {
       }
       if (settled && !simplified) {
         simplified = true;
-        const std::vector<int> simpler = least_said(total, chosen);
+        const std::vector<int> simpler = shared_instead(s_, result.grams, least_said(total, chosen), left_out_);
         settled = simpler == chosen;
         chosen = simpler;
       }
@@ -614,6 +624,10 @@ Selection withdraw(Session& session, const Selection& before, const std::vector<
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
                                     const std::set<int>& left_out) {
   return Selector(session, left_out).with_more(before, tried);
+}
+
+Selection with_one_more(Session& session, const Selection& before, int group, const std::set<int>& left_out) {
+  return Selector(session, left_out).with_one(before, group);
 }
 
 }  // namespace gustlab::diagnosis

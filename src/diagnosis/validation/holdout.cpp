@@ -68,7 +68,7 @@ class OnHeldOut {
     }
     // of what the reference flights cannot tell apart a part alone would explain everything
     if (fitted_.reference()) {
-      const std::vector<int> known = known_columns(catalogue_, *fitted_.reference()).column;
+      const std::vector<int> known = known_columns(catalogue_, s_.all_columns(), *fitted_.reference()).column;
       wanted_.insert(wanted_.end(), known.begin(), known.end());
     }
     std::sort(wanted_.begin(), wanted_.end());
@@ -104,7 +104,7 @@ class OnHeldOut {
     grams_ = s_.grams();
     grams_.shift(coefficients());
     // what the reference flights leave open they leave open here too
-    if (fitted_.reference()) grams_ = beside_reference(catalogue_, *fitted_.reference(), std::move(grams_));
+    if (fitted_.reference()) grams_ = beside_reference(catalogue_, wanted_, *fitted_.reference(), std::move(grams_));
   }
 
   // (free columns, their fit) when one group, and what only it lets feel, is not there

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <numeric>
 
 #include "gustlab/random.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -29,6 +30,12 @@ Grams one_block(const Eigen::MatrixXd& rows) {
   return grams;
 }
 
+std::vector<int> all_of(const Catalogue& catalogue) {
+  std::vector<int> all(static_cast<std::size_t>(catalogue.size()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
 // z = Φ (change + error), error about an estimate, known from other rows: minimised over the error as well
 TEST(Reference, ChangesAreThoseOfTheJointSolution) {
   const Catalogue catalogue(read_vehicle("crazyflie"), 1,
@@ -37,7 +44,7 @@ TEST(Reference, ChangesAreThoseOfTheJointSolution) {
   const Eigen::MatrixXd here = rows_of(400, size + 1, 1), there = rows_of(300, size + 1, 2);
   const Grams normal = one_block(there);
   const Reference reference = reference_of(catalogue, normal, {});
-  const Grams changed = beside_reference(catalogue, reference, one_block(here));
+  const Grams changed = beside_reference(catalogue, all_of(catalogue), reference, one_block(here));
 
   // the columns that both share, each with an error of its own, which the information of the reference (and a prior of one) holds
   std::vector<int> shared;
@@ -63,7 +70,7 @@ TEST(Reference, ChangesAreThoseOfTheJointSolution) {
   EXPECT_NEAR(solve(changed.total(), {chosen}).coefficient[0], solution[0], 1e-6);
 
   // the errors themselves, once the change is known
-  const KnownColumns columns_known = known_columns(catalogue, reference);
+  const KnownColumns columns_known = known_columns(catalogue, all_of(catalogue), reference);
   EXPECT_EQ(columns_known.column, shared);
   const Eigen::MatrixXd own = here(Eigen::all, shared);
   const Eigen::VectorXd left = here.col(size) - here.col(chosen) * solution[0],
@@ -78,7 +85,8 @@ TEST(Reference, MuchInformationLeavesTheMatricesAsTheyAre) {
   Reference reference = reference_of(catalogue, one_block(rows_of(300, catalogue.size() + 1, 2)), {});
   reference.information *= 1e9;
   reference.estimate.setZero();
-  EXPECT_LT((beside_reference(catalogue, reference, here).total() - here.total()).norm(), 1e-3 * here.total().norm());
+  EXPECT_LT((beside_reference(catalogue, all_of(catalogue), reference, here).total() - here.total()).norm(),
+            1e-3 * here.total().norm());
 }
 
 // Flights tell nothing of a number that looks like a force of their own, where they have one; and all of it where they do not.
@@ -156,6 +164,60 @@ TEST(Reference, FlightsThatDifferInOneNumberAreAsSureOfTheOthers) {
   EXPECT_LT(differ.information(0, 0), 0.01 * alike.information(0, 0));
   for (Eigen::Index i = 1; i < alike.information.rows(); ++i)
     EXPECT_GT(differ.information(i, i), 0.2 * alike.information(i, i)) << i;
+}
+
+// the first two shared columns
+std::array<int, 2> two_shared(const Catalogue& catalogue) {
+  std::vector<int> shared;
+  for (int c = 0; c < catalogue.size(); ++c)
+    if (const Column& column = catalogue.column(c); column.group >= 0 && column.flight < 0) shared.push_back(c);
+  return {shared[0], shared[1]};
+}
+
+// 400 rows a flight, in which two numbers look alike to one part in a hundred
+Eigen::MatrixXd rows_with_alike(const Catalogue& catalogue, int one, int other, std::uint32_t replicate) {
+  Eigen::MatrixXd rows = rows_of(400, catalogue.size() + 1, replicate);
+  rows.col(other) = rows.col(one) + 0.01 * rows.col(other);
+  return rows;
+}
+
+// a mass and a thrust scale that flights hardly tell apart: what they say of both together is not lost where flights differ in one of them
+TEST(Reference, NumbersThatLookAlikeKeepWhatTheySayTogether) {
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1,
+                            {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const auto [one, other] = two_shared(catalogue);
+  Grams grams;
+  for (int f = 0; f < 4; ++f) {
+    Eigen::MatrixXd rows = rows_with_alike(catalogue, one, other, static_cast<std::uint32_t>(20 + f));
+    // they differ in what tells the two apart
+    const double own = f % 2 == 0 ? 100.0 : -100.0;
+    rows.rightCols(1) += own * (rows.col(one) - rows.col(other));
+    Grams flight = one_block(rows);
+    flight.flight = {f};
+    append(std::move(flight), grams);
+  }
+  const Eigen::MatrixXd information = reference_of(catalogue, grams, {}).information.topLeftCorner(2, 2);
+  const double together = 0.25 * information.sum(),
+               apart = 0.25 * (information(0, 0) + information(1, 1)) - 0.5 * information(0, 1);
+  EXPECT_GT(together, 0.3 * 1600.0);
+  EXPECT_LT(apart, 0.1 * 1600.0 * 0.0001 / 4.0);
+}
+
+// what has no column in the flights to compare cannot be wrong there in place of its equal
+TEST(Reference, WhatHasNoColumnHereIsAsTheReferenceHasIt) {
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1,
+                            {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const auto [one, other] = two_shared(catalogue);
+  const Reference reference = reference_of(catalogue, one_block(rows_with_alike(catalogue, one, other, 20)), {});
+  Eigen::MatrixXd here = rows_with_alike(catalogue, one, other, 30);
+  here.col(other).setZero();
+  const auto left_of = [&, alone = one](const std::vector<int>& present) {
+    return beside_reference(catalogue, present, reference, one_block(here)).total()(alone, alone);
+  };
+  std::vector<int> without = all_of(catalogue);
+  EXPECT_LT(left_of(without), 10.0);
+  std::erase(without, other);
+  EXPECT_GT(left_of(without), 100.0);
 }
 
 }  // namespace reference_test

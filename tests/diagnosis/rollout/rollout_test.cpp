@@ -74,5 +74,19 @@ TEST(Rollout, ALatePoseIsOfATimeBefore) {
   EXPECT_NEAR(rollout.start(100).time_s, 1.0 - 0.015, 1e-12);
 }
 
+// the recorded attitude is 0.1 rad off: the body leans the other way, and stays so
+TEST(Rollout, AlongTheRecordedAttitudeAFrameThatIsTurnedStaysTurned) {
+  Recording recording(rising(), vehicle(), {});
+  recording.collective_only = true;
+  Rollout rollout(recording, {test::effect("attitude_offset", {{"x", "0.1"}})});
+  const std::vector<RotorArray> speeds = rollout.rotor_speeds();
+  const VehicleState start = rollout.start(100);
+  rollout.begin(start, speeds);
+  Measured seen;
+  ASSERT_TRUE(rollout.run_to(start.time_s + 0.5, seen));
+  EXPECT_NEAR(seen.attitude_WB.angularDistance(Quaternion::Identity()), 0.0, 1e-9);
+  EXPECT_NEAR(std::abs(seen.velocity_W_mps.y()), 0.5 * more * more * vehicle().gravity_mps2 * std::sin(0.1), 1e-3);
+}
+
 }  // namespace rollout_test
 }  // namespace gustlab::diagnosis
