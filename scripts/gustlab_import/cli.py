@@ -12,7 +12,7 @@ from .from_table import import_table
 from .kinds import kind_of, reader_of
 from .outcome import FORMAT, as_document, as_json, as_text
 from .problems import DATA, IO, USAGE, ImportFailure, printable
-from .progress import Progress
+from .progress import LogProgress
 from .vehicle_file import read_vehicle
 from .write_log import csv_text, file_on_the_way, write_all
 
@@ -55,18 +55,17 @@ def run(argv: list) -> int:
     column_map = load_map(options.map) if options.map else None
     vehicle = read_vehicle(options.vehicle, options.out) if options.vehicle else None
     outcomes, names = [], {}
-    progress = Progress("logs", options.quiet)
-    for path in options.inputs:
-        progress.show(len(outcomes), len(options.inputs))
-        name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
-        if name in names and options.out is not None:
-            raise ImportFailure(f"{path}: would be written over {names[name]} (both give {name}); use two --out", USAGE)
-        names[name] = path
-        if column_map is not None:
-            outcomes.append(import_table(path, name, column_map, vehicle, options))
-        else:
-            outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
-    progress.end()
+    with LogProgress(len(options.inputs), options.quiet) as progress:
+        for path in options.inputs:
+            name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
+            if name in names and options.out is not None:
+                raise ImportFailure(f"{path}: would be written over {names[name]} (both give {name}); use two --out", USAGE)
+            names[name] = path
+            progress.begin(path)
+            if column_map is not None:
+                outcomes.append(import_table(path, name, column_map, vehicle, options))
+            else:
+                outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
     if not options.quiet:
         print(as_json(as_document(outcomes)) if options.format == "json" else as_text(outcomes, options.verbose), end="")
     # one unusable recording holds all back: a set of flights with a silent hole would be worse

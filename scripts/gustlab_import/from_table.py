@@ -8,6 +8,7 @@ from .flight import convert
 from .limits import cannot_tell
 from .outcome import Outcome
 from .problems import USAGE, ImportFailure
+from .progress import stage
 from .tables import Table, read_csv, read_parquet
 from .usd_log import read_usd
 from .vehicle_file import read_vehicle, shipped
@@ -38,6 +39,7 @@ def fits_rotors(column_map: ColumnMap, vehicle, given: str) -> None:
 
 def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options) -> Outcome:
     table = read_table(path, column_map)
+    stage("checking")
     reference = vehicle.reference if vehicle else column_map.get("", "vehicle")
     if reference is None:
         raise ImportFailure(f"{options.map.removesuffix('.toml')}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
