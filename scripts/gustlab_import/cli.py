@@ -13,6 +13,7 @@ from .kinds import kind_of, reader_of
 from .outcome import FORMAT, as_document, as_json, as_text
 from .problems import DATA, IO, USAGE, ImportFailure, printable
 from .progress import LogProgress
+from .segments import reasons
 from .vehicle_file import read_vehicle
 from .write_log import csv_text, file_on_the_way, write_all
 
@@ -36,7 +37,7 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--keep-position", action="store_true", help="keep latitude and longitude of the origin in the sidecar")
     parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
     parser.add_argument("-q", "--quiet", action="store_true", help="errors only")
-    parser.add_argument("-v", "--verbose", action="store_true", help="also the topics of logs that hold a flight")
+    parser.add_argument("-v", "--verbose", action="store_true", help="also the noise of each flight, and the topics of logs that hold one")
     return parser.parse_intermixed_args(argv)
 
 
@@ -84,7 +85,7 @@ def refusals(outcomes: list, keep_unusable: bool) -> int:
             print(printable(f"{one.file}: not usable: {wrong.says}"), file=sys.stderr)
             unusable = True
         elif not one.flights:
-            print(printable(f"{one.file}: no flight: {'; '.join(dict.fromkeys(why for _, _, why in one.refused))}"), file=sys.stderr)
+            print(printable(f"{one.file}: no flight: {'; '.join(reasons(one.refused))}"), file=sys.stderr)
     if unusable and not keep_unusable:
         return DATA
     return 0 if any(one.flights for one in outcomes) else DATA

@@ -169,6 +169,18 @@ class PX4(ImportCase):
                 self.assertIn(why, [part["why"] for part in log["refused"]])
                 self.assertEqual(sorted(p.name for p in self.out.iterdir()), ["import.json"])
 
+    def test_the_reasons_are_said_once_and_on_stderr_they_are_reasons(self):
+        from gustlab_import.segments import reasons
+        refused = [(0.0, 2.0, "armed, on the ground"), (2.0, 2.8, "too short: 0.8 s in the air, 3 s are needed"), (2.7, 2.8, "the estimator was reset (z by 0.15 m)"),
+                   (3.0, 4.0, "too short: 1.0 s in the air, 3 s are needed"), (4.0, 9.0, "on the ground: the height is within 0.1 m of where it stood"),
+                   (9.0, 10.0, "disarmed")]
+        self.assertEqual(reasons(refused), ["too short: 1.0 s in the air, 3 s are needed", "the estimator was reset (z by 0.15 m)"])
+        # a log that never left the ground has no other
+        self.assertEqual(reasons([(0.0, 2.0, "disarmed"), (2.0, 9.0, "armed, on the ground")]), ["armed, on the ground", "disarmed"])
+        path = self.write("hop.ulg", px4_flight(synthetic(), flying=(5.0, 7.0)).bytes())
+        code, _, err = self.run_import(path)
+        self.assertEqual((code, err), (3, f"{path}: no flight: too short: 2.0 s in the air, 3 s are needed\n"))
+
     def test_refused_parts_and_flights_cover_the_log(self):
         _, log, _ = self.take(px4_flight(synthetic()))
         self.assertEqual([(p["from_s"], p["to_s"], p["why"]) for p in log["refused"]][:2], [(0.0, 2.0, "disarmed"), (2.0, 3.0, "armed, on the ground")])
