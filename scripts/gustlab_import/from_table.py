@@ -44,7 +44,8 @@ def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options)
     if reference is None:
         raise ImportFailure(f"{options.map.removesuffix('.toml')}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
     # a path may lead to a file that is still to come
-    if "/" not in reference and not reference.endswith(".toml") and reference not in shipped():
+    folder = (Path(options.out or ".") / reference / "vehicle.toml").is_file()
+    if "/" not in reference and not reference.endswith(".toml") and reference not in shipped() and not folder:
         raise ImportFailure(f'{options.map.removesuffix(".toml")}.toml:1:1: there is no vehicle "{reference}" under models/ (a path ends in .toml); '
                             f"{suggest(reference, shipped())}", USAGE)
     known = vehicle or (read_vehicle(reference, options.out) if reference in shipped() else None)

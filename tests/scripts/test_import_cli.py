@@ -42,6 +42,27 @@ class Conversion(ImportCase):
                          ("gustlab-flight/1", "iris", "pwm", "unknown", "recording"))
         self.assertEqual((sidecar["origin"]["file"], sidecar["origin"]["rows_written"]), ("log.csv", 2000))
 
+    def test_a_vehicle_may_be_given_as_its_folder(self):
+        from gustlab_import.vehicle_file import MODELS, find_vehicle
+        vehicle = self.folder / "my_quad" / "vehicle.toml"
+        vehicle.parent.mkdir()
+        for file in (MODELS / "iris").iterdir():
+            (vehicle.parent / file.name).write_bytes(file.read_bytes())
+        for wanted, beside in ((str(vehicle), Path()), (str(vehicle.parent), Path()), ("my_quad", self.folder), ("my_quad/vehicle.toml", self.folder)):
+            self.assertEqual(find_vehicle(wanted, beside), vehicle)
+        # a name under models/ stays that
+        vehicle.parent.rename(self.folder / "iris")
+        self.assertEqual(find_vehicle("iris", self.folder), MODELS / "iris" / "vehicle.toml")
+        (self.folder / "iris").rename(vehicle.parent)
+        log = self.write("log.csv", csv(flight()))
+        code, _, err = self.run_import(log, "--map", self.map, "--out", self.out, "--vehicle", vehicle.parent)
+        self.assertEqual((code, tomllib.loads((self.out / "log_1.meta.toml").read_text())["vehicle"]), (0, "../my_quad/vehicle.toml"), err)
+        # a map's is beside the flight logs
+        self.write("folder.toml", MAP.replace('"crazyflie"', '"my_quad"'))
+        self.assertEqual(self.run_import(log, "--map", self.folder / "folder.toml", "--out", self.out)[0], 2)
+        code, _, err = self.run_import(log, "--map", self.folder / "folder.toml", "--out", self.folder)
+        self.assertEqual((code, tomllib.loads((self.folder / "log_1.meta.toml").read_text())["vehicle"]), (0, "my_quad"), err)
+
     def test_section(self):
         log = self.write("log.csv", csv(flight()))
         code, _, _ = self.run_import(log, "--map", self.map, "--out", self.out, "--from", 5, "--to", 12)
