@@ -240,7 +240,7 @@ TEST(FlightLog, SidecarErrorsAreDataErrorsWithTheirPlace) {
               EndsWith("did you mean \"rotor_speed\"?"));
   EXPECT_THAT(said(csv, meta + "hold = \"cubic\"\n"),
               StartsWith("a.meta.toml:4:8: \"cubic\" is not one of unknown, zoh, linear"));
-  EXPECT_THAT(said(csv, meta + "hould = \"zoh\"\n"), EndsWith("unknown key \"hould\" did you mean \"hold\"?"));
+  EXPECT_THAT(said(csv, meta + "hould = \"zoh\"\n"), EndsWith("unknown key \"hould\"; did you mean \"hold\"?"));
   EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [[1, 2, 0, 0]]\n"),
               StartsWith("a.meta.toml:5:9: a wall is a point"));
   EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [1]\n"), HasSubstr("must be an array of arrays of numbers"));

@@ -262,7 +262,7 @@ WRONG = (
     (["vehicle", "check", "key.toml"], 2, 'unknown key "radius"; did you mean "radius_m"?'),
     (["vehicle", "check", "body.toml"], 2, "words.csv:1:"),
     (["vehicle", "check", "body.xml"], 2, "body.xml: an MJCF and no vehicle file; give the vehicle.toml that names it"),
-    (["vehicle", "check", "turn.toml"], 2, 'turn.toml:5:13: "left" is not a direction write "ccw" or "cw"'),
+    (["vehicle", "check", "turn.toml"], 2, 'turn.toml:5:13: "left" is not a direction; write "ccw" or "cw"'),
     (["vehicle", "check", "one_site.toml"], 2, 'one_site.toml:7:8: site "a" carries two rotors'),
     (["vehicle", "check", "speed.toml"], 2, '"hover" of 1.5 is no actuator input (throttle is 0 to 1, rotor speed 20 to 8000 rad/s'),
     (["vehicle", "check", "weightless.toml"], 2, "weightless.xml:1: not a model that MuJoCo takes"),

@@ -146,7 +146,7 @@ class Mistakes(Commands):
             (2, "replicate", [*sweep, "--set", "replicatse=3"]),
             (2, "--set", [*sweep, "--set", "replicates"]),
             (2, "spiral: not in this experiment", ["run", self.experiment, "--trajectory", "spiral", "--controller", "pid", *out]),
-            (2, "circel: not in this experiment (it has circle, hover) did you mean \"circle\"?",
+            (2, "circel: not in this experiment (it has circle, hover); did you mean \"circle\"?",
              ["run", self.experiment, "--trajectory", "circel", "--controller", "pid", *out]),
             (2, "--replicate", ["run", self.experiment, "--trajectory", "circle", "--controller", "pid", "--replicate", "-1", *out]),
             (3, "no results here", ["table", "new"]),
