@@ -12,15 +12,18 @@ FIRST_s, REWRITE_s, LINE_s, LOOK_s = 2.0, 0.1, 30.0, 0.1
 
 
 class Progress:
-    def __init__(self, what: str, quiet: bool = False, clock=time.monotonic, stream=None):
-        self.what, self.quiet, self.clock, self.stream = what, quiet, clock, stream or sys.stderr
+    """first_line_s: when the first line comes where it is no terminal."""
+
+    def __init__(self, what: str, quiet: bool = False, clock=time.monotonic, stream=None, first_line_s: float = LINE_s):
+        self.what, self.clock, self.stream = what, clock, stream or sys.stderr
         self.begin, self.last = clock(), None
-        self.quiet = self.quiet or self.stream is None  # a closed stderr
+        self.quiet = quiet or self.stream is None  # a closed stderr
         self.terminal = not self.quiet and self.stream.isatty()
+        self.first_s, self.wait_s = (FIRST_s, REWRITE_s) if self.terminal else (first_line_s, LINE_s)
 
     def due(self) -> bool:
-        now, wait = self.clock(), REWRITE_s if self.terminal else LINE_s
-        return not self.quiet and now - self.begin >= FIRST_s and (self.last is None or now - self.last >= wait)
+        now = self.clock()
+        return not self.quiet and (now - self.begin >= self.first_s if self.last is None else now - self.last >= self.wait_s)
 
     def say(self, line: str) -> None:
         """Says a line, when the last one is long enough ago."""
@@ -51,7 +54,7 @@ class LogProgress:
 
     def __init__(self, count: int, quiet: bool = False, clock=time.monotonic, stream=None):
         self.own = None if stream else _own_stderr()
-        self.progress = Progress("logs", quiet, clock, stream or self.own)
+        self.progress = Progress("logs", quiet, clock, stream or self.own, FIRST_s)
         self.count, self.number, self.log, self.doing, self.share = count, 0, "", "", None
         self.over = threading.Event()
         self.thread = threading.Thread(target=self._watch, daemon=True)

@@ -57,6 +57,14 @@ class Said(ImportCase):
         self.assertEqual(self.after(logs, 2.0, 2.1, 31.9), "reading a.ulg (2.1 MB)\n")
         self.assertEqual(self.after(logs, 32.0, 61.0), "reading a.ulg (2.1 MB)\n" * 2)
 
+    def test_other_work_says_its_first_line_after_half_a_minute(self):
+        stream = io.StringIO()
+        work = progress.Progress("pictures", clock=self.clock, stream=stream)
+        for now in (5.0, 29.0, 30.0, 31.0, 60.0):
+            self.clock.now = 100.0 + now
+            work.show(round(now), 120)
+        self.assertEqual(stream.getvalue(), "30/120 pictures, 90 s left\n60/120 pictures, 60 s left\n")
+
     def test_a_terminal_s_line_is_written_over(self):
         logs = self.logs(stream=Terminal())
         logs.begin(self.log)
