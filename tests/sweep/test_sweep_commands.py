@@ -222,7 +222,7 @@ class Axes(Commands):
         for axis in (">strength [–]</text>", ">period [s]</text>"):
             self.assertIn(axis, page)
         self.assertEqual(self.call("table", "a", "--names", "pid=PID,strength=gust")[1], "")
-        self.assertIn('this table has no pdi did you mean "pid"?', self.call("table", "a", "--names", "pdi=PID")[1])
+        self.assertIn('this table has no pdi; did you mean "pid"?', self.call("table", "a", "--names", "pdi=PID")[1])
         self.call("gate", "a", "--baseline", "base.csv", "--update")
         self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv")[0])
 
