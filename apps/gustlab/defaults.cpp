@@ -56,7 +56,7 @@ void run(const DefaultsArguments& options) {
   std::vector<std::string> names(std::begin(templates), std::end(templates));
   if (std::find(names.begin(), names.end(), options.name) != names.end()) {
     if (options.format != "toml")
-      throw ConfigError(fmt::format("defaults {}: is a commented file (there is no {} of it) leave --format out",
+      throw ConfigError(fmt::format("defaults {}: is a commented file (there is no {} of it); leave --format out",
                                     options.name, options.format));
     return print_template(options.name);
   }
@@ -76,8 +76,8 @@ void run(const DefaultsArguments& options) {
     found = true;
   }
   if (const std::string near = config::suggest(options.name, names); !found)
-    throw ConfigError(fmt::format("defaults {}: there is nothing of this name (see `gustlab list`){}{}", options.name,
-                                  near.empty() ? "" : " ", near));
+    throw ConfigError(
+        worded(fmt::format("defaults {}: there is nothing of this name", options.name), "see `gustlab list`", near));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ void check_out(const std::filesystem::path& out) {
   if (!std::filesystem::exists(out)) return;
   for (const auto& entry : std::filesystem::directory_iterator(out))
     if (std::find(std::begin(outputs), std::end(outputs), entry.path().filename().string()) == std::end(outputs))
-      throw ConfigError(fmt::format("{}: holds {} (only a former diagnosis is replaced) name another folder",
+      throw ConfigError(fmt::format("{}: holds {} (only a former diagnosis is replaced); name another folder",
                                     out.string(), entry.path().filename().string()));
 }
 
@@ -158,7 +158,7 @@ void check_flights(const diagnosis::DiagnoseOptions& wanted) {
         throw DataError(fmt::format("{}: cannot read ({})", path, why));
       if (!seen.insert(std::filesystem::canonical(path)).second)
         throw ConfigError(
-            fmt::format("{}: is given twice (a flight is fitted, held out or a reference) leave one out", path));
+            fmt::format("{}: is given twice (a flight is fitted, held out or a reference); leave one out", path));
     }
 }
 
@@ -235,7 +235,7 @@ void add_diagnose(CLI::App& app) {
       "--reference", options->reference,
       "normal flights of the same vehicle: without attitude and body rate, mean commands are compared with theirs");
   command->add_option("--vehicle", options->vehicle,
-                      "name under models/ or path to a vehicle.toml (default: what the logs say)");
+                      "name under models/ or path to a vehicle.toml or its folder (default: what the logs say)");
   command->add_option("--batch", options->batch,
                       "TOML with [[set]] tables, each with name, fit, holdout, reference, vehicle: each into OUT/NAME");
   command->add_option("--out", options->out, "folder for diagnosis.json, augmented.toml and report.html")->required();

@@ -41,7 +41,7 @@ void check_options_are_read(const CLI::App& command, const IdentifyArguments& op
                         const char* readers) {
     for (const char* name : names)
       if (!read && command.count(name) > 0)
-        throw ConfigError(fmt::format("{}: {} has no use for it (it is for {}) leave it out", name, chosen, readers));
+        throw ConfigError(fmt::format("{}: {} has no use for it (it is for {}); leave it out", name, chosen, readers));
   };
   const std::string& optimizer = options.identify.optimizer;
   only({"--nu", "--penalty", "--constraint", "--tolerance"}, optimizer == "sr3", "optimizer " + optimizer, "sr3");
@@ -58,7 +58,8 @@ void check_flights_differ(const IdentifyArguments& options) {
   for (const auto* paths : {&options.logs, &options.holdout})
     for (const std::string& path : *paths)
       if (!seen.insert(std::filesystem::weakly_canonical(path).string()).second)
-        throw ConfigError(fmt::format("{}: is given twice (a flight is fitted once, or held out) leave one out", path));
+        throw ConfigError(
+            fmt::format("{}: is given twice (a flight is fitted once, or held out); leave one out", path));
 }
 
 // the one that --vehicle names may be another description of the vehicle that flew, but hardly another vehicle

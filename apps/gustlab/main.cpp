@@ -102,8 +102,8 @@ void check_command(const CLI::App& app, std::span<char*> words, const std::strin
     known.push_back(command->get_name());
   }
   const std::string near = config::suggest(*word, known);
-  throw ConfigError(fmt::format("gustlab: unknown command \"{}\" {}", *word,
-                                near.empty() ? fmt::format("(see {}--help)", before) : near));
+  throw ConfigError(worded(fmt::format("gustlab: unknown command \"{}\"", *word),
+                           near.empty() ? fmt::format("see {}--help", before) : "", near));
 }
 
 // CLI11's words where they are no sentence of this program

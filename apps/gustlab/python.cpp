@@ -39,7 +39,7 @@ std::string output_of_script(const std::string& script, const std::vector<std::s
   try {
     command = {find_resource(".venv/bin/python3"), find_resource("scripts/" + script)};
   } catch (const ConfigError&) {
-    throw ConfigError("this needs the project's Python environment (.venv is not there) run scripts/setup.sh");
+    throw ConfigError("this needs the project's Python environment (.venv is not there); run scripts/setup.sh");
   }
   command.insert(command.end(), arguments.begin(), arguments.end());
   std::array<int, 2> out{}, err{};

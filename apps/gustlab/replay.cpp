@@ -100,8 +100,8 @@ void run(const ReplayArguments& options) {
       for (const LogRepair& repair : log.repairs)
         if (warned.insert(repair.says).second) spdlog::warn(repair.says);
       if (!named && log.meta.vehicle.empty())
-        throw DataError(fmt::format("{}: \"vehicle\" is missing (whose flight is this?) name it here or with --vehicle",
-                                    sidecar_path(path)));
+        throw DataError(fmt::format(
+            "{}: \"vehicle\" is missing (whose flight is this?); name it here or with --vehicle", sidecar_path(path)));
       VehicleModel vehicle = named ? *named : read_vehicle(log.meta.vehicle, sidecar_path(path));
       if (vehicle.nominal_voltage_V == 0.0) vehicle.nominal_voltage_V = assumed_V;
       assume_nominal_voltage(vehicle, log);
@@ -135,7 +135,7 @@ void add_replay(CLI::App& app) {
       app.add_subcommand("replay", "says how far the simulation is from recorded flights: open-loop rollouts");
   command->add_option("FLIGHT", options->flights, "flight logs, NAME.csv or NAME.csv.gz")->required();
   command->add_option("--vehicle", options->vehicle,
-                      "name under models/ or path to a vehicle.toml (default: what the logs say)");
+                      "name under models/ or path to a vehicle.toml or its folder (default: what the logs say)");
   command->add_option("--with", options->with, "TOML with [[effect]] tables: the model to compare, values are totals");
   command->add_option("--horizon", options->horizon_s, "seconds ahead, rising, separated by commas")
       ->delimiter(',')

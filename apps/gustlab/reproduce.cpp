@@ -101,7 +101,7 @@ void reproduce_command(const ReproduceArguments& options) {
   if (!options.experiment.empty()) {
     if (options.table == "all")
       throw ConfigError(
-          "--experiment stands for one table (which of the paper's is it compared with?) name table1, table2 or "
+          "--experiment stands for one table (which of the paper's is it compared with?); name table1, table2 or "
           "table3");
     for (Experiment& variant : read_variants(find_experiment(options.experiment))) {
       const std::string folder = variant_folder(options.out, variant);

@@ -24,10 +24,9 @@ struct RunArguments {
 };
 
 [[noreturn]] void not_there(const std::string& option, const std::string& name, const std::vector<std::string>& known) {
-  const std::string near = config::suggest(name, known);
-  throw ConfigError(fmt::format("{} {}: not in this experiment (it has {}){}{}", option, name,
-                                known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")),
-                                near.empty() ? "" : " ", near));
+  throw ConfigError(worded(fmt::format("{} {}: not in this experiment", option, name),
+                           fmt::format("it has {}", known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))),
+                           config::suggest(name, known)));
 }
 
 std::size_t find_choice(const std::vector<Choice>& choices, const std::string& name, const std::string& option) {

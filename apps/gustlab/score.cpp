@@ -17,7 +17,7 @@ struct ScoreArguments {
 
 void score(const ScoreArguments& options) {
   if (options.places.size() % 2 != 0)
-    throw ConfigError("score: answers without a folder (expected pairs of FILE DIR) add the folder of the trials");
+    throw ConfigError("score: answers without a folder (expected pairs of FILE DIR); add the folder of the trials");
   std::vector<TrialSet> sets;
   for (std::size_t i = 0; i < options.places.size(); i += 2) sets.push_back({options.places[i], options.places[i + 1]});
   const nlohmann::ordered_json result = score_trials(sets, options.diagnosis);

@@ -36,7 +36,7 @@ const std::array<Script, 4> scripts{
   words.push_back(nullptr);
   execv(words[0], words.data());
   throw std::runtime_error(
-      fmt::format("{}: cannot be started ({}) run scripts/setup.sh", command[0], std::strerror(errno)));
+      fmt::format("{}: cannot be started ({}); run scripts/setup.sh", command[0], std::strerror(errno)));
 }
 
 // its options are the script's own, --help too

@@ -30,7 +30,7 @@ Shard read_shard(const std::string& text) {
   int end = 0;
   if (std::sscanf(text.c_str(), "%zu/%zu%n", &shard.part, &shard.parts, &end) != 2 ||
       end != static_cast<int>(text.size()) || shard.part < 1 || shard.part > shard.parts)
-    throw ConfigError(fmt::format("--shard {}: not a shard (i/N with 1 ≤ i ≤ N) for example --shard 1/3", text));
+    throw ConfigError(fmt::format("--shard {}: not a shard (i/N with 1 ≤ i ≤ N); for example --shard 1/3", text));
   return shard;
 }
 
@@ -67,7 +67,7 @@ void sweep_command(const SweepArguments& options) {
     for (const Experiment& variant : variants) print_plan(variant, shard);
     return;
   }
-  if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results) or use --dry-run");
+  if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results); or use --dry-run");
 
   for (const Experiment& variant : variants) sweep_into(variant_folder(options.out, variant), variant, shard, options);
   if (!variants.front().variant.empty() && options.variants.empty()) write_combined(options.out);

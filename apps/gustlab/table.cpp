@@ -86,13 +86,15 @@ void warn_of_unused(const std::map<std::string, std::string>& names, const std::
   const std::vector<std::string> known(here.begin(), here.end());
   for (const auto& [ours, theirs] : names)
     if (here.count(ours) == 0)
-      spdlog::warn("--names {}={}: this table has no {} {}", ours, theirs, ours, config::suggest(ours, known));
+      spdlog::warn(worded(fmt::format("--names {}={}: this table has no {}", ours, theirs, ours), "",
+                          config::suggest(ours, known)));
 }
 
 void table_command(TableArguments options) {
   if (options.format == "html") {
     const Results results = read_results(options.folder);
-    if (results.rows.empty()) throw DataError(fmt::format("{}: no runs (nothing to show) sweep first", options.folder));
+    if (results.rows.empty())
+      throw DataError(fmt::format("{}: no runs (nothing to show); sweep first", options.folder));
     const std::string page = sweep_page(results, paths_in(options.folder, results.rows));
     std::fwrite(page.data(), 1, page.size(), stdout);
     return;
@@ -110,7 +112,7 @@ void table_command(TableArguments options) {
     const std::size_t equals = name.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == name.size())
       throw ConfigError(fmt::format(
-          "--names {}: not a name (ours=theirs) for example --names daiml=ADAIML,lemniscate=infinity", name));
+          "--names {}: not a name (ours=theirs); for example --names daiml=ADAIML,lemniscate=infinity", name));
     options.table.names[name.substr(0, equals)] = name.substr(equals + 1);
   }
   const Results results = read_results(options.folder);

@@ -52,8 +52,8 @@ double quantity(const std::string& option, const std::string& text,
       throw ConfigError(fmt::format("{}: \"{}\" is not above zero", option, text));
     return value * factor;
   }
-  throw ConfigError(fmt::format("{}: \"{}\" is not a number with a unit (units: {}) write for example {}", option, text,
-                                fmt::join(known, ", "), units.front().first == "kg" ? "1.2kg" : "0.25m"));
+  throw ConfigError(fmt::format("{}: \"{}\" is not a number with a unit (units: {}); write for example {}", option,
+                                text, fmt::join(known, ", "), units.front().first == "kg" ? "1.2kg" : "0.25m"));
 }
 
 // what is left of a millionth is rounding
@@ -111,14 +111,15 @@ void compare_layout(const nlohmann::json& said, const NewArguments& options) {
   const Layout& layout = find_layout(options.layout);
   if (!said["rotors"].is_null() && said["rotors"]["value"] != layout.places.size())
     throw ConfigError(fmt::format(
-        "--layout: \"{}\" has {} rotors, and {} flew in {} (its {}) leave --layout out, or give the layout that flew",
+        "--layout: \"{}\" has {} rotors, and {} flew in {} (its {}); leave --layout out, or give the layout that flew",
         layout.name, layout.places.size(), said["rotors"]["value"].get<int>(), options.log,
         said["rotors"]["source"].get<std::string>()));
   if (said["hubs"].is_null()) return;
   const std::vector<Hub> hubs = hubs_on_circle(layout, 1.0);
   if (!std::all_of(hubs.begin(), hubs.end(), [&](const Hub& hub) { return has_hub(hub, said["hubs"]); }))
     spdlog::warn(
-        "--layout: the rotors of \"{}\" do not lie and turn as those of {} ({}) check which of them is right; --layout "
+        "--layout: the rotors of \"{}\" do not lie and turn as those of {} ({}); check which of them is right; "
+        "--layout "
         "is written",
         layout.name, options.log, said["hubs_source"].get<std::string>());
 }
@@ -163,7 +164,7 @@ void make_new(const NewArguments& options) {
   for (const auto& path : {file, body})
     if (std::filesystem::exists(path))
       throw ConfigError(
-          fmt::format("{}: is there already (a vehicle is never overwritten) name another --out", path.string()));
+          fmt::format("{}: is there already (a vehicle is never overwritten); name another --out", path.string()));
   write_together([&] {
     make_folder(folder.string());
     write_file(body.string(), files.mjcf);
@@ -270,7 +271,7 @@ void add_check(CLI::App& group) {
   const auto name = std::make_shared<std::string>(), format = std::make_shared<std::string>("text");
   CLI::App* command = group.add_subcommand(
       "check", "flies a hover in simulation and looks for contradictions; exit 1 when there are some");
-  command->add_option("VEHICLE", *name, "name under models/ or path to a vehicle.toml")->required();
+  command->add_option("VEHICLE", *name, "name under models/ or path to a vehicle.toml or its folder")->required();
   command->add_option("--format", *format)->check(CLI::IsMember({"text", "json"}))->capture_default_str();
   command->callback([name, format] { check(*name, *format); });
 }

@@ -38,7 +38,7 @@ void check_new(const fs::path& folder, const VehicleModel& vehicle) {
   for (const fs::path& path : {folder / "vehicle.toml", folder / fs::path(vehicle.mjcf_path).filename()})
     if (fs::exists(path))
       throw ConfigError(
-          fmt::format("{}: is there already (a vehicle is never overwritten) name another --out", path.string()));
+          fmt::format("{}: is there already (a vehicle is never overwritten); name another --out", path.string()));
   check_folder_can_be_made(folder.string());
 }
 
@@ -206,7 +206,7 @@ void fit(const FitArguments& options) {
         "vehicle fit takes flight logs or --thrust-stand FILE.csv, one of them (see gustlab vehicle fit --help)");
   if (options.thrust_stand.empty()) return fit_flights(options);
   if (options.vehicle.empty()) throw ConfigError("--vehicle is missing: whose rotor was on the thrust stand?");
-  if (!options.holdout.empty()) throw ConfigError("--holdout: a thrust stand has no flights to hold out leave it out");
+  if (!options.holdout.empty()) throw ConfigError("--holdout: a thrust stand has no flights to hold out; leave it out");
   fit_stand(options);
 }
 
@@ -224,7 +224,7 @@ void add_vehicle_fit(CLI::App& group) {
                       "CSV of one rotor: thrust_N (or thrust_gf, thrust_kgf), speed_radps (or speed_rpm), torque_Nm, "
                       "voltage_V, throttle (or pulse_us, pwm)");
   command->add_option("--vehicle", options->vehicle,
-                      "name under models/ or path to a vehicle.toml (default: what the logs say)");
+                      "name under models/ or path to a vehicle.toml or its folder (default: what the logs say)");
   command->add_option("--out", options->out, "folder of the new vehicle")->required();
   add_jobs(*command, options->jobs);
   command->callback([options] { fit(*options); });

@@ -7,7 +7,15 @@
 
 namespace gustlab {
 
-// A message `file:line:col: problem (why) suggestion`, written once to stderr by main().
+// How a message is worded: `problem (why); suggestion`, without what is empty. Messages that are written as one text keep to it.
+inline std::string worded(std::string_view problem, std::string_view why, std::string_view suggestion) {
+  std::string text(problem);
+  if (!why.empty()) text.append(" (").append(why).append(")");
+  if (!suggestion.empty()) text.append("; ").append(suggestion);
+  return text;
+}
+
+// A message `file:line:col: problem (why); suggestion`, written once to stderr by main().
 class UserError : public std::runtime_error {
  public:
   UserError(int exit_code, const std::string& message) : std::runtime_error(message), exit_code_(exit_code) {}

@@ -36,11 +36,8 @@ def vehicle_file(flight: FlightFile, wanted: str | None) -> Path:
     named = wanted or flight.sidecar.get("vehicle")
     if not named:
         raise Refusal(f"{flight.path}: its sidecar names no vehicle (give --vehicle)", USAGE)
-    beside = flight.path.parent / str(named)
     try:
-        if not wanted and beside.is_file():
-            return beside
-        return find_vehicle(str(named))
+        return find_vehicle(str(named), Path() if wanted else flight.path.parent)
     except ImportFailure as failure:
         raise Refusal(str(failure), failure.code) from None
 

@@ -12,7 +12,8 @@ from .from_table import import_table
 from .kinds import kind_of, reader_of
 from .outcome import FORMAT, as_document, as_json, as_text
 from .problems import DATA, IO, USAGE, ImportFailure, printable
-from .progress import Progress
+from .progress import LogProgress
+from .segments import reasons
 from .vehicle_file import read_vehicle
 from .write_log import csv_text, file_on_the_way, write_all
 
@@ -36,7 +37,7 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--keep-position", action="store_true", help="keep latitude and longitude of the origin in the sidecar")
     parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
     parser.add_argument("-q", "--quiet", action="store_true", help="errors only")
-    parser.add_argument("-v", "--verbose", action="store_true", help="also the topics of logs that hold a flight")
+    parser.add_argument("-v", "--verbose", action="store_true", help="also the noise of each flight, and the topics of logs that hold one")
     return parser.parse_intermixed_args(argv)
 
 
@@ -55,18 +56,17 @@ def run(argv: list) -> int:
     column_map = load_map(options.map) if options.map else None
     vehicle = read_vehicle(options.vehicle, options.out) if options.vehicle else None
     outcomes, names = [], {}
-    progress = Progress("logs", options.quiet)
-    for path in options.inputs:
-        progress.show(len(outcomes), len(options.inputs))
-        name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
-        if name in names and options.out is not None:
-            raise ImportFailure(f"{path}: would be written over {names[name]} (both give {name}); use two --out", USAGE)
-        names[name] = path
-        if column_map is not None:
-            outcomes.append(import_table(path, name, column_map, vehicle, options))
-        else:
-            outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
-    progress.end()
+    with LogProgress(len(options.inputs), options.quiet) as progress:
+        for path in options.inputs:
+            name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
+            if name in names and options.out is not None:
+                raise ImportFailure(f"{path}: would be written over {names[name]} (both give {name}); use two --out", USAGE)
+            names[name] = path
+            progress.begin(path)
+            if column_map is not None:
+                outcomes.append(import_table(path, name, column_map, vehicle, options))
+            else:
+                outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
     if not options.quiet:
         print(as_json(as_document(outcomes)) if options.format == "json" else as_text(outcomes, options.verbose), end="")
     # one unusable recording holds all back: a set of flights with a silent hole would be worse
@@ -85,7 +85,7 @@ def refusals(outcomes: list, keep_unusable: bool) -> int:
             print(printable(f"{one.file}: not usable: {wrong.says}"), file=sys.stderr)
             unusable = True
         elif not one.flights:
-            print(printable(f"{one.file}: no flight: {'; '.join(dict.fromkeys(why for _, _, why in one.refused))}"), file=sys.stderr)
+            print(printable(f"{one.file}: no flight: {'; '.join(reasons(one.refused))}"), file=sys.stderr)
     if unusable and not keep_unusable:
         return DATA
     return 0 if any(one.flights for one in outcomes) else DATA

@@ -8,6 +8,7 @@ from .flight import Flight, on_one_clock
 from .limits import cannot_tell
 from .outcome import Outcome
 from .problems import USAGE, Finding, ImportFailure
+from .progress import stage
 from .segments import running, split
 from .streams import Recording
 from .vehicle_file import Vehicle
@@ -19,6 +20,7 @@ LAST_s = 0.25           # before a log's end: the motors' last sample in it
 
 
 def import_recording(recording: Recording, name: str, vehicle, options) -> Outcome:
+    stage("checking")
     battery(recording)
     if ends_in_the_air(recording):
         recording.findings.append(Finding("gap", "time_s", recording.end_s, recording.end_s, "note", f"the log ends in the air, after "

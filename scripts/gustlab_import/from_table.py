@@ -8,6 +8,7 @@ from .flight import convert
 from .limits import cannot_tell
 from .outcome import Outcome
 from .problems import USAGE, ImportFailure
+from .progress import stage
 from .tables import Table, read_csv, read_parquet
 from .usd_log import read_usd
 from .vehicle_file import read_vehicle, shipped
@@ -38,11 +39,13 @@ def fits_rotors(column_map: ColumnMap, vehicle, given: str) -> None:
 
 def import_table(path: Path, name: str, column_map: ColumnMap, vehicle, options) -> Outcome:
     table = read_table(path, column_map)
+    stage("checking")
     reference = vehicle.reference if vehicle else column_map.get("", "vehicle")
     if reference is None:
         raise ImportFailure(f"{options.map.removesuffix('.toml')}.toml:1:1: `vehicle` is missing, and --vehicle is not given", USAGE)
     # a path may lead to a file that is still to come
-    if "/" not in reference and not reference.endswith(".toml") and reference not in shipped():
+    folder = (Path(options.out or ".") / reference / "vehicle.toml").is_file()
+    if "/" not in reference and not reference.endswith(".toml") and reference not in shipped() and not folder:
         raise ImportFailure(f'{options.map.removesuffix(".toml")}.toml:1:1: there is no vehicle "{reference}" under models/ (a path ends in .toml); '
                             f"{suggest(reference, shipped())}", USAGE)
     known = vehicle or (read_vehicle(reference, options.out) if reference in shipped() else None)

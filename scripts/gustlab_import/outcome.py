@@ -84,18 +84,19 @@ def _sources(flight: Flight) -> dict:
     return out
 
 
-def as_text(outcomes: list, topics: bool = False) -> str:
-    return "\n".join(line for one in outcomes for line in _lines(one, topics)) + "\n"
+def as_text(outcomes: list, verbose: bool = False) -> str:
+    return "\n".join(line for one in outcomes for line in _lines(one, verbose)) + "\n"
 
 
-def _lines(one: Outcome, topics: bool) -> list:
+def _lines(one: Outcome, verbose: bool) -> list:
     lines = [f"{printable(one.file)}: {one.autopilot or one.kind}, {one.airframe} ({one.kind})"]
     for name, flight, _ in one.flights:
         span = f"{flight.time_s[0]:.2f} to {flight.time_s[-1]:.2f} s" if len(flight.time_s) else "nothing left"
         lines.append(f"  flight {name}: {span}, {len(flight.time_s)} rows")
         lines += [f"    {quantity}: {hz:g} Hz ({_sources(flight).get(quantity, '')})"
                   for quantity, hz in rates(flight).items() if hz]
-        lines.append("    noise from sample to sample (SI units): " + _noise_text(noise(flight)))
+        if verbose:
+            lines.append("    noise from sample to sample (SI units): " + _noise_text(noise(flight)))
         lines.append("    enough to judge: " + ("; ".join(can_tell(flight)) or "nothing"))
     lines += [f"  refused: {a:.2f} to {b:.2f} s: {why}" for a, b, why in one.refused]
     for name, finding in one.all_findings():
@@ -106,7 +107,7 @@ def _lines(one: Outcome, topics: bool) -> list:
     for limit in one.limits:
         together.setdefault(limit["why"] + (f"; {limit['setting']}" if "setting" in limit else ""), []).append(limit["effect"])
     lines += [f"  cannot tell {', '.join(effects)}: {why}" for why, effects in together.items()]
-    if one.topics and (topics or not one.flights):
+    if one.topics and (verbose or not one.flights):
         lines.append("  holds: " + _topics_text(one.topics))
     return lines
 

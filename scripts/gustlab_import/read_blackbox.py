@@ -8,6 +8,7 @@ import numpy as np
 from . import airframes
 from .motors import put_speeds
 from .problems import Finding, ImportFailure
+from .progress import stage
 from .streams import BATTERY, FORCE, RATE, Recording, stream
 from .tables import read_bytes
 
@@ -27,6 +28,7 @@ def read_blackbox(path: Path) -> Recording:
     best = None
     for begin, end in parts:
         log = FlightLogParser(data, begin, end)
+        stage("reading", lambda log=log: log.stream.pos / len(data))
         try:
             log.parse_header()
             log.parse_data()

@@ -14,6 +14,7 @@ import numpy as np
 from . import airframes, frames
 from .motors import ardupilot_range, ardupilot_share, pulse_share, put_speeds
 from .problems import Finding, ImportFailure
+from .progress import stage
 from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, rate_of, spans, stream
 from .tables import read_bytes
 
@@ -82,6 +83,7 @@ def _dataflash_time(message) -> float:
 def _collect(log, kind, time) -> dict:
     """type -> list of (time_s, message)"""
     out = defaultdict(list)
+    stage("reading", lambda: 0.01 * log.percent)
     while (message := log.recv_msg()) is not None:
         if message.get_type() not in ("FMT", "FMTU", "UNIT", "MULT", "BAD_DATA"):
             out[kind(message)].append((time(message), message))

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from .problems import ImportFailure
+from .progress import stage
 from .rotations import rotate
 from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, rate_of, stream
 from .tables import Table, read_bytes
@@ -112,8 +113,10 @@ class _Bag:
 
     def _read(self, reader) -> None:
         start = reader.start_time
-        raw = {}
+        raw, read = {}, 0
+        stage("reading", lambda: read / max(1, reader.message_count))
         for connection, received, data in reader.messages():
+            read += 1
             try:
                 message = reader.deserialize(data, connection.msgtype)
             except Exception:  # a type whose definition the bag does not hold

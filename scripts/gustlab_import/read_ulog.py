@@ -10,6 +10,7 @@ import numpy as np
 from . import airframes, frames
 from .motors import allocated_motors, pulse_share, put_speeds, thrust_share
 from .problems import Finding, ImportFailure
+from .progress import stage
 from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, Rotor, rate_of, spans, stream
 from .tables import read_bytes
 from .ulog_damage import without_damage
@@ -42,11 +43,12 @@ def _load(name: str, data: bytes):
     from pyulog import ULog  # a second to import
     if data[:7] != b"ULog\x01\x12\x35":
         raise ImportFailure(f"{name}: byte 0: not a PX4 ULog (the file does not begin with its mark); fetch it again")
-    said = io.StringIO()
+    said, file = io.StringIO(), io.BytesIO(data)
+    stage("reading", lambda: file.tell() / len(data))
     try:
         # what pyulog prints would stand in the middle of the document
         with contextlib.redirect_stdout(said):
-            return ULog(io.BytesIO(data)), " ".join(dict.fromkeys(said.getvalue().split("\n"))).strip()
+            return ULog(file), " ".join(dict.fromkeys(said.getvalue().split("\n"))).strip()
     except Exception as error:  # pyulog raises whatever a damaged byte leads to
         raise ImportFailure(f"{name}: the ULog cannot be read ({type(error).__name__}: {error}); fetch it again") from error
 

@@ -1,5 +1,7 @@
 """Which parts of a recording are flights: armed, in the air, without gaps and resets; and why the rest is refused."""
 
+import re
+
 import numpy as np
 
 from .streams import POSITION, Recording, Stream
@@ -14,6 +16,7 @@ BROWN_OUT_V = 4.3       # of a supply of 5 V: processors and sensors are specifi
 RUNNING_SHARE = 0.4     # of the median command of the running motors: below it, over a second, the vehicle does not fly
 LONGEST_DIVE_s = 4.0    # with idle motors
 CLEAR_m = 0.1           # above where it stood: below that the ground may carry a part of the weight
+ON_THE_GROUND = ("armed, on the ground", "on the ground", "disarmed")   # how these reasons begin
 NEEDED = ("position", "specific_force", "body_rate")
 
 
@@ -40,6 +43,14 @@ def split(recording: Recording) -> tuple:
         flights.remove(span)
         refused.append((*span, f"too short: {span[1] - span[0]:.1f} s in the air, {SHORTEST_s:g} s are needed"))
     return sorted(flights), sorted(part for part in refused if part[1] - part[0] > 0.05)
+
+
+def reasons(refused: list) -> list:
+    """Why a log gave no flight: of reasons that differ in their numbers alone that of the longest part. That the vehicle stood is none beside others."""
+    longest = {}
+    for _, _, why in sorted(refused, key=lambda part: part[0] - part[1]):
+        longest.setdefault(re.sub(r"\d+(\.\d+)?", "", why), why)
+    return [why for why in longest.values() if not why.startswith(ON_THE_GROUND)] or list(longest.values())
 
 
 def not_judged(recording: Recording) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from .problems import DATA, ImportFailure
+from .progress import stage
 
 
 LARGEST = 1e30   # of a number that could be meant; nanoseconds since 1970 are 2e18
@@ -64,8 +65,10 @@ def read_csv(path: Path) -> Table:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ImportFailure(f"{path}:1:1: not a text file ({error.reason}); {_instead_of_text(raw)}") from error
+    lines = io.StringIO(text, newline=None)
+    stage("reading", lambda: lines.tell() / len(text))
     try:
-        return _table_of(csv.reader(io.StringIO(text, newline=None)), path, digest)
+        return _table_of(csv.reader(lines), path, digest)
     except csv.Error as error:
         raise ImportFailure(f"{path}:1:1: not a table of comma separated cells ({error}); save it as CSV again") from error
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from .problems import Finding, ImportFailure
+from .progress import stage
 from .tables import Table, read_bytes
 
 MAGIC = 0xBC
@@ -83,6 +84,7 @@ def read_usd(path: Path, event: str) -> Table:
     wanted, rows = names[event], []
     crc_fits = len(data) >= reader.at + 4 and zlib.crc32(data[:-4]) == struct.unpack("<I", data[-4:])[0]
     end = len(data) - 4 if crc_fits else len(data)
+    stage("reading", lambda: reader.at / len(data))
     while reader.at < end:
         left = end - reader.at
         identifier = struct.unpack_from("<H", data, reader.at)[0] if left >= 2 else None

@@ -23,11 +23,13 @@ class Vehicle:
     inputs: tuple
 
 
-def find_vehicle(wanted: str) -> Path:
-    """The vehicle.toml of a name under models/, or of a path to it or to its folder."""
-    given = Path(wanted)
-    for path in (given / "vehicle.toml" if given.is_dir() else given, MODELS / wanted / "vehicle.toml"):
-        if path.is_file():
+def find_vehicle(wanted: str, beside: Path = Path()) -> Path:
+    """The vehicle.toml of a name under models/, or of a path from `beside` to it or to its folder."""
+    if wanted in shipped():
+        return MODELS / wanted / "vehicle.toml"
+    given = beside / wanted
+    for path in (given, given / "vehicle.toml"):
+        if wanted and path.is_file():
             return path
     raise ImportFailure(f"--vehicle {wanted}: no vehicle of this name under models/ and no such file; {suggest(wanted, shipped())}",
                         USAGE)
@@ -41,14 +43,14 @@ def shipped() -> list:
 def read_vehicle(wanted: str, beside) -> Vehicle:
     """`beside` is the folder of the flight logs, for a relative path."""
     path = find_vehicle(wanted)
-    reference = wanted if path == MODELS / wanted / "vehicle.toml" else Path(os.path.relpath(path.resolve(), Path(beside or ".").resolve())).as_posix()
+    reference = wanted if wanted in shipped() else Path(os.path.relpath(path.resolve(), Path(beside or ".").resolve())).as_posix()
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
         if document.get("format") != FORMAT:
-            raise ImportFailure(f'{path}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}") make one with `gustlab vehicle new`', USAGE)
+            raise ImportFailure(f'{path}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}"); make one with `gustlab vehicle new`', USAGE)
         return Vehicle(reference, _rotors(path, document), _inputs(document))
     except tomllib.TOMLDecodeError as error:
-        raise ImportFailure(f"{path}:1:1: --vehicle: not a vehicle file ({error}) give its vehicle.toml", USAGE) from error
+        raise ImportFailure(f"{path}:1:1: --vehicle: not a vehicle file ({error}); give its vehicle.toml", USAGE) from error
     except (OSError, UnicodeDecodeError, xml.ParseError) as error:
         raise ImportFailure(f"{path}:1:1: --vehicle: cannot be read ({error})", USAGE) from error
 

@@ -63,9 +63,9 @@ class Objective {
                                       calibration.table, cell.trajectory, cell.controller));
       published_.push_back(statistic_of(row->figures[cell.metric], cell.statistic));
       if (!(published_.back() > 0.0))
-        throw ConfigError(fmt::format("{}: the {} of {} {} is published as zero (the loss is a logarithm) leave it out",
-                                      cell.where, statistic_names[static_cast<std::size_t>(cell.statistic)],
-                                      cell.trajectory, cell.controller));
+        throw ConfigError(
+            fmt::format("{}: the {} of {} {} is published as zero (the loss is a logarithm); leave it out", cell.where,
+                        statistic_names[static_cast<std::size_t>(cell.statistic)], cell.trajectory, cell.controller));
       published_runs_ = row->figures[cell.metric].n;
     }
     overrides_.push_back("trajectories=" + quoted_list(trajectories));

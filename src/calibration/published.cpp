@@ -136,7 +136,7 @@ void Published::check_vehicle(const std::string& table, const Experiment& experi
   const auto of = vehicles.find(table);
   if (of != vehicles.end() && of->second != experiment.vehicle.name)
     throw ConfigError(
-        fmt::format("{}: {} flies {} (the paper's is of {}) its figures are not to be compared with another vehicle's",
+        fmt::format("{}: {} flies {} (the paper's is of {}); its figures are not to be compared with another vehicle's",
                     table, experiment.name, experiment.vehicle.name, of->second));
 }
 

@@ -28,7 +28,7 @@ void check_unique(const std::vector<EffectSpec>& specs) {
   std::vector<EffectSpec> seen;
   for (const EffectSpec& spec : specs) {
     if (const EffectSpec* first = find(seen, spec))
-      throw ConfigError(fmt::format("{}: effect \"{}\" is here twice (first at {}) keep one", spec.where,
+      throw ConfigError(fmt::format("{}: effect \"{}\" is here twice (first at {}); keep one", spec.where,
                                     identity(spec), first->where));
     seen.push_back(spec);
   }

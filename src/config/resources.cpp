@@ -26,7 +26,7 @@ std::string find_resource(const std::string& relative_path) {
   for (const fs::path& home : resource_homes())
     if (std::error_code error; fs::exists(home / relative_path, error)) return (home / relative_path).string();
   throw ConfigError(
-      fmt::format("{}: not found (neither in GUSTLAB_HOME nor beside the program or its source) "
+      fmt::format("{}: not found (neither in GUSTLAB_HOME nor beside the program or its source); "
                   "set GUSTLAB_HOME to the folder that holds models/",
                   relative_path));
 }

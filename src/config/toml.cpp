@@ -114,7 +114,7 @@ void check_depth(std::string_view text, const std::string& path) {
     } else if (c == '.') {
       if (++dots > most_dots)
         throw ConfigError(
-            fmt::format("{}:{}:{}: a key of more than {} parts (nothing is nested as deep) write a shorter one", path,
+            fmt::format("{}:{}:{}: a key of more than {} parts (nothing is nested as deep); write a shorter one", path,
                         line, i - begin + 1, most_dots));
     } else if (c != ' ' && c != '\t' && c != '_' && c != '-' && !std::isalnum(static_cast<unsigned char>(c))) {
       dots = 0;
@@ -137,7 +137,7 @@ toml::table parse_override(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw ConfigError(
-        fmt::format("{}: not an override (there is no key before an equals sign) write --set key=value", where));
+        fmt::format("{}: not an override (there is no key before an equals sign); write --set key=value", where));
   check_depth(text, where);
   try {
     return toml::parse(text, where);
@@ -169,9 +169,9 @@ std::vector<std::string> split_words(std::string_view text) {
 // what an override says of a table that an array does not have
 [[noreturn]] void throw_no_table(const std::string& where, std::string_view key, std::string_view type,
                                  const std::string& suggestion = "") {
-  throw ConfigError(fmt::format(
-      "{}: there is no {}.{} to change {}", where, key, type,
-      suggestion.empty() ? fmt::format("(write [[{}]] with type = \"{}\" into the file)", key, type) : suggestion));
+  throw ConfigError(worded(
+      fmt::format("{}: there is no {}.{} to change", where, key, type),
+      suggestion.empty() ? fmt::format("write [[{}]] with type = \"{}\" into the file", key, type) : "", suggestion));
 }
 
 // moves what an override says into the document; in an array of tables a name means the table with that type
@@ -268,10 +268,7 @@ std::vector<std::string> Table::keys() const {
 
 void Table::fail(std::string_view key, const std::string& problem, const std::string& why,
                  const std::string& suggestion) const {
-  std::string message = where(has(key) ? key : std::string_view{}) + ": " + problem;
-  if (!why.empty()) message += " (" + why + ")";
-  if (!suggestion.empty()) message += " " + suggestion;
-  throw ConfigError(message);
+  throw ConfigError(where(has(key) ? key : std::string_view{}) + ": " + worded(problem, why, suggestion));
 }
 
 // the value under a key as one type; absent is not an error, another type is
@@ -422,25 +419,41 @@ std::vector<std::string> Table::need_texts(std::string_view key) {
   return *value;
 }
 
-void Table::finish() const {
+std::vector<std::string> Table::unknown_keys() const {
+  std::vector<std::string> messages;
   for (const std::string& key : keys()) {
     if (node_->asked.contains(key)) continue;
     const auto entry = node_->table->find(key);
     const bool overridden = entry->second.source().path && entry->second.source().path->starts_with(command_line);
     const std::vector<std::string> known(node_->asked.begin(), node_->asked.end());
     const bool elsewhere = overridden || !node_->places.empty();
-    std::string message =
-        fmt::format("{}: unknown key \"{}\"", elsewhere ? where(key) : place(entry->first.source(), node_->path), key);
-    if (known.empty()) message += " (none is known here)";
-    else if (const std::string near = suggest(key, known); !near.empty()) message += " " + near;
-    else message += fmt::format(" (known: {})", fmt::join(known, ", "));
-    throw ConfigError(message);
+    const std::string near = suggest(key, known);
+    messages.push_back(worded(
+        fmt::format("{}: unknown key \"{}\"", elsewhere ? where(key) : place(entry->first.source(), node_->path), key),
+        known.empty()  ? "none is known here"
+        : near.empty() ? fmt::format("known: {}", fmt::join(known, ", "))
+                       : "",
+        near));
   }
   for (const auto& [key, child] : node_->children) {
     Table table;
     table.node_ = child;
-    table.finish();
+    for (std::string& message : table.unknown_keys()) messages.push_back(std::move(message));
   }
+  return messages;
+}
+
+void Table::finish() const {
+  if (const std::vector<std::string> messages = unknown_keys(); !messages.empty()) throw ConfigError(messages.front());
+}
+
+void Problems::add(const std::string& message) {
+  if (!message.empty() && std::find(messages_.begin(), messages_.end(), message) == messages_.end())
+    messages_.push_back(message);
+}
+
+void Problems::raise() const {
+  if (!messages_.empty()) throw ConfigError(fmt::format("{}", fmt::join(messages_, "\n")));
 }
 
 }  // namespace gustlab::config

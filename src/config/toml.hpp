@@ -1,6 +1,6 @@
 // TOML with positions: every value knows file:line:col, every key must be known.
 //
-// Messages: `file:line:col: problem (why) suggestion`, thrown as ConfigError (or DataError for sidecars of recordings).
+// Messages: `file:line:col: problem (why); suggestion`, thrown as ConfigError (or DataError for sidecars of recordings).
 #pragma once
 
 #include <cstdint>
@@ -52,15 +52,38 @@ class Table {
   std::string need_text(std::string_view key);
   std::vector<std::string> need_texts(std::string_view key);
 
-  // Throws ConfigError at a key: where(key): problem (why) suggestion.
+  // Throws ConfigError at a key: where(key): problem (why); suggestion.
   [[noreturn]] void fail(std::string_view key, const std::string& problem, const std::string& why,
                          const std::string& suggestion) const;
-  // Every key of this table, and of those tables in it that were asked for, must have been asked for.
+  // What is to be said of each key of this table, and of those tables in it that were asked for, that nobody asked for.
+  std::vector<std::string> unknown_keys() const;
+  // Throws ConfigError for the first of them.
   void finish() const;
 
  private:
   struct Node;
   std::shared_ptr<Node> node_;
+};
+
+// All that is wrong with a file, for one message.
+class Problems {
+ public:
+  // Runs `read`, and keeps what it throws.
+  template <class Read>
+  void collect(Read read) {
+    try {
+      read();
+    } catch (const ConfigError& error) {
+      add(error.what());
+    }
+  }
+  // Keeps a message, once; an empty one is none.
+  void add(const std::string& message);
+  // Throws ConfigError when there are some, a line for each.
+  void raise() const;
+
+ private:
+  std::vector<std::string> messages_;
 };
 
 // Reads declared parameters from a table: types, ranges and unknown keys checked; absent keys keep their defaults.

@@ -157,7 +157,7 @@ class FeatureTerm::Reader {
     return out;
   }
   [[noreturn]] void fail(const std::string& problem, const std::string& suggestion) const {
-    throw ConfigError("term \"" + std::string(text_) + "\": " + problem + " " + suggestion);
+    throw ConfigError("term \"" + std::string(text_) + "\": " + worded(problem, "", suggestion));
   }
 
   std::string_view text_;
@@ -200,7 +200,7 @@ std::vector<FeatureTerm> parse_terms(std::span<const std::string> texts) {
     const std::string& name = terms.back().name();
     if (std::any_of(terms.begin(), terms.end() - 1, [&](const FeatureTerm& before) { return before.name() == name; }))
       throw ParameterError(
-          "terms", "term \"" + name + "\" is here twice (one coefficient cannot be told from the other) keep one");
+          "terms", "term \"" + name + "\" is here twice (one coefficient cannot be told from the other); keep one");
   }
   return terms;
 }

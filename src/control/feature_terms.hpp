@@ -45,7 +45,7 @@ class FeatureTerm {
   static constexpr int max_factors = 4;
   static constexpr int max_power = 9;
 
-  // Reads a term. Throws ConfigError, `problem (why) suggestion`, without a place.
+  // Reads a term. Throws ConfigError, `problem (why); suggestion`, without a place.
   static FeatureTerm parse(std::string_view text);
 
   // Canonical text; parse(name()) gives the same term.

@@ -16,7 +16,7 @@ LowLevel low_level_of(std::string_view choice, const VehicleModel& vehicle) {
   if (choice == "generic") return LowLevel::generic;
   if (choice != "auto")
     throw ParameterError("low_level",
-                         fmt::format("low_level = \"{}\" is unknown (it names the attitude and rate loops) "
+                         fmt::format("low_level = \"{}\" is unknown (it names the attitude and rate loops); "
                                      "use auto, crazyflie, ardupilot or generic",
                                      choice));
   // a firmware's gains fit the vehicle that they were tuned on
@@ -84,7 +84,7 @@ int ticks_per_update(std::string_view parameter, double rate_hz, double period_s
   if (!(whole >= 1.0) || std::abs(ticks - whole) > 1e-6 * whole)
     throw ParameterError(
         parameter,
-        fmt::format("{} = {} does not divide the base rate of {:.6g} Hz (a slower loop runs every n-th tick) "
+        fmt::format("{} = {} does not divide the base rate of {:.6g} Hz (a slower loop runs every n-th tick); "
                     "use base rate / n",
                     parameter, rate_hz, 1.0 / period_s));
   return static_cast<int>(whole);

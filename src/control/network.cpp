@@ -62,8 +62,8 @@ class Reader {
   [[noreturn]] void fail(std::size_t word, const std::string& problem, const std::string& suggestion) const {
     const std::size_t column =
         word < words_.size() ? static_cast<std::size_t>(words_[word].data() - line_.data()) : line_.size();
-    throw DataError(path_ + ":" + std::to_string(line_number_) + ":" + std::to_string(column + 1) + ": " + problem +
-                    " (a network of format " + std::string(format) + ") " + suggestion);
+    throw DataError(path_ + ":" + std::to_string(line_number_) + ":" + std::to_string(column + 1) + ": " +
+                    worded(problem, "a network of format " + std::string(format), suggestion));
   }
 
  private:

@@ -30,7 +30,7 @@ struct NetworkWeights {
   std::vector<Layer> layers;
 };
 
-// `path` stands in messages only. Throws DataError `path:line:col: problem (why) suggestion`.
+// `path` stands in messages only. Throws DataError `path:line:col: problem (why); suggestion`.
 NetworkWeights parse_network(const std::string& text, const std::string& path);
 std::string network_text(const NetworkWeights& weights);
 

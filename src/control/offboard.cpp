@@ -43,10 +43,10 @@ OffboardSetup OffboardFrame::reset(const OffboardOptions& options, const Control
   if (options.thrust_estimate != "command" && options.thrust_estimate != "rotor_speed")
     throw ParameterError("thrust_estimate",
                          "thrust_estimate = \"" + options.thrust_estimate +
-                             "\" is unknown (where the thrust is known from) use command or rotor_speed");
+                             "\" is unknown (where the thrust is known from); use command or rotor_speed");
   if (options.thrust_until != "arrival" && options.thrust_until != "stamp")
     throw ParameterError("thrust_until", "thrust_until = \"" + options.thrust_until +
-                                             "\" is unknown (where an interval ends) use arrival or stamp");
+                                             "\" is unknown (where an interval ends); use arrival or stamp");
   feedforward_ = options.feedforward;
   until_stamp_ = options.thrust_until == "stamp";
   from_rotor_speed_ = options.thrust_estimate == "rotor_speed";

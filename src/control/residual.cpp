@@ -26,7 +26,7 @@ void ResidualAdaptation::visit(ParameterVisitor& visitor) {
 void ResidualAdaptation::reset(const OffboardSetup& setup, const Adaptation::Parameters& start) {
   if (covariance_law_ != "corrected" && covariance_law_ != "printed")
     throw ParameterError("covariance_law", "covariance_law = \"" + covariance_law_ +
-                                               "\" is unknown (how P evolves) use corrected or printed");
+                                               "\" is unknown (how P evolves); use corrected or printed");
   options_.law = covariance_law_ == "printed" ? CovarianceLaw::printed : CovarianceLaw::corrected;
   mass_kg_ = setup.vehicle.mass_kg;
   weight_N_ = setup.vehicle.weight_N();

@@ -31,7 +31,7 @@ ResidualModel read_model(const InputFile& file) {
     return identified.model;
   }
   throw ConfigError(file.path +
-                    ": no [[effect]] of type \"sindy_residual\" (a model lists the active terms) name a file that "
+                    ": no [[effect]] of type \"sindy_residual\" (a model lists the active terms); name a file that "
                     "`gustlab identify --out` wrote");
 }
 
@@ -64,7 +64,7 @@ class AdaptiveSindy {
       terms_ = parse_terms(term_names_);
     } else {
       if (term_names_ != default_terms)
-        throw ParameterError("terms", "\"terms\" stands beside \"model\" (the model brings its own terms) keep one");
+        throw ParameterError("terms", "\"terms\" stands beside \"model\" (the model brings its own terms); keep one");
       model = read_model(model_);
       terms_.assign(model.terms().begin(), model.terms().end());
     }

@@ -44,7 +44,7 @@ class Daiml {
     network_ = weights_.bytes.empty() ? Network() : Network(read_network(weights_));
     if (!weights_.bytes.empty() && !std::equal(daiml_input_names.begin(), daiml_input_names.end(),
                                                network_.weights().inputs.begin(), network_.weights().inputs.end()))
-      throw ParameterError("weights", weights_.path + " looks at other inputs (see its line `inputs`) train it again");
+      throw ParameterError("weights", weights_.path + " looks at other inputs (see its line `inputs`); train it again");
     if (network_.outputs() + 1 > Adaptation::max_terms)
       throw ParameterError("weights",
                            weights_.path + " has more than " + std::to_string(Adaptation::max_terms - 1) + " outputs");

@@ -49,9 +49,9 @@ class Indi final : public Controller {
 
   void reset(const ControllerSetup& setup, const Observation& first) override {
     if (law_ != "firmware" && law_ != "flatness")
-      throw ParameterError("law", "law = \"" + law_ + "\" is unknown (which outer loop) use firmware or flatness");
+      throw ParameterError("law", "law = \"" + law_ + "\" is unknown (which outer loop); use firmware or flatness");
     if (inner_ != "indi" && inner_ != "low_level")
-      throw ParameterError("inner", "inner = \"" + inner_ + "\" is unknown (which inner loop) use indi or low_level");
+      throw ParameterError("inner", "inner = \"" + inner_ + "\" is unknown (which inner loop); use indi or low_level");
     flatness_ = law_ == "flatness";
     const LowLevel kind = low_level_of(low_level_, setup.vehicle);
     IndiOptions options = scaled(options_, setup.vehicle, kind, setup.period_s);

@@ -79,8 +79,9 @@ class PidController final : public Controller {
     if (feedforward_ == "velocity") return FeedForward::velocity;
     if (feedforward_ == "full") return FeedForward::full;
     throw ParameterError(
-        "feedforward", "feedforward = \"" + feedforward_ +
-                           "\" is unknown (what of the reference is fed forward) use firmware, none, velocity or full");
+        "feedforward",
+        "feedforward = \"" + feedforward_ +
+            "\" is unknown (what of the reference is fed forward); use firmware, none, velocity or full");
   }
 
   // each loop a third as fast as the one below it

@@ -73,7 +73,7 @@ class Gust final : public Effect {
   void prepare(const VehicleModel&, double, const RandomStream& stream) override {
     if (realisation_ != "seeded" && realisation_ != "fixed")
       throw ParameterError("realisation", "realisation = \"" + realisation_ +
-                                              "\" is unknown (which gusts runs meet) use seeded or fixed");
+                                              "\" is unknown (which gusts runs meet); use seeded or fixed");
     const bool fixed = realisation_ == "fixed";
     if (start_spread_s_ > 0.0 && !fixed)
       throw ParameterError("start_spread",

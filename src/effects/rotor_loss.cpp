@@ -25,7 +25,7 @@ class RotorLoss final : public Effect {
 
   void prepare(const VehicleModel& vehicle, double, const RandomStream&) override {
     if (rotor_ > vehicle.rotor_count)
-      throw ParameterError("rotor", fmt::format("rotor_loss: no rotor {} (the vehicle has {}) use 1 to {}", rotor_,
+      throw ParameterError("rotor", fmt::format("rotor_loss: no rotor {} (the vehicle has {}); use 1 to {}", rotor_,
                                                 vehicle.rotor_count, vehicle.rotor_count));
   }
 

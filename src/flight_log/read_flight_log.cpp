@@ -43,7 +43,7 @@ bool has_samples(const CsvNumbers& csv, const std::vector<std::size_t>& group) {
 void check_required(const CsvNumbers& csv, const std::string& path) {
   const auto missing = [&](const std::string& what, const std::string& why, std::string_view column = {}) {
     const std::string near = column.empty() ? "" : suggest_column(column, csv.names());
-    throw DataError(fmt::format("{}:1:1: {} ({}){}{}", path, what, why, near.empty() ? "" : " ", near));
+    throw DataError(worded(fmt::format("{}:1:1: {}", path, what), why, near));
   };
   if (find(csv, "time_s") < 0) missing("column \"time_s\" is missing", "every sample has a time", "time_s");
   if (find(csv, "u1") < 0 && find(csv, "rotor1") < 0)
@@ -70,7 +70,7 @@ void check_sizes(const CsvNumbers& csv) {
         std::find_if(values.begin(), values.end(), [&](double value) { return std::abs(value) > *most; });
     if (wrong == values.end()) continue;
     throw DataError(fmt::format(
-        "{}: {:.4g} in column {} is no measurement (at most {:g}) leave the cell empty when there is no sample",
+        "{}: {:.4g} in column {} is no measurement (at most {:g}); leave the cell empty when there is no sample",
         csv.where(static_cast<std::size_t>(wrong - values.begin()), c), *wrong, csv.names()[c], *most));
   }
 }
@@ -124,8 +124,8 @@ void check_attitude(CsvNumbers& csv, std::vector<LogRepair>& repairs) {
                                 {&csv.column(q[0]), &csv.column(q[1]), &csv.column(q[2]), &csv.column(q[3])},
                                 {&csv.column(w[0]), &csv.column(w[1]), &csv.column(w[2])}};
   if (const auto wrong = find_contradiction(columns))
-    throw DataError(fmt::format("{}: the attitude contradicts the body rate (from here on they turn differently){}{}",
-                                csv.where(wrong->row, q[0]), wrong->suggestion.empty() ? "" : " ", wrong->suggestion));
+    throw DataError(worded(csv.where(wrong->row, q[0]) + ": the attitude contradicts the body rate",
+                           "from here on they turn differently", wrong->suggestion));
 }
 
 }  // namespace
@@ -138,7 +138,7 @@ FlightLog read_flight_log(const std::string& csv_path, const std::vector<TimeRan
     throw DataError(fmt::format("{}: cannot read ({})", csv_path, why));
   if (const std::string why = why_unreadable(sidecar); !why.empty())
     throw DataError(
-        fmt::format("{}: cannot read ({}) a log needs its sidecar; gustlab import writes both, gustlab "
+        fmt::format("{}: cannot read ({}); a log needs its sidecar; gustlab import writes both, gustlab "
                     "defaults sidecar prints one",
                     sidecar, why));
   log.meta = read_sidecar(sidecar);

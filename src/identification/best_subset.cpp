@@ -60,7 +60,7 @@ struct Search {
 Fit best_subset(const RegressionData& data, const OptimizerOptions& options) {
   const Index terms = data.terms(), targets = data.targets();
   if (terms > most_terms) {
-    throw ConfigError("best_subset: " + std::to_string(terms) + " terms (every support is tried, so at most 16) " +
+    throw ConfigError("best_subset: " + std::to_string(terms) + " terms (every support is tried, so at most 16); " +
                       "use a smaller library, or sr3");
   }
   Search search{.theta = data.theta_factor(),

@@ -76,7 +76,7 @@ class Reader {
   }
   [[noreturn]] void fail(const std::string& problem) const {
     throw ConfigError(
-        fmt::format("constraint \"{}\": {} write for example fx[T sin theta] + fy[T sin phi] = 0", text_, problem));
+        fmt::format("constraint \"{}\": {}; write for example fx[T sin theta] + fy[T sin phi] = 0", text_, problem));
   }
 
   const std::string& text_;

@@ -79,7 +79,7 @@ DerivativeKind derivative_kind(std::string_view name) {
   for (DerivativeKind kind : {DerivativeKind::finite_difference, DerivativeKind::savitzky_golay}) {
     if (name == to_string(kind)) return kind;
   }
-  throw ConfigError("unknown differentiation \"" + std::string(name) + "\" use finite_difference or savitzky_golay");
+  throw ConfigError("unknown differentiation \"" + std::string(name) + "\"; use finite_difference or savitzky_golay");
 }
 
 std::string_view to_string(DerivativeKind kind) {
@@ -89,11 +89,11 @@ std::string_view to_string(DerivativeKind kind) {
 void Differentiation::check() const {
   if (smoothing_window < 1 || smoothing_window % 2 == 0) {
     throw ConfigError("smoothing window " + std::to_string(smoothing_window) +
-                      " (must be odd and positive) use 1 for none");
+                      " (must be odd and positive); use 1 for none");
   }
   if (window < 3 || window % 2 == 0 || degree < 1 || degree >= window) {
     throw ConfigError("Savitzky-Golay window " + std::to_string(window) + ", degree " + std::to_string(degree) +
-                      " (the window must be odd and longer than the degree, which is at least 1) use 11 and 3");
+                      " (the window must be odd and longer than the degree, which is at least 1); use 11 and 3");
   }
   if (!(edge_s >= 0.0) || !std::isfinite(edge_s)) throw ConfigError("edge must be a finite time of at least 0 s");
 }

@@ -113,7 +113,7 @@ std::vector<FeatureTerm> make_library(std::string_view text) {
   }
   if (terms.size() > max_terms) {
     throw ConfigError("library \"" + std::string(text) + "\": " + std::to_string(terms.size()) +
-                      " terms (at most 200) use a lower degree or fewer variables");
+                      " terms (at most 200); use a lower degree or fewer variables");
   }
   return terms;
 }

@@ -30,7 +30,8 @@ Columns find(const FlightLog& log, std::initializer_list<std::string_view> names
 Columns need(const FlightLog& log, std::initializer_list<std::string_view> names, std::string_view why) {
   Columns columns = find(log, names);
   if (columns.empty()) {
-    throw DataError(fmt::format("{}:1:1: columns {} are missing ({}) log them", log.path, fmt::join(names, ", "), why));
+    throw DataError(
+        fmt::format("{}:1:1: columns {} are missing ({}); log them", log.path, fmt::join(names, ", "), why));
   }
   return columns;
 }
@@ -90,7 +91,7 @@ class Extraction {
     }
     if (out.empty()) {
       throw DataError(
-          fmt::format("{}: no usable stretch is left (fewer than {} samples in a row, or all of it trimmed) "
+          fmt::format("{}: no usable stretch is left (fewer than {} samples in a row, or all of it trimmed); "
                       "trim or smooth less, or give a longer log",
                       log_.path, shortest));
     }

@@ -59,7 +59,7 @@ std::vector<RegressionData> make_folds(std::span<const FeatureTerm> terms,
   const Index rows = all.theta.rows();
   if (rows < block_folds)
     throw DataError(
-        fmt::format("only {} samples are left (at least {} are needed) give longer logs", rows, block_folds));
+        fmt::format("only {} samples are left (at least {} are needed); give longer logs", rows, block_folds));
   for (Index k = 0; k < block_folds; ++k) {
     const Index first = rows * k / block_folds;
     folds.push_back(all.rows(first, rows * (k + 1) / block_folds - first));

@@ -71,7 +71,7 @@ LinearConstraints scaled(const LinearConstraints& constraints, const VectorXd& s
 }
 
 [[noreturn]] void fail_infeasible() {
-  throw ConfigError("the constraints cannot hold on the terms that were found use a smaller lambda");
+  throw ConfigError("the constraints cannot hold on the terms that were found; use a smaller lambda");
 }
 
 // the terms that were found; where a constraint asks for something other than zero, those in constraints too
@@ -96,7 +96,7 @@ void check(const OptimizerRow& optimizer, const RegressionData& data, const Opti
   if (options.max_iterations < 1) throw ConfigError("max_iterations must be at least 1");
   if (options.constraints.empty()) return;
   if (!optimizer.takes_constraints) {
-    throw ConfigError("optimizer " + std::string(optimizer.name) + " takes no constraints use sr3");
+    throw ConfigError("optimizer " + std::string(optimizer.name) + " takes no constraints; use sr3");
   }
   const LinearConstraints& c = options.constraints;
   if (c.C.cols() != data.terms() * data.targets() || c.C.rows() != c.d.size()) {
@@ -104,7 +104,7 @@ void check(const OptimizerRow& optimizer, const RegressionData& data, const Opti
   }
   if (Eigen::ColPivHouseholderQR<MatrixXd>(c.C.transpose()).rank() < c.C.rows()) {
     throw ConfigError(
-        "constraints depend on each other (one of them follows from, or contradicts, the others) leave it out");
+        "constraints depend on each other (one of them follows from, or contradicts, the others); leave it out");
   }
 }
 
@@ -114,7 +114,7 @@ Regularizer regularizer(std::string_view name) {
   if (name == "l0") return Regularizer::l0;
   if (name == "l1") return Regularizer::l1;
   if (name == "l2") return Regularizer::l2;
-  throw ConfigError("unknown penalty \"" + std::string(name) + "\" use l0, l1 or l2");
+  throw ConfigError("unknown penalty \"" + std::string(name) + "\"; use l0, l1 or l2");
 }
 
 std::span<const OptimizerRow> optimizer_registry() { return optimizers; }
@@ -123,7 +123,7 @@ const OptimizerRow& find_optimizer(std::string_view name) {
   for (const OptimizerRow& row : optimizers) {
     if (row.name == name) return row;
   }
-  throw ConfigError("unknown optimizer \"" + std::string(name) + "\" use stlsq, sr3 or best_subset");
+  throw ConfigError("unknown optimizer \"" + std::string(name) + "\"; use stlsq, sr3 or best_subset");
 }
 
 std::vector<double> geometric_path(double largest, double factor, int n) {

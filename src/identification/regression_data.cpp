@@ -50,7 +50,7 @@ RegressionData::RegressionData(const MatrixXd& theta, const MatrixXd& target)
   }
   factor_ = work.topRows(columns);
   if (!factor_.allFinite())
-    throw DataError("a term or a target is not finite (or too large to square) check the log's columns");
+    throw DataError("a term or a target is not finite (or too large to square); check the log's columns");
 }
 
 RegressionData RegressionData::merge(std::span<const RegressionData> parts) {

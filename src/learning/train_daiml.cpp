@@ -106,7 +106,7 @@ void check(std::span<const Condition> conditions, const TrainingOptions& options
   const Index wanted = options.adapt_samples + options.test_samples;
   for (const Condition& condition : conditions)
     if (condition.samples.inputs.rows() < wanted)
-      throw ConfigError(fmt::format("condition \"{}\": {} samples (a batch takes {}) fly longer, or log faster",
+      throw ConfigError(fmt::format("condition \"{}\": {} samples (a batch takes {}); fly longer, or log faster",
                                     condition.name, condition.samples.inputs.rows(), wanted));
 }
 

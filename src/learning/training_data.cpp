@@ -20,7 +20,7 @@ FlightLog fly_logged(const Experiment& experiment, const RunSpec& spec) {
   LoggedRun flown = run_logged(experiment, spec);
   const RunRecord& end = flown.record;
   if (end.outcome != Outcome::completed)
-    throw ConfigError(fmt::format("{}: {} replicate {} {} after {:.1f} s (training needs whole flights) use less wind",
+    throw ConfigError(fmt::format("{}: {} replicate {} {} after {:.1f} s (training needs whole flights); use less wind",
                                   experiment.name, experiment.trajectories[spec.trajectory].name, spec.replicate,
                                   to_string(end.outcome), end.duration_s));
   return std::move(flown.log);
@@ -68,7 +68,7 @@ std::vector<Condition> collect(std::span<const Experiment> variants, int jobs) {
   const auto trained = std::count_if(variants.begin(), variants.end(), [](const Experiment& v) { return !v.held_out; });
   if (trained < 2)
     throw ConfigError(fmt::format(
-        "{}: {} wind condition to train on (the discriminator tells them apart) give at least two [[variant]] "
+        "{}: {} wind condition to train on (the discriminator tells them apart); give at least two [[variant]] "
         "tables without held_out",
         variants.front().name, trained));
   struct Planned {

@@ -109,7 +109,7 @@ MjcfBody read_mjcf(const std::string& path) {
   const mjModel& m = *model;
   if (m.njnt != 1 || m.jnt_type[0] != mjJNT_FREE)
     fail(path,
-         fmt::format("a vehicle has exactly one free joint and no other joint (here: {}) weld moving parts", m.njnt));
+         fmt::format("a vehicle has exactly one free joint and no other joint (here: {}); weld moving parts", m.njnt));
   if (m.opt.gravity[0] != 0.0 || m.opt.gravity[1] != 0.0 || !(m.opt.gravity[2] < 0.0))
     fail(path, fmt::format("gravity must point along -z (here: {} {} {})", m.opt.gravity[0], m.opt.gravity[1],
                            m.opt.gravity[2]));
@@ -151,7 +151,7 @@ MjcfBody read_mjcf(const std::string& path) {
     const char* type = primitive_name(m.geom_type[i]);
     if (type == nullptr)
       fail(path,
-           fmt::format("geom {} \"{}\" cannot collide (only sphere, capsule, ellipsoid, cylinder and box do) give "
+           fmt::format("geom {} \"{}\" cannot collide (only sphere, capsule, ellipsoid, cylinder and box do); give "
                        "it contype=\"0\" conaffinity=\"0\"",
                        i, m.names + m.name_geomadr[i]));
     body.shapes.push_back({type, Column3(m.geom_size + 3 * i), place(d.geom_xpos + 3 * i),

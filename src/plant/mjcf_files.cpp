@@ -86,9 +86,9 @@ class Reader {
     const fs::path relative = canonical(folder_ / name).lexically_relative(root_);
     if (name.is_absolute() || name.string().find(':') != std::string::npos || relative.empty() ||
         *relative.begin() == "..")
-      fail(
-          from, line,
-          fmt::format("\"{}\" is outside the vehicle's folder (a vehicle is one folder) move it there", name.string()));
+      fail(from, line,
+           fmt::format("\"{}\" is outside the vehicle's folder (a vehicle is one folder); move it there",
+                       name.string()));
     return name.lexically_normal().string();
   }
 
@@ -97,7 +97,7 @@ class Reader {
     const std::string shown = (folder_ / name).string();
     if (depth > deepest_models || ++models_ > most_models)
       throw ConfigError(
-          fmt::format("{}: models attach models without end (or more than {}) make it one body", shown, most_models));
+          fmt::format("{}: models attach models without end (or more than {}); make it one body", shown, most_models));
     files.bytes[name] = read_file<ConfigError>(shown);
     tinyxml2::XMLDocument document;
     const std::string& text = files.bytes[name];
@@ -147,9 +147,9 @@ class Reader {
     const std::string_view name = element.Name();
     const int line = element.GetLineNum();
     if (name == "include")
-      fail(model.name, line, "<include> is not read (a vehicle's MJCF is one file) paste the other file into it");
+      fail(model.name, line, "<include> is not read (a vehicle's MJCF is one file); paste the other file into it");
     if (std::find(std::begin(refused), std::end(refused), name) != std::end(refused))
-      fail(model.name, line, fmt::format("<{}> is not read (a vehicle is one rigid body) leave it out", name));
+      fail(model.name, line, fmt::format("<{}> is not read (a vehicle is one rigid body); leave it out", name));
     for (const XMLAttribute* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next())
       check(element, *attribute, model);
     if (name == "replicate") times *= std::max(0.0, element.DoubleAttribute("count", 1.0));
@@ -159,7 +159,7 @@ class Reader {
         model.elements += times * found->second;
     if (model.elements > most_elements)
       fail(model.name, line,
-           fmt::format("more than {:g} elements (with <replicate> and <attach>) use fewer", most_elements));
+           fmt::format("more than {:g} elements (with <replicate> and <attach>); use fewer", most_elements));
     for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
       expand(*child, times, model);
   }

@@ -161,7 +161,7 @@ struct RigidBody::Impl {
 
 RigidBody::RigidBody(const VehicleModel& vehicle, double step_s) {
   if (!(vehicle.mass_kg > 0.0) || !(vehicle.inertia_B_kgm2.diagonal().minCoeff() > 0.0))
-    throw ConfigError(fmt::format("{}: mass {} kg or inertia is not positive (after body effects) use smaller changes",
+    throw ConfigError(fmt::format("{}: mass {} kg or inertia is not positive (after body effects); use smaller changes",
                                   vehicle.source_path, vehicle.mass_kg));
   install_mujoco_handlers();
   impl_ = std::make_unique<Impl>(vehicle, step_s);

@@ -51,7 +51,7 @@ void check_same_experiment(const RowsById& now_rows, const std::vector<ResultRow
   if (!known)
     throw DataError(
         fmt::format("wrong baseline: it is of {}, the sweep of {} (they have no variant, trajectory and controller in "
-                    "common) give the baseline of "
+                    "common); give the baseline of "
                     "this experiment, "
                     "or make one with --update",
                     experiments_of(baseline), experiments_of(now)));

@@ -184,7 +184,7 @@ std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& dia
       trial.channels = texts(stranger, "channels");
       trial.oracle = part(answer, "oracle");
     } catch (const Json::exception& error) {
-      throw DataError(fmt::format("{}:{}:1: not an answer ({}) expected an object with trial, kind and effects",
+      throw DataError(fmt::format("{}:{}:1: not an answer ({}); expected an object with trial, kind and effects",
                                   set.answers, number, error.what()));
     }
     read_diagnosis(std::filesystem::path(set.folder) / trial.trial / diagnosis_folder / "diagnosis.json", trial);

@@ -18,8 +18,8 @@ TrackingFigures tracking_of(const FlightLog& log, double settle_s) {
     std::vector<std::string> there;
     for (const LogColumn& column : log.columns) there.push_back(column.name);
     const std::string near = suggest_column(names[i], there);
-    throw DataError(fmt::format("{}:1:1: column \"{}\" is missing (a tracking error needs position and reference){}{}",
-                                log.path, names[i], near.empty() ? "" : " ", near));
+    throw DataError(worded(fmt::format("{}:1:1: column \"{}\" is missing", log.path, names[i]),
+                           "a tracking error needs position and reference", near));
   }
   TrackingError error(settle_s, log.rows());
   for (std::size_t row = 0; row < log.rows(); ++row) {

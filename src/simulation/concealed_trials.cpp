@@ -131,7 +131,7 @@ FlightLog fly_one(const PlannedFlight& planned) {
   const RunRecord& end = flown.record;
   if (end.outcome != Outcome::completed)
     throw ConfigError(
-        fmt::format("trial \"{}\": {} {} at {:.1f} s (what it conceals is more than the controller can take) use less",
+        fmt::format("trial \"{}\": {} {} at {:.1f} s (what it conceals is more than the controller can take); use less",
                     planned.trial->name, planned.file, to_string(end.outcome), end.duration_s));
   return std::move(flown.log);
 }

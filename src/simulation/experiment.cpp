@@ -93,8 +93,8 @@ std::vector<Choice> read_choices(config::Table& document, std::string_view kind,
       if (near.empty() && choice.spec.type.size() > 3 &&
           config::lower(row.says).find(config::lower(choice.spec.type)) != std::string::npos)
         near = fmt::format("did you mean \"{}\"?", row.name);
-    throw ConfigError(fmt::format("{}: unknown {} \"{}\" {}", choice.spec.where, kind, choice.spec.type,
-                                  near.empty() ? fmt::format("(see `gustlab list {}`)", key) : near));
+    throw ConfigError(worded(fmt::format("{}: unknown {} \"{}\"", choice.spec.where, kind, choice.spec.type),
+                             near.empty() ? fmt::format("see `gustlab list {}`", key) : "", near));
   };
 
   std::optional<config::Table> tables = document.table(kind);
@@ -148,9 +148,10 @@ void choose(std::vector<Variant>& variants, const std::vector<std::string>& only
   for (const Variant& variant : variants) known.push_back(variant.name);
   for (const std::string& name : only)
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw ConfigError(fmt::format("{}: there is no variant \"{}\" (it has {}) {}", path, name,
-                                    known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")),
-                                    config::suggest(name, known)));
+      throw ConfigError(
+          worded(fmt::format("{}: there is no variant \"{}\"", path, name),
+                 fmt::format("it has {}", known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))),
+                 config::suggest(name, known)));
   if (!only.empty())
     std::erase_if(variants, [&](const Variant& variant) {
       return std::find(only.begin(), only.end(), variant.name) == only.end();
@@ -166,7 +167,7 @@ void check_not_lost(const std::vector<std::string>& overrides, const std::vector
           for (const std::string& own : config::override_keys(setting))
             if (own == key || own.starts_with(key + ".") || key.starts_with(own + "."))
               throw ConfigError(
-                  fmt::format("--set {}: variant \"{}\" sets {} itself ({}; its value would be lost) fly others with "
+                  fmt::format("--set {}: variant \"{}\" sets {} itself ({}; its value would be lost); fly others with "
                               "--variant, or change "
                               "the file",
                               text, variant.name, own, variant.where));
@@ -252,8 +253,7 @@ std::string find_experiment(const std::string& name_or_path) {
   const std::string near = fs::exists(name_or_path + ".toml", error)
                                ? fmt::format("did you mean \"{}.toml\"?", name_or_path)
                                : config::suggest(name_or_path, known);
-  throw ConfigError(fmt::format("{}: no such file, and no such name under experiments/{}{}", name_or_path,
-                                near.empty() ? "" : " ", near));
+  throw ConfigError(worded(name_or_path + ": no such file, and no such name under experiments/", "", near));
 }
 
 Experiment read_experiment(const std::string& path, const std::vector<std::string>& overrides) {

@@ -141,7 +141,8 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   config::read_parameters(path.spec, *trajectory);
   config::at_place(path.spec, [&] { trajectory->prepare(); });
   if (options.laps > 0.0 && options.duration_s > 0.0)
-    throw ParameterError("laps", "\"laps\" stands beside \"duration_s\" (either says how long the flight is) keep one");
+    throw ParameterError("laps",
+                         "\"laps\" stands beside \"duration_s\" (either says how long the flight is); keep one");
   if (options.laps > 0.0 && trajectory->lap_s() <= 0.0)
     throw ParameterError("laps", fmt::format("trajectory \"{}\" has no laps", path.name));
   manoeuvre_s = options.laps > 0.0         ? options.laps * trajectory->lap_s()
@@ -153,7 +154,7 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   options.duration_s = options.hover_before_s + manoeuvre_s + options.hover_after_s;
   if (options.set_points != "full" && options.set_points != "position")
     throw ParameterError("set_points", "set_points = \"" + options.set_points +
-                                           "\" is unknown (what reaches the controller) use full or position");
+                                           "\" is unknown (what reaches the controller); use full or position");
 
   const Choice& law = experiment.controllers[spec.controller];
   controller = find_controller(law.spec.type)->make();

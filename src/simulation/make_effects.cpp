@@ -15,8 +15,8 @@ std::vector<NamedEffect> make_effects(const std::vector<EffectSpec>& specs) {
       std::vector<std::string> names;
       for (const EffectRow& known : effect_registry()) names.emplace_back(known.name);
       const std::string near = config::suggest(spec.type, names);
-      throw ConfigError(fmt::format("{}: unknown effect \"{}\" {}", spec.where, spec.type,
-                                    near.empty() ? "(see `gustlab list effects`)" : near));
+      throw ConfigError(worded(fmt::format("{}: unknown effect \"{}\"", spec.where, spec.type),
+                               near.empty() ? "see `gustlab list effects`" : "", near));
     }
     effects.push_back({row, row->make(), spec});
     config::read_parameters(spec, *effects.back().effect);

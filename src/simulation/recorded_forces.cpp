@@ -93,7 +93,7 @@ std::vector<RotorArray> speeds(const FlightLog& log, const VehicleModel& vehicle
   const int wanted = measured > 0 || log.meta.actuator != ActuatorKind::collective_thrust ? vehicle.rotor_count : 1;
   const int found = measured > 0 ? measured : inputs;
   if (found != wanted) {
-    throw DataError(fmt::format("{}:1:1: {} {} columns (vehicle {} needs {}) check vehicle and columns", log.path,
+    throw DataError(fmt::format("{}:1:1: {} {} columns (vehicle {} needs {}); check vehicle and columns", log.path,
                                 found, measured > 0 ? "rotor" : "u", vehicle.name, wanted));
   }
   if (measured == 0) return driven_speeds(log, vehicle, known);

@@ -18,7 +18,7 @@ void check_fresh(const SearchedReplicates& searched, const std::string& experime
   const auto check = [&](std::int64_t first, std::int64_t count, const std::string& whose) {
     if (first < searched.first + searched.count && searched.first < first + count)
       throw ConfigError(fmt::format(
-          "{}: {} on replicates {} to {}, which are {} (what is reported must be fresh) move first_replicate",
+          "{}: {} on replicates {} to {}, which are {} (what is reported must be fresh); move first_replicate",
           searched.where, searched.searching, searched.first, searched.first + searched.count - 1, whose));
   };
   check(1, last_table_replicate, "the tables'");

@@ -97,7 +97,7 @@ std::string to_csv(const std::vector<ResultRow>& rows) {
 void check_axis_names(const Experiment& experiment) {
   for (const NamedValue& axis : experiment.axes)
     if (fmt::format(",{}{},", header, effort_columns).find(fmt::format(",{},", axis.name)) != std::string::npos)
-      throw ConfigError(fmt::format("{}: an axis is called \"{}\" (runs.csv has such a column) give it another name",
+      throw ConfigError(fmt::format("{}: an axis is called \"{}\" (runs.csv has such a column); give it another name",
                                     experiment.name, axis.name));
 }
 

@@ -31,9 +31,9 @@ std::string csv_path(const std::string& folder) { return (fs::path(folder) / "ru
 void check_same_sweep(const std::string& path, const Provenance& there, const Provenance& here) {
   if (there.at("experiment") != here.at("experiment"))
     throw ConfigError(fmt::format(
-        "{}: this store is of another experiment (its resolved configuration differs) use another --out", path));
+        "{}: this store is of another experiment (its resolved configuration differs); use another --out", path));
   if (there.at("shard") != here.at("shard"))
-    throw ConfigError(fmt::format("{}: this store is of shard {}, not {} use another --out", path, there.at("shard"),
+    throw ConfigError(fmt::format("{}: this store is of shard {}, not {}; use another --out", path, there.at("shard"),
                                   here.at("shard")));
 }
 
@@ -41,13 +41,13 @@ std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   const std::string path = store_path(folder);
   if (!fs::is_regular_file(path))
     throw DataError(
-        fmt::format("{}: no results here (runs.sqlite is missing) make them with `gustlab sweep EXPERIMENT --out {}`",
+        fmt::format("{}: no results here (runs.sqlite is missing); make them with `gustlab sweep EXPERIMENT --out {}`",
                     folder, folder));
   note_input(path);
   auto store = std::make_unique<RunStore>(path, Database::Mode::read);
   if (store->provenance().empty())
     throw DataError(fmt::format(
-        "{}: not a result store of this program (it is empty: a sweep ended before its first run) go on with --resume",
+        "{}: not a result store of this program (it is empty: a sweep ended before its first run); go on with --resume",
         path));
   return store;
 }
@@ -99,7 +99,7 @@ void check_complete(const std::vector<std::string>& folders, const std::vector<s
       if (!done[run]) continue;
       if (owner[run])
         throw DataError(
-            fmt::format("{} and {} both have run {} (each run may be in one shard only) leave one of them out",
+            fmt::format("{} and {} both have run {} (each run may be in one shard only); leave one of them out",
                         *owner[run], folders[k], shards[k]->name_of(run)));
       owner[run] = &folders[k];
     }
@@ -140,7 +140,7 @@ RunRecord run_with_log(const Experiment& experiment, const RunSpec& spec, const 
 void merge_stores(const std::vector<std::string>& folders, const std::string& out) {
   if (fs::exists(store_path(out)))
     throw ConfigError(
-        fmt::format("{}: there are results already (a merge never overwrites) use another --out", store_path(out)));
+        fmt::format("{}: there are results already (a merge never overwrites); use another --out", store_path(out)));
   std::vector<std::unique_ptr<RunStore>> shards;
   for (const std::string& folder : folders) {
     shards.push_back(open_to_read(folder));
@@ -174,7 +174,7 @@ Results read_store(const std::string& folder) {
   const std::size_t planned = store->done().size();
   if (results.rows.size() != planned)
     throw DataError(fmt::format(
-        "{}: {} of {} runs are done (a table needs every one) finish with --resume, or `gustlab merge` the shards",
+        "{}: {} of {} runs are done (a table needs every one); finish with --resume, or `gustlab merge` the shards",
         folder, results.rows.size(), planned));
   return results;
 }
@@ -208,7 +208,7 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   const std::string path = store_path(options.out);
   if (fs::exists(path) && !options.resume)
     throw ConfigError(
-        fmt::format("{}: there are results already (a sweep never overwrites) use --resume or another --out", path));
+        fmt::format("{}: there are results already (a sweep never overwrites); use --resume or another --out", path));
   make_folder(options.out);
 
   SweepReport report;
@@ -296,7 +296,7 @@ Results read_results(const std::string& folder) {
     if (!std::exchange(first, false)) {
       if (results.settle_s != all.settle_s)
         throw DataError(
-            fmt::format("{}: its variants settle for {} s and for {} s (no table has both) name a variant's folder",
+            fmt::format("{}: its variants settle for {} s and for {} s (no table has both); name a variant's folder",
                         folder, all.settle_s, results.settle_s));
       if (results.arcs != all.arcs) results.arcs.clear();
     }

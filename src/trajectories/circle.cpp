@@ -24,7 +24,7 @@ class Circle final : public Trajectory {
   void prepare() override {
     if (start_ != "center" && start_ != "reference")
       throw ParameterError("start",
-                           "start = \"" + start_ + "\" is unknown (where the vehicle starts) use center or reference");
+                           "start = \"" + start_ + "\" is unknown (where the vehicle starts); use center or reference");
   }
 
   Reference at(double time_s) const override {

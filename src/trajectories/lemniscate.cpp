@@ -24,7 +24,7 @@ class Lemniscate final : public Trajectory {
   void prepare() override {
     if (shape_ != "gerono" && shape_ != "bernoulli")
       throw ParameterError("shape",
-                           "shape = \"" + shape_ + "\" is unknown (which figure of eight) use gerono or bernoulli");
+                           "shape = \"" + shape_ + "\" is unknown (which figure of eight); use gerono or bernoulli");
     bernoulli_ = shape_ == "bernoulli";
   }
 

@@ -28,7 +28,7 @@ class Multisine final : public Trajectory {
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (const double line : frequencies_hz_[axis])
         if (!(line > 0.0 && line <= 50.0))
-          throw ParameterError(names[axis], "a frequency is out of range (lines are between 0 and 50 Hz) remove it");
+          throw ParameterError(names[axis], "a frequency is out of range (lines are between 0 and 50 Hz); remove it");
   }
 
   Reference at(double time_s) const override {

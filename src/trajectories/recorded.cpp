@@ -37,7 +37,7 @@ class Recorded final : public Trajectory {
     const auto need = [&](const std::string& name) -> const std::vector<double>& {
       if (const auto* found = column(name)) return *found;
       throw DataError(file_.path + ":1:1: column " + name +
-                      " is missing (a recorded trajectory is read from it) name a log with a reference");
+                      " is missing (a recorded trajectory is read from it); name a log with a reference");
     };
     const std::vector<double>& time_s = need("time_s");
     const std::vector<double>* yaw = column("ryaw");
@@ -58,7 +58,7 @@ class Recorded final : public Trajectory {
       if (knot.position_W_m.allFinite() && std::isfinite(knot.time_s) && std::isfinite(knot.yaw_rad)) {
         if (!knots_.empty() && !(knot.time_s > knots_.back().time_s))
           throw DataError(csv.where(row, 0) +
-                          ": time does not rise (a trajectory is a function of time) repair the log");
+                          ": time does not rise (a trajectory is a function of time); repair the log");
         if (!knots_.empty())
           knot.yaw_rad = knots_.back().yaw_rad + std::remainder(knot.yaw_rad - knots_.back().yaw_rad, 2.0 * pi);
         knots_.push_back(knot);
@@ -67,7 +67,7 @@ class Recorded final : public Trajectory {
     if (knots_.size() < 2)
       throw DataError(
           file_.path +
-          ":1:1: fewer than two samples of a reference (columns rpx, rpy, rpz) name a log with a reference");
+          ":1:1: fewer than two samples of a reference (columns rpx, rpy, rpz); name a log with a reference");
     fill(&Knot::position_W_m, &Knot::velocity_W_mps);
     fill(&Knot::velocity_W_mps, &Knot::acceleration_W_mps2);
   }

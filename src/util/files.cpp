@@ -131,7 +131,7 @@ Target find_target(const std::string& path) {
   const fs::file_status status = fs::status(target.path, error);
   if (fs::is_directory(status)) fail(path, EISDIR);
   if (is_input(target.path))
-    throw ConfigError(fmt::format("{}: is an input of this command (it would be lost) name another file", path));
+    throw ConfigError(fmt::format("{}: is an input of this command (it would be lost); name another file", path));
   if (fs::exists(status) && access(target.path.c_str(), W_OK) != 0) fail(path, errno);
   target.written_through = fs::exists(status) && !fs::is_regular_file(status);
   return target;

@@ -45,9 +45,8 @@ const Layout& find_layout(std::string_view name) {
     if (layout.name == name) return layout;
     names.emplace_back(layout.name);
   }
-  const std::string near = config::suggest(name, names);
-  throw ConfigError(fmt::format("--layout: there is no layout \"{}\" (known: {}){}{}", name, fmt::join(names, ", "),
-                                near.empty() ? "" : " ", near));
+  throw ConfigError(worded(fmt::format("--layout: there is no layout \"{}\"", name),
+                           fmt::format("known: {}", fmt::join(names, ", ")), config::suggest(name, names)));
 }
 
 std::vector<Hub> hubs_on_circle(const Layout& layout, double arm_m) {

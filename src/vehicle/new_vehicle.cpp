@@ -81,13 +81,13 @@ void check_tips(const NewVehicle& wanted) {
   const double hover_mps = tip_speed_mps(wanted, 1.0);
   if (hover_mps > speed_of_sound_mps)
     throw ConfigError(
-        fmt::format("{} do not hover: their tips would move at {} m/s, faster than sound check both, "
+        fmt::format("{} do not hover: their tips would move at {} m/s, faster than sound; check both, "
                     "and their units",
                     mass_on_propellers(wanted), number(std::round(hover_mps))));
   if (hover_mps < least_tip_speed_mps)
     throw ConfigError(
         fmt::format("{} hover with tips at {:.2g} m/s; propellers of that size are heavier than the "
-                    "whole vehicle check both, and their units",
+                    "whole vehicle; check both, and their units",
                     mass_on_propellers(wanted), hover_mps));
 }
 
@@ -95,24 +95,24 @@ std::vector<std::string> unusual(const NewVehicle& wanted) {
   std::vector<std::string> warnings;
   const double hover_mps = tip_speed_mps(wanted, 1.0), full_mps = tip_speed_mps(wanted, full_thrust_to_weight(wanted));
   if (hover_mps < usual_tip_speed_mps.front() || hover_mps > usual_tip_speed_mps.back())
-    warnings.push_back(fmt::format("{} hover with tips at {} m/s ({} to {} m/s are usual) check both, and their units",
+    warnings.push_back(fmt::format("{} hover with tips at {} m/s ({} to {} m/s are usual); check both, and their units",
                                    mass_on_propellers(wanted), number(std::round(hover_mps)),
                                    usual_tip_speed_mps.front(), usual_tip_speed_mps.back()));
   else if (full_mps > speed_of_sound_mps)
     warnings.push_back(
         fmt::format("{}: {} kg on propellers of {} m need tips at {} m/s for {} times the weight, faster "
-                    "than sound check both",
+                    "than sound; check both",
                     wanted.hover ? "--hover" : "--thrust-to-weight", number(wanted.mass_kg.value),
                     number(diameter_of(wanted)), number(std::round(full_mps)), number(full_thrust_to_weight(wanted))));
   const double ratio = full_thrust_to_weight(wanted), hubs_m = hub_distance_m(wanted);
   if (ratio < usual_thrust_to_weight.front() || ratio > usual_thrust_to_weight.back())
     warnings.push_back(fmt::format(
-        "{} all rotors together push with {} times the weight ({} to {} are usual) check it",
+        "{} all rotors together push with {} times the weight ({} to {} are usual); check it",
         wanted.hover ? fmt::format("--hover: at {} in hover", number(wanted.hover->value)) : "--thrust-to-weight:",
         number(ratio), usual_thrust_to_weight.front(), usual_thrust_to_weight.back()));
   if (diameter_of(wanted) < least_usual_diameter * hubs_m)
     warnings.push_back(
-        fmt::format("--prop, --arm: propellers of {} m are small for motors {} m apart ({} of it and more is usual) "
+        fmt::format("--prop, --arm: propellers of {} m are small for motors {} m apart ({} of it and more is usual); "
                     "check both, and their units",
                     number(diameter_of(wanted)), number(hubs_m), least_usual_diameter));
   return warnings;
@@ -144,7 +144,7 @@ void check_thrust(const NewVehicle& wanted) {
 void check(const NewVehicle& wanted) {
   if (wanted.propeller_diameter_m && wanted.propeller_diameter_m->value > 1.02 * hub_distance_m(wanted))
     throw ConfigError(fmt::format(
-        "--prop: propellers of {} m overlap (neighbouring hubs are {} m apart) check --prop and --arm, which is from "
+        "--prop: propellers of {} m overlap (neighbouring hubs are {} m apart); check --prop and --arm, which is from "
         "the centre to a motor",
         number(wanted.propeller_diameter_m->value), number(hub_distance_m(wanted))));
   if (!(wanted.mass_kg.value < most_mass_kg))
@@ -152,7 +152,7 @@ void check(const NewVehicle& wanted) {
         fmt::format("--mass: {} kg is no multirotor's (less than {} kg)", number(wanted.mass_kg.value), most_mass_kg));
   if (!(arm_m(wanted) > least_arm_m && arm_m(wanted) < most_arm_m))
     throw ConfigError(
-        fmt::format("--arm: {} m is no multirotor's ({} to {} m from the centre to a motor) check its unit",
+        fmt::format("--arm: {} m is no multirotor's ({} to {} m from the centre to a motor); check its unit",
                     number(arm_m(wanted)), least_arm_m, most_arm_m));
   check_thrust(wanted);
   check_tips(wanted);

@@ -17,9 +17,9 @@ using config::Table;
 // hovers at 8000 rad/s would be of a vehicle of some grams). No propeller carries at 20 rad/s, three turns a second.
 constexpr double most_throttle = 1.0, least_speed_radps = 20.0, most_speed_radps = 8000.0, most_pwm = 65535.0;
 
-double not_negative(Table& table, std::string_view key) {
-  const double value = table.need_number(key);
-  if (!(value >= 0.0)) table.fail(key, fmt::format("\"{}\" must not be negative", key), "", "");
+std::optional<double> not_negative(Table& table, std::string_view key) {
+  const auto value = table.number(key);
+  if (value && !(*value >= 0.0)) table.fail(key, fmt::format("\"{}\" must not be negative", key), "", "");
   return value;
 }
 
@@ -60,14 +60,14 @@ double read_hover(Table& thrust, double curve, VehicleModel& vehicle) {
 // 1 when absent
 double read_curve(Table& document, bool has_hover) {
   auto actuator = document.table("actuator");
-  if (!actuator || !actuator->has("throttle_curve")) return 1.0;
-  const double curve = actuator->need_number("throttle_curve");
+  const auto curve = actuator ? actuator->number("throttle_curve") : std::nullopt;
+  if (!curve) return 1.0;
   if (!has_hover)
     actuator->fail("throttle_curve", "there is no [thrust] hover",
                    "throttle_curve says how thrust rises from and to that", "");
-  if (!(curve >= 0.0 && curve <= 1.0))
+  if (!(*curve >= 0.0 && *curve <= 1.0))
     actuator->fail("throttle_curve", "\"throttle_curve\" must be from 0 to 1", "", "");
-  return curve;
+  return *curve;
 }
 
 void read_map(Table& actuator, const std::string& input, std::optional<std::pair<double, double>>& line,
@@ -102,6 +102,28 @@ std::optional<double> positive(Table& table, std::string_view key) {
   return value;
 }
 
+void check_thrust(Table& document, config::Problems& problems) {
+  problems.collect([&] {
+    auto thrust = document.table("thrust");
+    if (!thrust) return;
+    for (const std::string_view key : {"coefficient", "hover", "max_speed_radps", "nominal_voltage_V", "radius_m"})
+      problems.collect([&] { positive(*thrust, key); });
+    problems.collect([&] { not_negative(*thrust, "torque_ratio"); });
+  });
+  problems.collect([&] {
+    auto actuator = document.table("actuator");
+    if (!actuator) return;
+    problems.collect([&] { actuator->number("throttle_curve"); });
+    for (const std::string input : {"pwm", "throttle"}) {
+      problems.collect([&] {
+        if (auto line = actuator->table(input))
+          for (const std::string_view key : {"slope", "offset"}) problems.collect([&] { line->number(key); });
+      });
+      problems.collect([&] { actuator->numbers(input + "_thrust"); });
+    }
+  });
+}
+
 void read_thrust(Table& document, const std::vector<std::optional<double>>& own_coefficient, VehicleModel& vehicle) {
   Table thrust = document.table("thrust").value_or(Table::parse("", document.path()));
   const double curve = read_curve(document, thrust.has("hover"));
@@ -117,9 +139,9 @@ void read_thrust(Table& document, const std::vector<std::optional<double>>& own_
                                               : *own_coefficient.front();
   if (const auto most = positive(thrust, "max_speed_radps")) vehicle.max_speed_radps = *most;
   vehicle.nominal_voltage_V = positive(thrust, "nominal_voltage_V").value_or(0.0);
-  vehicle.torque_ratio_known = thrust.has("torque_ratio");
-  const double ratio_m = vehicle.torque_ratio_known ? not_negative(thrust, "torque_ratio")
-                                                    : torque_ratio_per_diameter * diameter_m(vehicle);
+  const auto torque_ratio_m = not_negative(thrust, "torque_ratio");
+  vehicle.torque_ratio_known = torque_ratio_m.has_value();
+  const double ratio_m = torque_ratio_m.value_or(torque_ratio_per_diameter * diameter_m(vehicle));
   for (std::size_t i = 0; i < own_coefficient.size(); ++i) {
     vehicle.rotors[i].thrust_coefficient_Ns2 = own_coefficient[i].value_or(common);
     vehicle.rotors[i].torque_ratio_m = ratio_m;

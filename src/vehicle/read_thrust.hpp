@@ -6,6 +6,9 @@
 
 namespace gustlab {
 
+// Collects what is wrong with single keys of [thrust] and [actuator]; that they fit together is for read_thrust().
+void check_thrust(config::Table& document, config::Problems& problems);
+
 // Fills thrust coefficients, torque ratios, limits and actuator maps of a vehicle whose mass, gravity and rotors are known;
 // `own_coefficient`: of each rotor, where its table says one. What is optional and absent is estimated or unknown, see
 // VehicleModel. Throws ConfigError with file:line:col.

@@ -17,26 +17,26 @@ namespace gustlab {
 namespace {
 
 namespace fs = std::filesystem;
+using config::Problems;
 using config::Table;
 
 constexpr std::string_view format_name = "gustlab-vehicle/1";
 
-// a path has a slash or ends with .toml; anything else is a name under models/
+// a name under models/, a folder that holds a vehicle.toml, or else a path, which has a slash or ends with .toml
 std::string vehicle_file(const std::string& name_or_path, const std::string& from_file) {
-  if (name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml"))
-    return (fs::path(from_file).parent_path() / name_or_path).lexically_normal().string();
-  if (name_or_path.ends_with(".xml") && fs::exists(name_or_path))
-    throw ConfigError(name_or_path + ": an MJCF and no vehicle file; give the vehicle.toml that names it");
   const std::vector<std::string> names = vehicle_names();
-  if (std::find(names.begin(), names.end(), name_or_path) == names.end()) {
-    // the folder that `gustlab vehicle new --out` made is easily taken for the vehicle
-    const std::string inside = name_or_path + "/vehicle.toml", near = fs::exists(inside)
-                                                                          ? fmt::format("did you mean \"{}\"?", inside)
-                                                                          : config::suggest(name_or_path, names);
-    throw ConfigError(fmt::format("{}unknown vehicle \"{}\" (known: {}){}{}", from_file.empty() ? "" : from_file + ": ",
-                                  name_or_path, fmt::join(names, ", "), near.empty() ? "" : " ", near));
-  }
-  return find_resource("models/" + name_or_path + "/vehicle.toml");
+  if (std::find(names.begin(), names.end(), name_or_path) != names.end())
+    return find_resource("models/" + name_or_path + "/vehicle.toml");
+  const fs::path path = (fs::path(from_file).parent_path() / name_or_path).lexically_normal();
+  std::error_code error;
+  if (!name_or_path.empty() && fs::is_regular_file(path / "vehicle.toml", error))
+    return (path / "vehicle.toml").string();
+  if (name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml")) return path.string();
+  if (name_or_path.ends_with(".xml") && fs::exists(name_or_path, error))
+    throw ConfigError(name_or_path + ": an MJCF and no vehicle file; give the vehicle.toml that names it");
+  throw ConfigError(
+      worded(fmt::format("{}unknown vehicle \"{}\"", from_file.empty() ? "" : from_file + ": ", name_or_path),
+             fmt::format("known: {}", fmt::join(names, ", ")), config::suggest(name_or_path, names)));
 }
 
 // the MJCF lies in the vehicle's folder
@@ -57,8 +57,8 @@ std::string mjcf_file(Table& document) {
   return path.string();
 }
 
-// everything that is required and absent, with its unit and what it is for, in one message
-void check_required(Table& document) {
+// everything that is required and absent, with its unit and what it is for, in one message; empty when all is there
+std::string missing_keys(Table& document) {
   std::vector<std::string> missing;
   const auto require = [&](bool there, const std::string& what) {
     if (!there) missing.push_back(what);
@@ -84,12 +84,45 @@ void check_required(Table& document) {
           "under [thrust] coefficient [N/(rad/s)^2], or hover = the input (throttle 0..1, pwm or rad/s) that carries "
           "the weight: "
           "without one of them nothing says how much a rotor pushes");
-  if (missing.empty()) return;
-  throw ConfigError(fmt::format(
+  if (missing.empty()) return "";
+  return fmt::format(
       "{}: {} missing:\n  {}\n(`gustlab defaults vehicle` prints a whole file, `gustlab vehicle new` writes one)",
       document.path(),
       missing.size() == 1 ? "one required key is" : fmt::format("{} required keys are", missing.size()),
-      fmt::join(missing, "\n  ")));
+      fmt::join(missing, "\n  "));
+}
+
+double read_direction(Table& rotor) {
+  const std::string direction = rotor.need_text("direction");
+  if (direction != "ccw" && direction != "cw")
+    rotor.fail("direction", fmt::format("\"{}\" is not a direction", direction), "",
+               "write \"ccw\" or \"cw\", seen from above");
+  return direction == "ccw" ? 1.0 : -1.0;
+}
+
+// what is missing, of a wrong type or sign, or unknown: all of it in one message
+void check_keys(Table& document) {
+  Problems problems;
+  problems.collect([&] { problems.add(missing_keys(document)); });
+  for (const std::string_view key : {"format", "name", "mjcf"}) problems.collect([&] { document.text(key); });
+  problems.collect([&] {
+    for (Table& rotor : document.tables("rotor")) {
+      problems.collect([&] { rotor.text("site"); });
+      problems.collect([&] {
+        if (rotor.has("direction")) read_direction(rotor);
+      });
+      problems.collect([&] { positive(rotor, "coefficient"); });
+    }
+  });
+  check_thrust(document, problems);
+  problems.collect([&] {
+    for (Table& effect : document.tables("effect")) {
+      config::read_spec(effect, "");  // whose keys are for the effect to judge
+      problems.collect([&] { effect.need_text("type"); });
+    }
+  });
+  for (const std::string& unknown : document.unknown_keys()) problems.add(unknown);
+  problems.raise();
 }
 
 // places and directions; returns each rotor's own thrust coefficient where it says one
@@ -118,11 +151,7 @@ std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& 
     const MjcfBody::Site& hub = body.sites[static_cast<std::size_t>(site - names.begin())];
     rotor.position_B_m = hub.position_B_m;
     rotor.axis_B = hub.axis_B;
-    const std::string direction = table.need_text("direction");
-    if (direction != "ccw" && direction != "cw")
-      table.fail("direction", fmt::format("\"{}\" is not a direction", direction), "",
-                 "write \"ccw\" or \"cw\", seen from above");
-    rotor.direction = direction == "ccw" ? 1.0 : -1.0;
+    rotor.direction = read_direction(table);
     own_coefficient.push_back(positive(table, "coefficient"));
   }
   return own_coefficient;
@@ -132,13 +161,12 @@ std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& 
 
 VehicleModel read_vehicle(const std::string& name_or_path, const std::string& from_file) {
   Table document = Table::read_file(vehicle_file(name_or_path, from_file));
-  // another kind of file lacks everything
-  if (!document.has("format")) check_required(document);
-  const std::string format = document.need_text("format");
-  if (format != format_name)
-    document.fail("format", fmt::format("format \"{}\" is not a vehicle's", format), "",
-                  fmt::format("write \"{}\"", format_name));
-  check_required(document);
+  // of another kind of file nothing else is said
+  if (document.has("format"))
+    if (const std::string format = document.need_text("format"); format != format_name)
+      document.fail("format", fmt::format("format \"{}\" is not a vehicle's", format), "",
+                    fmt::format("write \"{}\"", format_name));
+  check_keys(document);
 
   VehicleModel vehicle;
   vehicle.source_path = document.path();
@@ -154,11 +182,10 @@ VehicleModel read_vehicle(const std::string& name_or_path, const std::string& fr
   vehicle.shapes = body.shapes;
   read_thrust(document, read_rotors(document, body, vehicle), vehicle);
   vehicle.effects = config::read_effects(document);
-  document.finish();
 
   if (vehicle.hover_speed_radps() > vehicle.max_speed_radps)
     throw ConfigError(
-        fmt::format("{}: the vehicle cannot hover (it takes {:.4g} rad/s, max_speed_radps is {:.4g}) "
+        fmt::format("{}: the vehicle cannot hover (it takes {:.4g} rad/s, max_speed_radps is {:.4g}); "
                     "check the units of coefficient and mass",
                     vehicle.source_path, vehicle.hover_speed_radps(), vehicle.max_speed_radps));
   vehicle.source_bytes = read_file<ConfigError>(vehicle.source_path) + '\0' + body.bytes;

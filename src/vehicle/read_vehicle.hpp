@@ -1,4 +1,4 @@
-// Reading a vehicle: a name under models/ or a path to a vehicle.toml (FORMATS.md §2).
+// Reading a vehicle: a name under models/ or a path to a vehicle.toml or its folder (FORMATS.md §2).
 #pragma once
 
 #include <string>

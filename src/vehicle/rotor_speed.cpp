@@ -39,7 +39,7 @@ double rotor_speed_radps(const VehicleModel& vehicle, const Rotor& rotor, Actuat
   }
   if (speed) return *speed;
   throw DataError(fmt::format(
-      "{}: nothing says what {} does (the log's inputs are {}) add [actuator] {} or {}_thrust, or [thrust] hover",
+      "{}: nothing says what {} does (the log's inputs are {}); add [actuator] {} or {}_thrust, or [thrust] hover",
       vehicle.source_path, to_string(kind), to_string(kind), to_string(kind), to_string(kind)));
 }
 

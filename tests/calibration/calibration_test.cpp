@@ -192,7 +192,7 @@ TEST(Calibration, SaysWhereItsFileDoesNotFitTheExperiment) {
   EXPECT_THAT(message("u", "pid", "effect.gust.mean_x"), HasSubstr("c.toml:6:53: u has no row hover pid"));
   EXPECT_THAT(message("t", "pdi", "effect.gust.mean_x"), HasSubstr("c.toml:6:53: t has no row hover pdi"));
   EXPECT_THAT(message("t", "pid", "effect.gust.man_x"),
-              HasSubstr("c.toml:7:22: unknown key \"man_x\" did you mean \"mean_x\"?"));
+              HasSubstr("c.toml:7:22: unknown key \"man_x\"; did you mean \"mean_x\"?"));
   EXPECT_THAT(message("t", "pid", "effect.gust.mean_x", 0),
               HasSubstr("c.toml:3:14: \"replicates\" is out of range (0 is not from 1 to 1e+06)"));
 }

@@ -117,7 +117,7 @@ set = ["duration_s = 0.5"]
       {"run", path, "--variant", "shrt", "--trajectory", "hover", "--controller", "pid", "--out", folder.file("x")});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err,
-              testing::HasSubstr("there is no variant \"shrt\" (it has calm, short) did you mean \"short\"?"));
+              testing::HasSubstr("there is no variant \"shrt\" (it has calm, short); did you mean \"short\"?"));
   const Said twice = gustlab(
       {"sweep", folder.write("t.toml", read_text(path) + "[[variant]]\nname = \"calm\"\n"), "--out", folder.file("y")});
   EXPECT_EQ(twice.exit_code, 2);

@@ -236,7 +236,7 @@ class Logs(Commands):
 
     def test_a_missing_column_names_itself_and_what_may_be_meant(self):
         self.write("flown/flight.csv", "\n".join([self.log[0].replace(",px,", ",pq,"), *self.log[1:]]) + "\n")
-        self.refuse(3, 'column "px" is missing (a tracking error needs position and reference) did you mean "pq"?', "metrics", "flown/flight.csv")
+        self.refuse(3, 'column "px" is missing (a tracking error needs position and reference); did you mean "pq"?', "metrics", "flown/flight.csv")
 
     def test_many_columns_take_time_by_their_number(self):
         names = [f"c{i}" for i in range(100000)]

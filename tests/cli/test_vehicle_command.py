@@ -54,6 +54,7 @@ class NewVehicle(InFolder):
         self.assertAlmostEqual(vehicle["thrust"]["radius_m"], 0.127)
         self.assertAlmostEqual(vehicle["thrust"]["hover"], HOVER, places=3)
         said = self.check("mine/vehicle.toml")
+        self.assertEqual(self.check("mine"), said)   # the folder stands for its file
         self.assertEqual((said["mass_kg"], said["contradictions"], said["hover"]["outcome"]), (1.2, [], "completed"))
         self.assertAlmostEqual(said["thrust_to_weight"], 2.1, places=2)
         for rotor in said["hover"]["trim"]:
@@ -279,10 +280,10 @@ class WrongInput(InFolder):
         (self.folder / "file").touch()
         for arguments, words in (
             (["vehicle"], "a command is missing"),
-            (["vehicle", "nwe"], 'unknown command "nwe" did you mean "new"?'),
+            (["vehicle", "nwe"], 'unknown command "nwe"; did you mean "new"?'),
             (changed(drop=["--mass"]), "--mass is required"),
             (changed(drop=["--arm"]), "--arm is missing"),
-            (changed(("--mass", "1.2")), '--mass: "1.2" is not a number with a unit (units: kg, g, lb) write for example 1.2kg'),
+            (changed(("--mass", "1.2")), '--mass: "1.2" is not a number with a unit (units: kg, g, lb); write for example 1.2kg'),
             (changed(("--mass", "1.2t")), '--mass: "1.2t" is not a number with a unit'),
             (changed(("--mass", "heavy")), '--mass: "heavy" is not a number with a unit'),
             (changed(("--mass", "0kg")), '--mass: "0kg" is not above zero'),
@@ -298,7 +299,7 @@ class WrongInput(InFolder):
             (changed(("--hover", "0.5")), "--hover and --thrust-to-weight are two answers to one question"),
             (changed(("--hover", "1.5"), drop=["--thrust-to-weight"]), "1.5 is no hover throttle"),
             (changed(("--throttle-curve", "3")), "--throttle-curve"),
-            (changed(("--layout", "hex")), 'there is no layout "hex" (known: x, +, x-betaflight, x-crazyflie, hexa, hexa+, octo, octo+) did you mean "hexa"?'),
+            (changed(("--layout", "hex")), 'there is no layout "hex" (known: x, +, x-betaflight, x-crazyflie, hexa, hexa+, octo, octo+); did you mean "hexa"?'),
             (changed(("--from-px4", "no.ulg")), "no.ulg: cannot be read (No such file or directory)"),
             (changed(("--from-px4", "file")), "file: byte 0: the file is empty"),
             (changed(("--out", "taken")), "taken/vehicle.toml: is there already"),
@@ -352,12 +353,17 @@ class WrongInput(InFolder):
                 self.assert_refused(arguments, words, code)
 
     def test_files(self):
+        many = LEAST.replace('mjcf = "body.xml"\n', "site = 3\n") + "radius_m = -1\nfoo = 3\n"   # all of it is said in one message
         for text, words in (
             ("", "4 required keys are missing:"),
             ("format = 1\n", '"format" must be a string'),
             ('format = "gustlab-vehicle/1"\n', "3 required keys are missing:"),
-            (LEAST + "hover = 0.5\nradius = 0.1\n", 'unknown key "radius" did you mean "radius_m"?'),
+            (LEAST + "hover = 0.5\nradius = 0.1\n", 'unknown key "radius"; did you mean "radius_m"?'),
             (LEAST + "hover = -0.5\n", '"hover" must be positive'),
+            (many, "vehicle.toml: 2 required keys are missing:"),
+            (many, '\nvehicle.toml:16:12: "radius_m" must be positive\n'),
+            (many, '\nvehicle.toml:2:1: unknown key "site" (known: '),
+            (many, '\nvehicle.toml:17:1: unknown key "foo" (known: '),
             (LEAST + 'hover = "half"\n', '"hover" must be a number'),
             (LEAST + "hover = 0.5\ncoefficient = 1e-5\n", "two answers to one question"),
             (LEAST + "coefficient = 1e-5\nmax_speed_radps = 10\n", "cannot hover"),

@@ -97,7 +97,7 @@ TEST(Table, UnknownKeyIsSuggested) {
   Table body = *table.table("body");
   body.number("mass");
   body.number("inertia");
-  EXPECT_EQ(message([&] { table.finish(); }), "f.toml:2:1: unknown key \"mas\" did you mean \"mass\"?");
+  EXPECT_EQ(message([&] { table.finish(); }), "f.toml:2:1: unknown key \"mas\"; did you mean \"mass\"?");
 }
 
 TEST(Table, OverridesReplaceAndAddAndSayWhereTheyCameFrom) {
@@ -123,7 +123,7 @@ TEST(Table, OverridesReplaceAndAddAndSayWhereTheyCameFrom) {
   EXPECT_THAT(message([&] { Table::parse(text, "f", {"a..b=1"}); }), StartsWith("--set a..b=1: not TOML"));
   Table unknown = Table::parse("", "f", {"stp=1"});
   unknown.number("step");
-  EXPECT_EQ(message([&] { unknown.finish(); }), "--set stp=1: unknown key \"stp\" did you mean \"step\"?");
+  EXPECT_EQ(message([&] { unknown.finish(); }), "--set stp=1: unknown key \"stp\"; did you mean \"step\"?");
 }
 
 TEST(Table, LiteralsReadBackTheSame) {
@@ -176,8 +176,25 @@ TEST(Parameters, RangesTypesAndUnknownKeysAreErrors) {
   EXPECT_EQ(read("gain = nan"), "f:1:8: \"gain\" must be finite");
   EXPECT_EQ(read("count = 0"), "f:1:9: \"count\" is out of range (0 is not at least 1)");
   EXPECT_EQ(read("count = 1.0"), "f:1:9: \"count\" must be an integer (this is a number)");
-  EXPECT_EQ(read("offset = [1, 2]"), "f:1:10: \"offset\" must have three numbers (this has 2) write [x, y, z]");
-  EXPECT_EQ(read("weigths = [1]"), "f:1:1: unknown key \"weigths\" did you mean \"weights\"?");
+  EXPECT_EQ(read("offset = [1, 2]"), "f:1:10: \"offset\" must have three numbers (this has 2); write [x, y, z]");
+  EXPECT_EQ(read("weigths = [1]"), "f:1:1: unknown key \"weigths\"; did you mean \"weights\"?");
+}
+
+TEST(Worded, JoinsProblemWhyAndSuggestionWithoutWhatIsEmpty) {
+  EXPECT_EQ(worded("it is wrong", "so it is", "mend it"), "it is wrong (so it is); mend it");
+  EXPECT_EQ(worded("it is wrong", "", "mend it"), "it is wrong; mend it");
+  EXPECT_EQ(worded("it is wrong", "so it is", ""), "it is wrong (so it is)");
+  EXPECT_EQ(worded("it is wrong", "", ""), "it is wrong");
+}
+
+TEST(Problems, AreSaidOnceEachInOneMessage) {
+  Problems none, some;
+  none.collect([] {});
+  none.add("");
+  EXPECT_NO_THROW(none.raise());
+  for (const char* says : {"a", "b", "a"}) some.collect([&] { throw ConfigError(says); });
+  some.add("c");
+  EXPECT_EQ(message([&] { some.raise(); }), "a\nb\nc");
 }
 
 TEST(EffectSpecs, KeepTheirPlaces) {
@@ -188,7 +205,7 @@ TEST(EffectSpecs, KeepTheirPlaces) {
   EXPECT_EQ(specs[0].where, "f.toml:1:1");
   Sample sample;
   EXPECT_EQ(message([&] { read_parameters(specs[0], sample); }),
-            "f.toml:4:8: unknown key \"gian\" did you mean \"gain\"?");
+            "f.toml:4:8: unknown key \"gian\"; did you mean \"gain\"?");
 }
 
 TEST(EffectSpecs, SayWhereAnEntryIsWrong) {
@@ -224,7 +241,7 @@ TEST(EffectSpecs, LaterReplaceEarlierOfTheSameTypeInPlace) {
   EXPECT_EQ(message([&] {
               merge_effects({}, {a, a2});
             }),
-            "g:1:1: effect \"a\" is here twice (first at f:1:1) keep one");
+            "g:1:1: effect \"a\" is here twice (first at f:1:1); keep one");
 }
 
 TEST(EffectSpecs, RotorLossIsOnePerRotor) {

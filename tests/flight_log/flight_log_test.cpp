@@ -215,7 +215,7 @@ TEST(FlightLog, QuaternionNormBeyondRepairIsAnError) {
 
 TEST(FlightLog, AttitudeThatContradictsTheBodyRateIsAnErrorThatNamesTheConvention) {
   EXPECT_EQ(said(turning(false, false, 1.0)), "");
-  EXPECT_THAT(said(turning(true, false, 1.0)), EndsWith("turn differently) the quaternion looks scalar-last"));
+  EXPECT_THAT(said(turning(true, false, 1.0)), EndsWith("turn differently); the quaternion looks scalar-last"));
   EXPECT_THAT(said(turning(false, true, 1.0)), EndsWith("the quaternion looks world-to-body"));
   EXPECT_THAT(said(turning(true, true, 1.0)), EndsWith("the quaternion looks scalar-last and world-to-body"));
   EXPECT_THAT(said(turning(false, false, 180.0 / pi)), EndsWith("the body rate looks like degrees per second"));
@@ -224,7 +224,7 @@ TEST(FlightLog, AttitudeThatContradictsTheBodyRateIsAnErrorThatNamesTheConventio
 
 TEST(FlightLog, ASlowAttitudeIsComparedWithTheRateBetweenItsSamples) {
   EXPECT_EQ(said(turning(false, false, 1.0, true)), "");
-  EXPECT_THAT(said(turning(true, false, 1.0, true)), EndsWith("turn differently) the quaternion looks scalar-last"));
+  EXPECT_THAT(said(turning(true, false, 1.0, true)), EndsWith("turn differently); the quaternion looks scalar-last"));
   EXPECT_THAT(said(turning(false, true, 1.0, true)), EndsWith("the quaternion looks world-to-body"));
   EXPECT_THAT(said(turning(false, false, 180.0 / pi, true)), EndsWith("the body rate looks like degrees per second"));
   // the first attitude has no rate before it
@@ -240,7 +240,7 @@ TEST(FlightLog, SidecarErrorsAreDataErrorsWithTheirPlace) {
               EndsWith("did you mean \"rotor_speed\"?"));
   EXPECT_THAT(said(csv, meta + "hold = \"cubic\"\n"),
               StartsWith("a.meta.toml:4:8: \"cubic\" is not one of unknown, zoh, linear"));
-  EXPECT_THAT(said(csv, meta + "hould = \"zoh\"\n"), EndsWith("unknown key \"hould\" did you mean \"hold\"?"));
+  EXPECT_THAT(said(csv, meta + "hould = \"zoh\"\n"), EndsWith("unknown key \"hould\"; did you mean \"hold\"?"));
   EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [[1, 2, 0, 0]]\n"),
               StartsWith("a.meta.toml:5:9: a wall is a point"));
   EXPECT_THAT(said(csv, meta + "[environment]\nwalls = [1]\n"), HasSubstr("must be an array of arrays of numbers"));
@@ -261,7 +261,7 @@ TEST(FlightLog, MissingAndDamagedFilesAreDataErrors) {
   EXPECT_THAT(message("a.csv"), StartsWith("a.csv: cannot read (No such file or directory)"));
   folder.write("a.csv", "");
   EXPECT_THAT(message("a.csv"),
-              StartsWith("a.meta.toml: cannot read (No such file or directory) a log needs its sidecar"));
+              StartsWith("a.meta.toml: cannot read (No such file or directory); a log needs its sidecar"));
   folder.write("a.meta.toml", meta_text);
   FlightLog log;
   log.columns = {{"px", {}}, {"py", {}}, {"pz", {}}, {"u1", {}}};

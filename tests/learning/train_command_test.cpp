@@ -33,10 +33,10 @@ TEST(TrainCommand, SaysWhatIsMissing) {
   const Said one = gustlab({"train", "ci_small", "--out", folder.file("w")});
   EXPECT_EQ(one.exit_code, 2);
   EXPECT_THAT(one.err, testing::HasSubstr(
-                           "to train on (the discriminator tells them apart) give at least two [[variant]] tables"));
+                           "to train on (the discriminator tells them apart); give at least two [[variant]] tables"));
   const Said crash = gustlab({"train", "collect_iris", "--out", folder.file("w"), "--set", "effect.gust.strength=40"});
   EXPECT_EQ(crash.exit_code, 2);
-  EXPECT_THAT(crash.err, testing::HasSubstr("(training needs whole flights) use less wind"));
+  EXPECT_THAT(crash.err, testing::HasSubstr("(training needs whole flights); use less wind"));
   for (const char* adversary : {"nan", "inf", "-1", "1001"}) {
     const Said said = gustlab({"train", "collect_iris", "--out", folder.file("w"), "--adversary", adversary});
     EXPECT_EQ(said.exit_code, 2);

@@ -24,6 +24,9 @@ class Quiet(ImportCase):
         noise = json.loads(out)["logs"][0]["flights"][0]["noise"]
         self.assertAlmostEqual(noise["wx"], 5e-3, delta=1e-3)
         self.assertAlmostEqual(noise["az"], 0.05, delta=0.01)
+        # many numbers before the answer
+        for more, said in (((), False), (("-v",), True)):
+            self.assertEqual("noise from sample to sample" in self.run_import(log, "--map", self.map, *more)[1], said)
 
 
 class Frames(ImportCase):

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import re
 import tomllib
 import unittest
 from pathlib import Path
@@ -40,6 +41,27 @@ class Conversion(ImportCase):
         self.assertEqual((sidecar["format"], sidecar["vehicle"], sidecar["actuator"], sidecar["hold"], sidecar["source"]),
                          ("gustlab-flight/1", "iris", "pwm", "unknown", "recording"))
         self.assertEqual((sidecar["origin"]["file"], sidecar["origin"]["rows_written"]), ("log.csv", 2000))
+
+    def test_a_vehicle_may_be_given_as_its_folder(self):
+        from gustlab_import.vehicle_file import MODELS, find_vehicle
+        vehicle = self.folder / "my_quad" / "vehicle.toml"
+        vehicle.parent.mkdir()
+        for file in (MODELS / "iris").iterdir():
+            (vehicle.parent / file.name).write_bytes(file.read_bytes())
+        for wanted, beside in ((str(vehicle), Path()), (str(vehicle.parent), Path()), ("my_quad", self.folder), ("my_quad/vehicle.toml", self.folder)):
+            self.assertEqual(find_vehicle(wanted, beside), vehicle)
+        # a name under models/ stays that
+        vehicle.parent.rename(self.folder / "iris")
+        self.assertEqual(find_vehicle("iris", self.folder), MODELS / "iris" / "vehicle.toml")
+        (self.folder / "iris").rename(vehicle.parent)
+        log = self.write("log.csv", csv(flight()))
+        code, _, err = self.run_import(log, "--map", self.map, "--out", self.out, "--vehicle", vehicle.parent)
+        self.assertEqual((code, tomllib.loads((self.out / "log_1.meta.toml").read_text())["vehicle"]), (0, "../my_quad/vehicle.toml"), err)
+        # a map's is beside the flight logs
+        self.write("folder.toml", MAP.replace('"crazyflie"', '"my_quad"'))
+        self.assertEqual(self.run_import(log, "--map", self.folder / "folder.toml", "--out", self.out)[0], 2)
+        code, _, err = self.run_import(log, "--map", self.folder / "folder.toml", "--out", self.folder)
+        self.assertEqual((code, tomllib.loads((self.folder / "log_1.meta.toml").read_text())["vehicle"]), (0, "my_quad"), err)
 
     def test_section(self):
         log = self.write("log.csv", csv(flight()))
@@ -166,6 +188,53 @@ class BadInput(ImportCase):
         from gustlab_import.column_map import load_map
         for path in MAPS.glob("*.toml"):
             self.assertTrue(load_map(path.stem).get("", "published"), path.name)
+
+
+class Template(ImportCase):
+    """`gustlab defaults column-map`: everything that a map may say stands in it, and what is commented out is what it says."""
+
+    TEXT = (MAPS.parents[1] / "configs" / "templates" / "column-map.toml").read_text(encoding="utf-8")
+    WHOLE = re.sub(r"(?m)^# (?=\[|\w+ = )", "", TEXT)
+
+    def test_every_key_stands_in_it(self):
+        from gustlab_import.column_map import TABLES
+        said = tomllib.loads(self.WHOLE)
+        keys = {"": {key for key, value in said.items() if key not in TABLES}}
+        keys |= {name: set(said[name][0] if isinstance(said[name], list) else said[name]) for name in TABLES if name}
+        self.assertEqual(keys, {name: allowed for name, (allowed, _) in TABLES.items()})
+
+    def test_every_choice_and_unit_stands_at_its_key(self):
+        from gustlab_import.column_map import ACTUATORS, CHOICES, UNIT_OF, UNITS
+        units = {(table, "unit"): UNITS[quantity] for table, quantity in UNIT_OF.items()}
+        units |= {("actuator", "unit"): {unit for quantity in set(ACTUATORS.values()) - {"none"} for unit in UNITS[quantity]},
+                  ("reference", "yaw_unit"): UNITS["angle"], ("extra", "quantity"): UNITS}
+        table, lines = "", {}
+        for line in self.WHOLE.splitlines():
+            if header := re.match(r"\[+(\w+)\]", line):
+                table = header[1]
+            elif key := re.match(r"(\w+) = ", line):
+                lines[table, key[1]] = line
+        for key, choices in (CHOICES | units).items():
+            missing = [choice for choice in choices if not re.search(rf"(?<![\w/]){re.escape(choice)}(?![\w/^])", lines[key])]
+            self.assertEqual(missing, [], key)
+
+    def test_its_values_are_those_that_hold_without_it(self):
+        from gustlab_import.column_map import load_map
+        # these two have none: quaternions have no unit, and not every log has pulses
+        whole = re.sub(r'(?m)^(unit = "rad"  .*of rpy alone|range = ).*\n', "", self.WHOLE)
+        said = load_map(str(self.write("whole.toml", whole)))
+        self.assertEqual(len(said.tables), 13)
+        self.write("short.toml", self.TEXT)
+        columns = {name: np.full(500, 0.5) + 0.01 * k for k, name in enumerate(said.names() | {"qw", "qx", "qy", "qz"})}
+        columns |= {"t": np.arange(500) * 0.01}
+        for name in ("whole", "short"):
+            code, out, err = self.run_import(self.write("log.csv", csv(columns)), "--map", self.folder / f"{name}.toml", "--keep-unusable",
+                                             "--out", self.folder / name)
+            self.assertIn("flight log_1: 0.00 to 4.99 s", out, err)
+        written = {name: (self.folder / name / "log_1.csv").read_text().splitlines() for name in ("whole", "short")}
+        head = [lines[0].split(",") for lines in written.values()]
+        for name in head[1]:
+            self.assertEqual(*([line.split(",")[columns.index(name)] for line in lines] for columns, lines in zip(head, written.values())), name)
 
 
 if __name__ == "__main__":

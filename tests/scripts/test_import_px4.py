@@ -169,6 +169,32 @@ class PX4(ImportCase):
                 self.assertIn(why, [part["why"] for part in log["refused"]])
                 self.assertEqual(sorted(p.name for p in self.out.iterdir()), ["import.json"])
 
+    def test_a_log_that_px4_wrote(self):
+        log = Path(__file__).resolve().parents[1] / "data" / "logs" / "px4_sitl_jmavsim.ulg"
+        code, out, err = self.run_import(log, "--out", self.out, "--format", "json")
+        said = json.loads(out)["logs"][0]
+        self.assertEqual((code, err, said["autopilot"], said["airframe"]), (0, "", "PX4", "quadrotor x"))
+        (found,) = said["flights"]
+        self.assertEqual((round(found["from_s"], 2), round(found["to_s"], 2), found["rows"]), (19.31, 26.4, 1775))
+        self.assertEqual(found["rates_hz"], {"position": 10, "velocity": 10, "attitude": 21, "body_rate": 250, "specific_force": 250, "u": 50, "rotor": 0, "vbat": 5})
+        self.assertEqual([f["kind"] for f in said["findings"] if f["severity"] != "note"], [])
+        # the estimator's own hover throttle was 0.492, and at rest a specific force is gravity
+        written = self.written("px4_sitl_jmavsim_1.csv")
+        self.assertAlmostEqual(np.nanmedian(np.column_stack([written[f"u{k}"] for k in range(1, 5)])), 0.492, delta=0.01)
+        self.assertAlmostEqual(np.nanmedian(written["az"]), 9.8, delta=0.1)
+
+    def test_the_reasons_are_said_once_and_on_stderr_they_are_reasons(self):
+        from gustlab_import.segments import reasons
+        refused = [(0.0, 2.0, "armed, on the ground"), (2.0, 2.8, "too short: 0.8 s in the air, 3 s are needed"), (2.7, 2.8, "the estimator was reset (z by 0.15 m)"),
+                   (3.0, 4.0, "too short: 1.0 s in the air, 3 s are needed"), (4.0, 9.0, "on the ground: the height is within 0.1 m of where it stood"),
+                   (9.0, 10.0, "disarmed")]
+        self.assertEqual(reasons(refused), ["too short: 1.0 s in the air, 3 s are needed", "the estimator was reset (z by 0.15 m)"])
+        # a log that never left the ground has no other
+        self.assertEqual(reasons([(0.0, 2.0, "disarmed"), (2.0, 9.0, "armed, on the ground")]), ["armed, on the ground", "disarmed"])
+        path = self.write("hop.ulg", px4_flight(synthetic(), flying=(5.0, 7.0)).bytes())
+        code, _, err = self.run_import(path)
+        self.assertEqual((code, err), (3, f"{path}: no flight: too short: 2.0 s in the air, 3 s are needed\n"))
+
     def test_refused_parts_and_flights_cover_the_log(self):
         _, log, _ = self.take(px4_flight(synthetic()))
         self.assertEqual([(p["from_s"], p["to_s"], p["why"]) for p in log["refused"]][:2], [(0.0, 2.0, "disarmed"), (2.0, 3.0, "armed, on the ground")])

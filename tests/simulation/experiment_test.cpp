@@ -128,16 +128,16 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"name", "\"small\"", "\"a,b\"", "experiment.toml:3:8: \"a,b\" is no name"},
         Mistake{"vehicle", "\"crazyflie\"", "\"crazyfly\"", "did you mean \"crazyflie\"?"},
         Mistake{"trajectory", "\"circle\", ", "\"circel\", ",
-                "experiment.toml:5:16: unknown trajectory \"circel\" did you mean \"circle\"?"},
+                "experiment.toml:5:16: unknown trajectory \"circel\"; did you mean \"circle\"?"},
         Mistake{"twice", "\"circle\", \"hover\"", "\"hover\", \"hover\"",
                 "experiment.toml:5:16: \"hover\" is here twice"},
         Mistake{"none", "[\"circle\", \"hover\"]", "[]", "experiment.toml:5:16: \"trajectories\" is empty"},
-        Mistake{"controller", "\"pid\"", "\"pdi\"", "unknown controller \"pdi\" did you mean \"pid\"?"},
+        Mistake{"controller", "\"pid\"", "\"pdi\"", "unknown controller \"pdi\"; did you mean \"pid\"?"},
         Mistake{"replicates", "replicates = 3", "replicates = 0",
                 "experiment.toml:7:14: \"replicates\" is out of range"},
         Mistake{"type", "replicates = 3", "replicates = \"3\"", "experiment.toml:7:14: \"replicates\" must be"},
         Mistake{"key", "duration_s", "durations",
-                "experiment.toml:8:1: unknown key \"durations\" did you mean \"duration_s\"?"},
+                "experiment.toml:8:1: unknown key \"durations\"; did you mean \"duration_s\"?"},
         Mistake{"endless", "duration_s = 1.0", "", "experiment.toml:1:1: trajectory \"circle\" has no natural end"},
         Mistake{"choice of a trajectory", "start = \"reference\"", "start = \"middle\"",
                 "experiment.toml:13:9: start = \"middle\" is unknown"},
@@ -157,11 +157,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"include", "duration_s = 1.0", "duration_s = 1.0\ninclude = [\"nowhere.toml\"]",
                 "nowhere.toml: cannot read"},
         Mistake{"parameter", "period_s = 5.0", "perod_s = 5.0",
-                "experiment.toml:12:11: unknown key \"perod_s\" did you mean \"period_s\"?"},
+                "experiment.toml:12:11: unknown key \"perod_s\"; did you mean \"period_s\"?"},
         Mistake{"range", "period_s = 5.0", "period_s = -5.0", "experiment.toml:12:12: \"period_s\" is out of range"},
         Mistake{"unused", "[trajectory.circle]", "[trajectory.circel]", "unknown trajectory \"circel\""},
-        Mistake{"effect", "\"gust\"", "\"gusts\"", "unknown effect \"gusts\" did you mean \"gust\"?"},
-        Mistake{"effect key", "sigma_xy", "sigma_yx", "unknown key \"sigma_yx\" did you mean \"sigma_xy\"?"},
+        Mistake{"effect", "\"gust\"", "\"gusts\"", "unknown effect \"gusts\"; did you mean \"gust\"?"},
+        Mistake{"effect key", "sigma_xy", "sigma_yx", "unknown key \"sigma_yx\"; did you mean \"sigma_xy\"?"},
         Mistake{"syntax", "name = ", "name ", "experiment.toml:3:"}),
     [](const auto& one) {
       std::string name = one.param.says;
@@ -254,7 +254,7 @@ TEST_F(Variants, SayWhatIsWrongWithAnAxis) {
            {"[[axis]]\nvalues = [1]\n", "e.toml:18:1: an axis needs \"key\" or \"keys\""},
            {"[[axis]]\nkey = \"seed\"\n", "\"values\" is missing or empty"},
            {"[[axis]]\nkey = \"seed\"\nvalues = [1, 1]\n", "e.toml:20:10: \"1\" is here twice"},
-           {"[[axis]]\nkey = \"sead\"\nvalues = [1]\n", "e.toml:20:10: unknown key \"sead\" did you mean \"seed\"?"},
+           {"[[axis]]\nkey = \"sead\"\nvalues = [1]\n", "e.toml:20:10: unknown key \"sead\"; did you mean \"seed\"?"},
            {"[[axis]]\nkeys = [\"seed\", \"settle_s\"]\nvalues = [[1, 2, 3]]\n", "has 3 values for 2 keys"},
            {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nkey = \"seed\"\nvalues = [2]\n",
             "axis \"seed\" is here twice"},
@@ -264,15 +264,15 @@ TEST_F(Variants, SayWhatIsWrongWithAnAxis) {
             "variant \"seed_1\" is here twice"}})
     EXPECT_THAT(message(table), HasSubstr(says));
   EXPECT_THAT(message("[[variant]]\nname = \"calm\"\n", {}, {"clam"}),
-              HasSubstr("there is no variant \"clam\" (it has calm) did you mean \"calm\"?"));
+              HasSubstr("there is no variant \"clam\" (it has calm); did you mean \"calm\"?"));
 }
 
 TEST(Experiment, ListsMayBeSetAsWords) {
   EXPECT_EQ(read_text_experiment(small_experiment, {"controllers=pid, geometric"}).controllers.size(), 2u);
   EXPECT_THAT(message_for(small_experiment, {"controllers=pid,ASINDy"}),
-              HasSubstr("unknown controller \"ASINDy\" did you mean \"asindy\"?"));
+              HasSubstr("unknown controller \"ASINDy\"; did you mean \"asindy\"?"));
   EXPECT_THAT(message_for(small_experiment, {"trajectories=infinity"}),
-              HasSubstr("unknown trajectory \"infinity\" did you mean \"lemniscate\"?"));
+              HasSubstr("unknown trajectory \"infinity\"; did you mean \"lemniscate\"?"));
 }
 
 TEST(Experiment, NameUnderExperimentsIsFoundFromAnywhere) {

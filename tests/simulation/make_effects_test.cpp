@@ -33,7 +33,7 @@ TEST(MakeEffects, MakesEachWithItsParameters) {
 
 TEST(MakeEffects, ErrorsNameThePlace) {
   EXPECT_EQ(message("[[effect]]\ntype = 'rotor_darg'\n"),
-            "f.toml:1:1: unknown effect \"rotor_darg\" did you mean \"rotor_drag\"?");
+            "f.toml:1:1: unknown effect \"rotor_darg\"; did you mean \"rotor_drag\"?");
   EXPECT_EQ(message("[[effect]]\ntype = 'zebra'\n"),
             "f.toml:1:1: unknown effect \"zebra\" (see `gustlab list effects`)");
   EXPECT_EQ(message("[[effect]]\ntype = 'mass'\ndelta = -2\n"),

@@ -146,7 +146,7 @@ class Mistakes(Commands):
             (2, "replicate", [*sweep, "--set", "replicatse=3"]),
             (2, "--set", [*sweep, "--set", "replicates"]),
             (2, "spiral: not in this experiment", ["run", self.experiment, "--trajectory", "spiral", "--controller", "pid", *out]),
-            (2, "circel: not in this experiment (it has circle, hover) did you mean \"circle\"?",
+            (2, "circel: not in this experiment (it has circle, hover); did you mean \"circle\"?",
              ["run", self.experiment, "--trajectory", "circel", "--controller", "pid", *out]),
             (2, "--replicate", ["run", self.experiment, "--trajectory", "circle", "--controller", "pid", "--replicate", "-1", *out]),
             (3, "no results here", ["table", "new"]),
@@ -222,7 +222,7 @@ class Axes(Commands):
         for axis in (">strength [–]</text>", ">period [s]</text>"):
             self.assertIn(axis, page)
         self.assertEqual(self.call("table", "a", "--names", "pid=PID,strength=gust")[1], "")
-        self.assertIn('this table has no pdi did you mean "pid"?', self.call("table", "a", "--names", "pdi=PID")[1])
+        self.assertIn('this table has no pdi; did you mean "pid"?', self.call("table", "a", "--names", "pdi=PID")[1])
         self.call("gate", "a", "--baseline", "base.csv", "--update")
         self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv")[0])
 

@@ -113,9 +113,9 @@ TEST_F(Tune, SaysWhereItsFileDoesNotFitTheExperiment) {
     return "flew";
   };
   EXPECT_THAT(message("geometric", "geometrik"),
-              testing::HasSubstr("w.toml:10:8: unknown controller \"geometrik\" did you mean \"geometric\"?"));
+              testing::HasSubstr("w.toml:10:8: unknown controller \"geometrik\"; did you mean \"geometric\"?"));
   EXPECT_THAT(message("bandwidth_radps", "bandwidth"),
-              testing::HasSubstr("w.toml:11:24: unknown key \"bandwidth\" did you mean"));
+              testing::HasSubstr("w.toml:11:24: unknown key \"bandwidth\"; did you mean"));
   EXPECT_THAT(
       message("flights = 24", "flights = 1"),
       testing::HasSubstr("w.toml:3:11: a budget of 1 flights does not pay for one evaluation of pid (2 flights"));
@@ -137,7 +137,7 @@ TEST_F(Tune, SaysWhereItsFileIsWrong) {
   EXPECT_THAT(message("min = 0.1", "min = 0.0"), testing::HasSubstr("\"min\" has no logarithm"));
   EXPECT_THAT(message("flights = 24", "flights = 0"), testing::HasSubstr("w.toml:3:11: \"flights\" is not positive"));
   EXPECT_THAT(message("flights", "flight"),
-              testing::HasSubstr("w.toml:3:1: unknown key \"flight\" did you mean \"flights\"?"));
+              testing::HasSubstr("w.toml:3:1: unknown key \"flight\"; did you mean \"flights\"?"));
   EXPECT_THAT(message("flights = 24\n", ""), testing::HasSubstr("w.toml:1:1: \"flights\" is missing"));
   EXPECT_THAT(message("log = true", "logarithm = true"), testing::HasSubstr("unknown key \"logarithm\""));
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "gustlab/errors.hpp"
@@ -120,6 +121,21 @@ TEST(ReadVehicle, NameFileOrRelativePathLeadToTheSameVehicle) {
   EXPECT_EQ(by_name.source_bytes, relative.source_bytes);
 }
 
+TEST(ReadVehicle, AFolderThatHoldsAVehicleFileStandsForIt) {
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder.file("my_quad"));
+  folder.write("my_quad/body.xml", body_text);
+  const std::string path = folder.write("my_quad/vehicle.toml", vehicle_text), beside = folder.file("flight.meta.toml");
+  const std::string bytes = read_vehicle(path).source_bytes;
+  EXPECT_EQ(read_vehicle(folder.file("my_quad")).source_bytes, bytes);
+  EXPECT_EQ(read_vehicle(folder.file("my_quad/")).source_bytes, bytes);
+  EXPECT_EQ(read_vehicle("my_quad", beside).source_bytes, bytes);
+  // a name under models/ stays that
+  std::filesystem::rename(folder.file("my_quad"), folder.file("iris"));
+  EXPECT_EQ(read_vehicle("iris", beside).source_bytes, read_vehicle("iris").source_bytes);
+  EXPECT_THAT(message([] { read_vehicle(""); }), StartsWith("unknown vehicle \"\" (known: "));
+}
+
 // composite numbers as read in, or derived from, the systems' own files
 TEST(Models, HaveTheCompositeMassAndInertiaOfTheirSources) {
   const VehicleModel iris = read_vehicle("iris");
@@ -150,10 +166,10 @@ TEST(ReadVehicle, ErrorsNameThePlaceAndWhatToDo) {
   EXPECT_EQ(broken_toml("site = \"b\"", "site = \"d\""),
             "vehicle.toml:8:8: there is no site \"d\" in body.xml (sites on the vehicle: a, b, c)");
   EXPECT_EQ(broken_toml("site = \"b\"", "site = \"a\""),
-            "vehicle.toml:8:8: site \"a\" carries two rotors give each rotor its own");
+            "vehicle.toml:8:8: site \"a\" carries two rotors; give each rotor its own");
   EXPECT_THAT(broken_toml("\"cw\"", "\"left\""), StartsWith("vehicle.toml:9:13: \"left\" is not a direction"));
   EXPECT_THAT(broken_toml("radius_m = 0.1", "radius = 0.1"),
-              StartsWith("vehicle.toml:18:1: unknown key \"radius\" did you mean \"radius_m\"?"));
+              StartsWith("vehicle.toml:18:1: unknown key \"radius\"; did you mean \"radius_m\"?"));
   EXPECT_THAT(broken_toml("coefficient = 1e-3", "coefficient = 1e-3\nhover = 0.5"),
               HasSubstr("both \"coefficient\" and \"hover\" are here"));
   EXPECT_THAT(broken_toml("coefficient = 1e-3", "hover = 1.5"), HasSubstr("rotor speed 20 to 8000 rad/s"));
@@ -188,6 +204,28 @@ TEST(ReadVehicle, EverythingThatIsRequiredAndMissingIsSaidAtOnce) {
   for (const char* key : {"format = \"gustlab-vehicle/1\"", "mjcf = ", "direction of [[rotor]] 1",
                           "site of [[rotor]] 2", "coefficient [N/(rad/s)^2], or hover"})
     EXPECT_THAT(said, HasSubstr(key));
+}
+
+TEST(ReadVehicle, EveryWrongKeyIsSaidBesideWhatIsMissing) {
+  Broken wrong;
+  Broken::swap(wrong.toml, "mjcf = \"body.xml\"\n", "");
+  Broken::swap(wrong.toml, "site = \"b\"", "site = 3");
+  Broken::swap(wrong.toml, "direction = \"cw\"", "direction = \"left\"");
+  Broken::swap(wrong.toml, "torque_ratio = 0.01", "torque_ratio = -1");
+  Broken::swap(wrong.toml, "radius_m = 0.1",
+               "radius_m = -1\nfoo = 3\n[actuator]\npwm = { slope = \"a\", ofset = 1 }\n[[effect]]\ngain = 1");
+  const std::string said = wrong.say();
+  EXPECT_THAT(said, StartsWith("vehicle.toml: one required key is missing:\n  mjcf = "));
+  EXPECT_THAT(said,
+              EndsWith("\nvehicle.toml:7:8: \"site\" must be a string (this is an integer)"
+                       "\nvehicle.toml:8:13: \"left\" is not a direction; write \"ccw\" or \"cw\", seen from above"
+                       "\nvehicle.toml:17:12: \"radius_m\" must be positive"
+                       "\nvehicle.toml:15:16: \"torque_ratio\" must not be negative"
+                       "\nvehicle.toml:20:17: \"slope\" must be a number (this is a string)"
+                       "\nvehicle.toml:21:1: \"type\" is missing (a string is needed here)"
+                       "\nvehicle.toml:20:22: unknown key \"ofset\"; did you mean \"offset\"?"
+                       "\nvehicle.toml:18:1: unknown key \"foo\" (known: coefficient, hover, max_speed_radps, "
+                       "nominal_voltage_V, radius_m, torque_ratio)"));
 }
 
 TEST(ReadVehicle, OnlyMassRotorsAndACoefficientAreRequired) {
