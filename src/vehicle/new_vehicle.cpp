@@ -118,7 +118,7 @@ std::vector<std::string> unusual(const NewVehicle& wanted) {
   return warnings;
 }
 
-void check_thrust(const NewVehicle& wanted) {
+void check_wanted_thrust(const NewVehicle& wanted) {
   if (wanted.hover && !(wanted.hover->value > 0.0 && wanted.hover->value < 1.0))
     throw ConfigError(
         fmt::format("--hover: {} is no hover throttle (it is between 0 and 1)", number(wanted.hover->value)));
@@ -154,7 +154,7 @@ void check(const NewVehicle& wanted) {
     throw ConfigError(
         fmt::format("--arm: {} m is no multirotor's ({} to {} m from the centre to a motor); check its unit",
                     number(arm_m(wanted)), least_arm_m, most_arm_m));
-  check_thrust(wanted);
+  check_wanted_thrust(wanted);
   check_tips(wanted);
 }
 

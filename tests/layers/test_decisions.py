@@ -27,7 +27,7 @@ METHOD = {
     "estimation/shooting.cpp": "rows_per_horizon loose_prior clearly_lost own_share",
     "estimation/surrogates.cpp": "draws places nearest",
     "estimation/torque_trims.cpp": "steps least_share",
-    "evidence/challenge.cpp": "most_looks most_singles",
+    "evidence/challenge.cpp": "most_looks",
     "evidence/gather_evidence.cpp": "parts_of_flight shortest_part_s",
     "evidence/judge.cpp": "intercept",  # a fitted weight
     "hover/hover_balance.cpp": "slow_mps slow_vertical_mps margin_s",  # what hover is

@@ -16,8 +16,7 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr std::size_t most_looks = 3;    // at what was withdrawn, each beside other names
-constexpr std::size_t most_singles = 6;  // candidates that are tried alone
+constexpr std::size_t most_looks = 3;  // at what was withdrawn, each beside other names
 
 // a delay of the pose that gyro and attitudes show by themselves, whatever the forces are
 void ask_sensors(const Session& session, const Selection& selection,
@@ -86,41 +85,6 @@ class Looks {
   bool over_ = false;
 };
 
-// What the search never asked by itself, once all looks are over: each candidate alone beside what stands, those that pay most first.
-class Singles {
- public:
-  // The set to be judged next; nothing: `standing` is the answer.
-  std::optional<Selection> next(Session& session, const Selection& standing, std::vector<int> names,
-                                const std::set<int>& left_out) {
-    if (!base_ || stands_beside(standing, names)) base_ = standing, names_ = std::move(names);
-    std::vector<std::pair<int, double>> more = base_->alone;
-    std::erase_if(more, [&](const auto& candidate) {
-      return candidate.second < decisions::least_single || tried_.contains(candidate.first) ||
-             left_out.contains(candidate.first);
-    });
-    if (more.empty() || tried_.size() >= most_singles) {
-      if (over_ || standing.groups() == base_->groups()) return std::nullopt;
-      over_ = true;
-      return withdraw(session, *base_, {}, left_out);
-    }
-    const int group = std::ranges::max_element(more, {}, [](const auto& candidate) { return candidate.second; })->first;
-    tried_.insert(group);
-    return with_one_more(session, *base_, group, left_out);
-  }
-
- private:
-  // whether the one that was tried stands, and nothing went for it
-  bool stands_beside(const Selection& standing, const std::vector<int>& names) const {
-    const std::vector<int> before = base_->groups(), now = standing.groups();
-    return now.size() > before.size() && std::ranges::includes(now, before) && std::ranges::includes(names, names_);
-  }
-
-  std::optional<Selection> base_;  // what stands without the one that is tried
-  std::vector<int> names_;         // of these those that are sure enough
-  std::set<int> tried_;
-  bool over_ = false;
-};
-
 }  // namespace
 
 bool explains_more(const Session& session, const Selection& one, const Selection& other) {
@@ -163,8 +127,6 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
   Challenge result;
   const std::vector<Recording> to_fly = recordings_to_fly(held.logs, session.vehicle());
   Looks looks;
-  Singles singles;
-  bool looked = false;
   std::set<int> went, left_out;  // withdrawn once, and again
   bool without_forces_per_flight = false;
   while (true) {
@@ -182,11 +144,8 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
         session, selection, result.records,
         result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{}, stands_from);
     if (failed.empty()) {
-      const std::vector<int> names = named(result.records);
-      std::optional<Selection> next;
-      if (!looked && !result.withdrawn.empty()) next = looks.next(session, selection, names, left_out);
-      looked = !next;
-      if (looked && stands_from >= decisions::suspected_from) next = singles.next(session, selection, names, left_out);
+      if (result.withdrawn.empty()) break;
+      std::optional<Selection> next = looks.next(session, selection, named(result.records), left_out);
       if (!next) break;
       selection = std::move(*next);
       continue;

@@ -136,9 +136,6 @@ inline constexpr double hardly_shown = 6.0;
 // Statistic: probability by its record (evidence/judge.cpp). From: of the names from 0.8 on 95 % are true on the data of the fit, of those between 0.5 and
 // 0.8 73 %; no derivation for hopeless. Costs: docs/proof/judge.md.
 inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.1;
-// Once what was withdrawn has been looked at, a candidate is tried alone beside what stands.
-// Statistic: Δχ² beyond what its numbers cost. From: no derivation. Costs: effects that gain less and that the search did not choose.
-inline constexpr double least_single = 30.0;
 // Of several hopeless candidates those go together that do not stand in for each other.
 // Statistic: Δχ² of all together over the sum of what each gains. From: an inertia and a rotor inertia that gained 97 and 83 went together, and 4203 with
 // them; no derivation for the value. Costs: a round more of the challenge.

@@ -124,15 +124,6 @@ class Selector {
     return finished_like(before, more, refine(more, coefficients(grams, more)));
   }
 
-  // One group more, fitted anew.
-  Selection with_one(const Selection& before, int group) {
-    improve_ = Improve::no;
-    anew_ = true;
-    std::vector<int> chosen = before.groups();
-    chosen.insert(std::ranges::lower_bound(chosen, group), group);
-    return finished_like(before, chosen, refine(chosen, before.value));
-  }
-
  private:
   // the set that winds took the place of, and the noise beside it
   struct WithoutWind {
@@ -624,10 +615,6 @@ Selection withdraw(Session& session, const Selection& before, const std::vector<
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
                                     const std::set<int>& left_out) {
   return Selector(session, left_out).with_more(before, tried);
-}
-
-Selection with_one_more(Session& session, const Selection& before, int group, const std::set<int>& left_out) {
-  return Selector(session, left_out).with_one(before, group);
 }
 
 }  // namespace gustlab::diagnosis

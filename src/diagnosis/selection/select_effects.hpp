@@ -18,7 +18,4 @@ Selection withdraw(Session& session, const Selection& before, const std::vector<
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
                                     const std::set<int>& left_out = {});
 
-// The same with one group more.
-Selection with_one_more(Session& session, const Selection& before, int group, const std::set<int>& left_out = {});
-
 }  // namespace gustlab::diagnosis

@@ -84,16 +84,6 @@ TEST_F(SelectEffects, WhatIsWithdrawnComesBackWhenItStillPays) {
   EXPECT_NEAR(again->value[column("mass")], selection.value[column("mass")], 5e-3);
 }
 
-TEST_F(SelectEffects, OneMoreIsFittedBesideWhatStands) {
-  const int mass = session.catalogue().find("mass"), center = session.catalogue().find("center_of_mass");
-  const Selection rest = withdraw(session, selection, {mass});
-  const Selection both = with_one_more(session, rest, mass, {});
-  ASSERT_NE(both.find(mass), nullptr);
-  EXPECT_NE(both.find(center), nullptr);
-  EXPECT_EQ(both.groups().size(), rest.groups().size() + 1);
-  EXPECT_NEAR(both.value[column("mass")], 0.1, 0.01);
-}
-
 TEST_F(SelectEffects, WhatIsLeftOutIsNotAskedAgain) {
   const int mass = session.catalogue().find("mass");
   const Selection rest = withdraw(session, selection, {mass}, {mass});
