@@ -120,8 +120,8 @@ void diagnose_batch(const std::string& sets_path, const std::string& out, int jo
       const std::string key = key_of(set);
       if (diagnosed_key(folder) != key) {
         diagnosis::DiagnoseOptions wanted = set.wanted;
-        wanted.progress = [&](std::string_view stage, double done) {
-          progress.show(fmt::format("{}: {}", set.name, stage), (begun + done) / static_cast<double>(sets.size()));
+        wanted.progress = [&](std::string_view stage, std::optional<double>) {
+          progress.show(fmt::format("{}: {}", set.name, stage), begun / static_cast<double>(sets.size()));
         };
         diagnose_into(folder, wanted, key);
       }

@@ -8,66 +8,64 @@
 
 namespace gustlab {
 
-namespace {
-
-constexpr std::chrono::milliseconds between_rewrites{100};
-constexpr std::chrono::seconds between_lines{30};
-
-}  // namespace
-
 Progress::Progress()
-    : visible_(spdlog::should_log(spdlog::level::info)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
+    : visible_(spdlog::should_log(spdlog::level::info)),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()),
+      line_(terminal_) {}
 
-void Progress::end() {
-  if (shown_ && terminal_) std::fputs("\n", stderr);
-  shown_ = false;
+double Progress::now_s() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-void Progress::begin(double done) {
-  if (time_left_) return;
-  start_ = Clock::now();
-  time_left_.emplace(done);
-}
-
-std::string Progress::left(double done) const {
-  const auto seconds = time_left_->seconds(done, std::chrono::duration<double>(last_ - start_).count());
-  return seconds ? fmt::format(", {:.0f} s left", *seconds) : "";
-}
-
-bool Progress::due(bool last_one) {
-  if (!visible_) return false;
-  const Clock::time_point now = Clock::now();
-  const bool waited = terminal_ ? !shown_ || last_one || now - last_ >= between_rewrites
-                                : now - (shown_ ? last_ : start_) >= between_lines;
-  if (waited) last_ = now;
-  return waited;
-}
-
-void Progress::print(const std::string& text) const {
+void Progress::print(const std::string& text) {
   // carriage return, then clear what the line had more
   if (terminal_) fmt::print(stderr, "\r{}\033[K", text);
   else fmt::print(stderr, "{}\n", text);
   std::fflush(stderr);
+  shown_ = true;
+}
+
+void Progress::keep_up_to_date() {
+  constexpr std::chrono::milliseconds between_looks{250};
+  std::unique_lock lock(mutex_);
+  while (!ended_.wait_for(lock, between_looks, [this] { return !running_; }))
+    if (const auto text = line_.due(now_s())) print(*text);
+}
+
+void Progress::report(std::string what, std::optional<double> share) {
+  if (!visible_) return;
+  const std::lock_guard lock(mutex_);
+  line_.report(std::move(what), share, now_s());
+  if (running_) return;
+  running_ = true;
+  timer_ = std::thread([this] { keep_up_to_date(); });
+}
+
+void Progress::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    running_ = false;
+  }
+  ended_.notify_all();
+  if (timer_.joinable()) timer_.join();
+  if (shown_ && terminal_) {
+    print(line_.text(now_s()));
+    std::fputs("\n", stderr);
+  }
+  shown_ = false;
 }
 
 void Progress::show(std::size_t done, std::size_t all, std::string_view what) {
-  const double share = static_cast<double>(done) / static_cast<double>(all);
-  begin(share);
-  if (!due(done == all)) return;
-  shown_ = true;
-  print(fmt::format("{}/{} {}{}", done, all, what, left(share)));
+  report(fmt::format("{}/{} {}", done, all, what), static_cast<double>(done) / static_cast<double>(all));
 }
 
-void Progress::show(std::string_view stage, double done) {
-  begin(done);
-  // a stage is said as it begins
-  if (!due(terminal_)) return;
-  shown_ = true;
-  print(fmt::format("{:.0f} %, {}{}", 100.0 * done, stage, left(done)));
+void Progress::show(std::string_view stage, std::optional<double> done) {
+  report(done ? fmt::format("{:.0f} %, {}", 100.0 * *done, stage) : std::string(stage), done);
 }
 
 ProgressReport Progress::report() {
-  return [this](std::string_view stage, double done) { show(stage, done); };
+  return [this](std::string_view stage, std::optional<double> done) { show(stage, done); };
 }
 
 }  // namespace gustlab

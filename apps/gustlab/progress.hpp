@@ -1,15 +1,18 @@
-// A line on stderr that says how far long work is and how long it still takes: rewritten on a terminal, a new one every half a minute
-// elsewhere (a log of a cluster), none with --quiet.
+// A line on stderr that says how far long work is: kept up to date on a terminal, a new one every half a minute elsewhere (a log of a
+// cluster), none with --quiet.
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "util/progress.hpp"
-#include "util/time_left.hpp"
+#include "util/progress_line.hpp"
 
 namespace gustlab {
 
@@ -19,25 +22,26 @@ class Progress {
   ~Progress() { end(); }
   // What is done, of all.
   void show(std::size_t done, std::size_t all, std::string_view what = "runs");
-  // A stage and the share of all that is done.
-  void show(std::string_view stage, double done);
+  // A stage, and the share of all that is done where it is known.
+  void show(std::string_view stage, std::optional<double> done);
   ProgressReport report();
+  // Nothing is printed after this, until something is shown again.
   void end();
 
  private:
-  using Clock = std::chrono::steady_clock;
-  // Takes the first report for the state at the start.
-  void begin(double done);
-  // ", 12 s left"; empty while nothing tells
-  std::string left(double done) const;
-  // Whether it is time for a line; counts the line as printed.
-  bool due(bool last_one);
-  void print(const std::string& text) const;
+  void report(std::string what, std::optional<double> share);
+  // Prints what is due again and again until `end`: work may be silent for minutes.
+  void keep_up_to_date();
+  double now_s() const;
+  void print(const std::string& text);
 
   bool visible_, terminal_;
-  bool shown_ = false;
-  std::optional<TimeLeft> time_left_;  // from the first report on
-  Clock::time_point start_, last_;
+  std::chrono::steady_clock::time_point start_;
+  std::mutex mutex_;  // of all below
+  std::condition_variable ended_;
+  ProgressLine line_;
+  bool running_ = false, shown_ = false;
+  std::thread timer_;  // joined by `end`
 };
 
 }  // namespace gustlab

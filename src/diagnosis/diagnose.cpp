@@ -130,13 +130,13 @@ std::vector<FlightLog> proof_flights(const Aligned& aligned) {
   return proof;
 }
 
-// says where the work is; the shares of the stages are guesses
-void report_progress(const DiagnoseOptions& options, std::string_view stage, double done) {
-  if (options.progress) options.progress(stage, done);
+// says where the work is; which share of it is through nobody knows
+void report_progress(const DiagnoseOptions& options, std::string_view stage) {
+  if (options.progress) options.progress(stage, {});
 }
 
-// estimate, select, challenge
-Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& options) {
+// estimate, select, challenge; `testing`: what the last of the three is called
+Fitted fit(const Aligned& aligned, bool forces_only, std::string_view testing, const DiagnoseOptions& options) {
   const int jobs = options.jobs;
   Reading reading = settle_reading(aligned, forces_only, jobs);
   VehicleModel vehicle = aligned.vehicle;
@@ -165,9 +165,9 @@ Fitted fit(const Aligned& aligned, bool forces_only, const DiagnoseOptions& opti
         "the commands were logged at a lower rate than the motion: how much torque in roll and pitch the loop added "
         "between them is estimated with all else, and what roll and pitch alone would show (inertia, damping) is not "
         "told");
-  report_progress(options, "choosing effects", 0.1);
+  report_progress(options, "choosing effects");
   Selection selection = select_effects(session);
-  report_progress(options, "testing them on other flights", 0.5);
+  report_progress(options, testing);
   std::vector<FlightLog> proof = proof_flights(aligned);
   Challenge challenged = challenge(
       session, selection, {flights.holdout, flights.holdout_own_rate, proof},
@@ -269,11 +269,13 @@ Diagnosis diagnose_hover(const Recordings& recordings) {
 
 Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options) {
   const int jobs = options.jobs;
-  report_progress(options, "checking rotors and clocks", 0.02);
+  report_progress(options, "checking rotors and clocks");
+  const std::string_view testing = recordings.holdout.empty() ? "testing them on the last third of the flight"
+                                                              : "testing them on the held-out flights";
   recordings = with_held_out_part(std::move(recordings));
   const Aligned aligned = align(recordings);
-  Fitted fitted = fit(aligned, false, options);
-  if (torques_mislead(aligned, fitted)) fitted = fit(aligned, true, options);
+  Fitted fitted = fit(aligned, false, testing, options);
+  if (torques_mislead(aligned, fitted)) fitted = fit(aligned, true, testing, options);
 
   Diagnosis out = describe(fitted);
   out.vehicle = recordings.vehicle.name;
@@ -292,7 +294,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
     suspect(out, "only suspected: columns of the motion contradict each other",
             [](const EffectFinding& effect) { return !find_effect(effect.effect)->external; });
 
-  report_progress(options, "flying the model in the simulator", 0.75);
+  report_progress(options, "flying the model in the simulator");
   Verification verified = verify_names(out, fitted.proof, fitted.vehicle, jobs);
   out.fit = std::move(verified.fit);
   if (!out.fit.is_null())
@@ -309,7 +311,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
         bound));
   out.verdict = conclude(out, fitted.challenged.rest, !bound.empty(), aligned.commands_jitter);
 
-  report_progress(options, "looking for a flight that would tell more", 0.85);
+  report_progress(options, "looking for a flight that would tell more");
   suggest_flight(fitted.session, fitted.selection, jobs, out);
   if (out.verdict == Verdict::unexplained || out.verdict == Verdict::partly_explained)
     offer_residual(fitted.session, fitted.selection, fitted.proof, jobs, out);
@@ -321,7 +323,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
 }  // namespace
 
 Diagnosis diagnose(const DiagnoseOptions& options) {
-  report_progress(options, "reading the flights", 0.0);
+  report_progress(options, "reading the flights");
   Recordings recordings = check(read_recordings(options.fit, options.holdout, options.reference, options.vehicle));
   std::vector<Stretch> stretches = std::move(recordings.stretches);
   Diagnosis out = is_recorded(recordings.fit, {"qw", "wx"}) ? diagnose_motion(std::move(recordings), options)

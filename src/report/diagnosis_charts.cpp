@@ -18,20 +18,7 @@ namespace {
 
 using svg::escape;
 
-struct Quantity {
-  const char *key, *name, *unit;
-};
-constexpr Quantity quantities[] = {{"position_m", "Position", "m"},
-                                   {"velocity_mps", "Velocity", "m/s"},
-                                   {"attitude_rad", "Attitude", "rad"},
-                                   {"body_rate_radps", "Body rate", "rad/s"}};
-
-std::vector<double> numbers(const Json& list) {
-  std::vector<double> found;
-  for (const Json& item : list)
-    found.push_back(item.is_number() ? item.get<double>() : std::numeric_limits<double>::quiet_NaN());
-  return found;
-}
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 double largest(const std::vector<double>& values) {
   double most = 0.0;
@@ -92,7 +79,7 @@ std::string horizon_chart(const DiagnosisFigures::Horizon& curve, bool after) {
   const double most = std::max({largest(curve.before), largest(curve.after), largest(curve.hold)});
   const Display display = display_of("", quantity.unit, most);
   svg::Chart chart;
-  chart.title = fmt::format("{} error", quantity.name);
+  chart.title = fmt::format("{} error", capital(quantity.name));
   chart.y_label = display.unit;
   chart.x_label = "prediction horizon [s]";
   chart.log_y = true;
@@ -131,7 +118,7 @@ std::string horizon_table(const Json& diagnosis) {
       }
       // what was not predicted at all has no row
       if (any)
-        rows += fmt::format("<tr><td class=\"name\">{}</td><td class=\"n\">{:g} s</td>{}</tr>", quantity.name,
+        rows += fmt::format("<tr><td class=\"name\">{}</td><td class=\"n\">{:g} s</td>{}</tr>", capital(quantity.name),
                             horizons[h], cells);
     }
   }
@@ -245,18 +232,61 @@ double noise_at(const Json& diagnosis, const char* quantity, double horizon_s) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-// from above, both axes to the same scale
+double value_at(const std::vector<double>& values, std::size_t k) { return k < values.size() ? values[k] : unknown; }
+
+// Samples from the recorded state that a prediction starts from to the last that it predicts.
+struct Flown {
+  std::size_t begin = 0, end = 0;
+};
+
+// The prediction in which the lines are told apart best: where the nearest two of them are farthest from each other, in the plane; the
+// first of equals.
+Flown farthest_apart(const DiagnosisFigures::Trace& x, const DiagnosisFigures::Trace& y) {
+  using Values = std::vector<double> DiagnosisFigures::Trace::*;
+  constexpr Values measured = &DiagnosisFigures::Trace::measured, before = &DiagnosisFigures::Trace::before,
+                   after = &DiagnosisFigures::Trace::after;
+  const auto apart = [&](std::size_t k) {
+    const auto between = [&](Values one, Values other) {
+      return std::hypot(value_at(x.*one, k) - value_at(x.*other, k), value_at(y.*one, k) - value_at(y.*other, k));
+    };
+    const double first = between(measured, before);
+    return x.after.empty() ? first : std::min({first, between(measured, after), between(before, after)});
+  };
+  const auto predicted = [&](std::size_t k) { return std::isfinite(value_at(x.before, k)); };
+  Flown best{0, x.time_s.size()};
+  double most = 0.0;
+  for (std::size_t begin = 0, k = 0; k < x.time_s.size(); ++k) {
+    if (!predicted(k)) begin = k;
+    if (!(apart(k) > most)) continue;
+    most = apart(k);
+    best = {begin, k + 1};
+    while (best.end < x.time_s.size() && predicted(best.end)) ++best.end;
+  }
+  return best;
+}
+
+// from above, both axes to the same scale: one prediction, which begins where the vehicle was
 std::string path_chart(const DiagnosisFigures& figures) {
   const auto *x = trace_of(figures, "position x"), *y = trace_of(figures, "position y");
-  if (!x || !y) return "";
+  if (!x || !y || x->time_s.empty()) return "";
+  const Flown flown = farthest_apart(*x, *y);
+  const auto line = [&](const char* style, std::vector<double> DiagnosisFigures::Trace::*values) {
+    svg::Series series{style, svg::Mark::line, {}, {}, {}, {}};
+    for (std::size_t k = flown.begin; k < flown.end; ++k)
+      for (const auto& [trace, to] : {std::pair{x, &series.x}, {y, &series.y}}) {
+        const double value = value_at(trace->*values, k);
+        const bool starts = k == flown.begin && !(trace->*values).empty() && !std::isfinite(value);
+        to->push_back(starts ? trace->measured[k] : value);
+      }
+    return series;
+  };
   svg::Chart chart;
-  chart.title = "Path from above";
+  chart.title = fmt::format("Path from above, {:.1f} to {:.1f} s", x->time_s[flown.begin], x->time_s[flown.end - 1]);
   chart.x_label = "x [m]";
   chart.y_label = "y [m]";
   chart.equal_scales = true;
-  chart.series.push_back({"measured", svg::Mark::line, x->measured, y->measured, {}, {}});
-  chart.series.push_back({"before", svg::Mark::line, x->before, y->before, {}, {}});
-  chart.series.push_back({"after", svg::Mark::line, x->after, y->after, {}, {}});
+  chart.series = {line("measured", &DiagnosisFigures::Trace::measured),
+                  line("before", &DiagnosisFigures::Trace::before), line("after", &DiagnosisFigures::Trace::after)};
   return svg::draw(chart);
 }
 
@@ -372,6 +402,8 @@ std::string window_section(const nlohmann::ordered_json& diagnosis, const Diagno
         " Predictions start anew from the recorded state every {:g} s; the noise floor is that of predictions so far "
         "ahead.",
         restart_s);
+  if (trace_of(figures, "position x"))
+    caption += " The path from above is one prediction, that in which the lines are told apart best.";
   if (!torque_is_told(diagnosis))
     caption += " These logs do not tell fast torques, so predictions follow the recorded attitude.";
   return "<section><h2>Before and after, over a stretch of flight</h2><figure>" +

@@ -110,23 +110,20 @@ std::string shows(const Json& entry, bool acted_on) {
   if (entry.value("significant", false)) {
     std::vector<std::string> regions;
     for (const Json& item : part(entry, "where")) regions.push_back(region(item));
-    const std::string where = regions.empty() ? "everywhere" : escape(list_in_words(regions));
-    // what lasts is proved by many samples long before it shows in their size
-    return above < 0.05 ? "a faint pattern, no larger than the noise" + (regions.empty() ? "" : ": " + where) : where;
+    return regions.empty() ? "everywhere" : escape(list_in_words(regions));
   }
   // many samples prove a pattern that is far below what matters
   const bool pattern = number(entry, "p_value") < 1e-3;
   const char* words = !pattern ? (above < 0.5 ? "no more than noise" : "more than noise, in no pattern that is sure")
-                      : above < 0.005 ? "a pattern far below the noise; too small to matter"
-                      : above < 0.5   ? "a pattern, too small to matter"
-                      : acted_on      ? "more than noise: what was found acts here"
-                                      : "more than noise, and still too small to matter";
+                      : above < 0.5 ? "a pattern, too small to matter"
+                      : acted_on    ? "more than noise: what was found acts here"
+                                    : "more than noise, and still too small to matter";
   return fmt::format("<span class=\"soft\">{}</span>", words);
 }
 
-// "1.12", as often as the noise; a dash where there is nothing above it
+// "1.12 ×": how many times the noise; a dash where that is not known
 std::string times_noise(double above) {
-  if (!(above >= 0.005) || !std::isfinite(above)) return "–";
+  if (!std::isfinite(above)) return "–";
   return above < 9.0 ? fmt::format("{:.2f} ×", 1.0 + above) : fmt::format("{:.0f} ×", 1.0 + above);
 }
 
@@ -139,6 +136,9 @@ bool something_acts_on(const Json& diagnosis, const Json& channel) {
   });
 }
 
+// of diagnosis.json: what stands in one of these is no candidate for a name any more, or is none
+constexpr const char* lists_of_findings[] = {"effects", "calibration", "not_identifiable"};
+
 bool lists(const Json& list, const std::string& effect) {
   return std::any_of(list.begin(), list.end(), [&](const Json& entry) { return text(entry, "effect") == effect; });
 }
@@ -146,21 +146,20 @@ bool lists(const Json& list, const std::string& effect) {
 // why the size of a channel says nothing, empty where it does
 std::string no_size(const Json& diagnosis, const Json& channel) {
   if (text(channel, "channel").starts_with("torque") && !torque_is_told(diagnosis))
-    return "not judged: these logs do not tell fast torques";
+    return "not judged, as these logs do not tell fast torques";
   // of what would show there, nothing can be told, or nothing that another name does not do as well
   std::vector<std::string> names, instead;
   for (const Json& effect : part(channel, "effects")) {
     if (!effect.is_string()) continue;
     const std::string key = effect.get<std::string>(), name = plain_label(key);
-    if (lists(part(diagnosis, "effects"), key))
-      return "what was found acts here: " + name + ", whose size stands above";
+    if (lists(part(diagnosis, "effects"), key)) return name + " acts here, and its size stands above";
     const std::string named = named_instead_of(diagnosis, {{"effect", effect}});
     if (named.empty() && !lists(part(diagnosis, "not_identifiable"), key)) return "";
     names.push_back(name);
     if (!named.empty() && std::find(instead.begin(), instead.end(), named) == instead.end()) instead.push_back(named);
   }
   if (names.empty()) return "";
-  const std::string all = "not judged: " + list_in_words(names);
+  const std::string all = "not judged, as " + list_in_words(names);
   if (!instead.empty()) return all + " cannot be told from " + list_in_words(instead) + " in these flights";
   return all + (names.size() > 1 ? " are" : " is") + " not identifiable in these flights";
 }
@@ -174,32 +173,38 @@ std::string where(const Json& diagnosis) {
         std::isfinite(ratio) && no_size(diagnosis, entry).empty())
       full = std::max(full, ratio);
   std::string rows;
+  // channels without a size, by what is said of them
+  std::vector<std::pair<std::string, std::vector<std::string>>> no_rows;
   for (const Json& entry : mismatch) {
-    const double rms = number(entry, "rms"), noise = number(entry, "noise_rms"), above = rms / noise - 1.0;
-    const Display display = display_of("", text(entry, "unit"), std::isfinite(noise) ? std::max(rms, noise) : rms);
-    const std::string unjudged = no_size(diagnosis, entry);
-    const bool judged = unjudged.empty();
-    const auto size = [&](double value) {
-      // next to nothing is nothing
-      const double shown = std::abs(value) < 1e-5 * noise ? 0.0 : display.factor * value;
-      return judged ? figure(shown) + " " + display.unit : "–";
-    };
+    const std::string name = plain_channel(text(entry, "channel")), unjudged = no_size(diagnosis, entry);
+    // many samples may prove a pattern that its size does not show
+    const std::string says = unjudged.empty() && !above_noise(entry) ? "no larger than the noise" : unjudged;
+    if (!says.empty()) {
+      const auto same =
+          std::find_if(no_rows.begin(), no_rows.end(), [&](const auto& one) { return one.first == says; });
+      (same == no_rows.end() ? no_rows.emplace_back(says, std::vector<std::string>{}) : *same).second.push_back(name);
+      continue;
+    }
+    const double rms = number(entry, "rms"), noise = number(entry, "noise_rms");
+    const Display display = display_of("", text(entry, "unit"), rms);
+    const auto size = [&](double value) { return figure(display.factor * value) + " " + display.unit; };
     rows += fmt::format(
         "<tr><td class=\"name\">{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td class=\"where\">{}</td></tr>",
-        escape(plain_channel(text(entry, "channel"))), judged ? svg::bar(rms / noise, 1.0, full) : "",
-        escape(size(rms)), escape(size(noise)), judged ? times_noise(above) : "–",
-        judged ? shows(entry, something_acts_on(diagnosis, entry))
-               : fmt::format("<span class=\"soft\">{}</span>", escape(unjudged)));
+        escape(name), svg::bar(rms / noise, 1.0, full), escape(size(rms)), escape(size(noise)),
+        times_noise(rms / noise - 1.0), shows(entry, something_acts_on(diagnosis, entry)));
   }
   const char* from = !hover_alone(diagnosis)
                          ? "between simulation and recording, channel by channel, before anything was added"
                      : has_reference(diagnosis) ? "from the reference flights, in hover, channel by channel"
                                                 : "from the flights taken as normal, in hover, channel by channel";
-  return fmt::format("<p>The difference {}. The tick is what noise and calm air alone would leave.</p>", from) +
-         card_table(
-             {{"channel"}, {"against noise"}, {"rms", true}, {"noise", true}, {"rms over noise", true}, {"where"}},
-             rows);
+  const char* tick = rows.empty() ? "" : " The tick is what noise and calm air alone would leave.";
+  std::string html = fmt::format("<p>The difference {}.{}</p>", from, tick);
+  if (!rows.empty())
+    html += card_table(
+        {{"channel"}, {"against noise"}, {"rms", true}, {"noise", true}, {"rms over noise", true}, {"where"}}, rows);
+  for (const auto& [says, names] : no_rows) html += paragraph(capital(list_in_words(names)) + ": " + says + ".");
+  return html;
 }
 
 std::string parameter_row(const std::string& effect, const std::string& name, const Json& entry,
@@ -296,14 +301,17 @@ std::string evidence_table(const Json& diagnosis) {
     const double p = number(record, "surrogate_p");
     // its probability is that beside the effect that is named
     const std::string named = named_instead_of(diagnosis, record);
+    const bool blind = lists(part(diagnosis, "not_identifiable"), text(record, "effect"));
+    const std::string probability_of = !named.empty() ? "in place of " + named
+                                       : blind        ? "not identifiable"
+                                                      : sure(number(record, "probability"));
     rows += fmt::format(
         "<tr><td class=\"name\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td class=\"n\">{} / {}</td>"
         "<td class=\"n\">{}</td></tr>",
-        escape(plain_name(record)),
-        named.empty() ? sure(number(record, "probability")) : escape("in place of " + named), gain("delta_chi2"),
-        gain("robust_delta_chi2"), std::isfinite(p) ? probability(p) : "–", record.value("flights_for", 0),
-        record.value("flights_against", 0), flown ? whole_percent(share[1].get<double>()) : "–");
+        escape(plain_name(record)), escape(probability_of), gain("delta_chi2"), gain("robust_delta_chi2"),
+        std::isfinite(p) ? probability(p) : "–", record.value("flights_for", 0), record.value("flights_against", 0),
+        flown ? whole_percent(share[1].get<double>()) : "–");
   }
   if (rows.empty()) return "";
   return "<details><summary>Evidence, one line a candidate</summary>" +
@@ -319,21 +327,39 @@ std::string evidence_table(const Json& diagnosis) {
              "Δχ²: how much the misfit of the predictions rises without it, in units of their noise. Robust: over what "
              "the same signature gains when it is moved along its flight, or what its size varies between sixths of "
              "flights, whichever is more. p: share of the moved signatures that gain as much. The last column is the "
-             "better of two: position and velocity, or attitude and body rate. From 80 % on a candidate is named (or "
-             "stands under Calibration, where it is small), from 50 % on suspected.",
+             "better of two: position and velocity, or attitude and body rate; of a candidate that was withdrawn it is "
+             "beside the names of then. From 80 % on a candidate is named (or stands under Calibration, where it is "
+             "small), from 50 % on suspected.",
              "note") +
          "</details>";
 }
 
+// why the rest has no name: the candidates that came nearest
+std::string nearest_names(const Json& diagnosis) {
+  constexpr std::size_t most = 3;
+  std::vector<const Json*> near;
+  for (const Json& record : part(diagnosis, "evidence")) {
+    const std::string effect = text(record, "effect");
+    const bool said = std::any_of(std::begin(lists_of_findings), std::end(lists_of_findings),
+                                  [&](const char* list) { return lists(part(diagnosis, list), effect); });
+    if (!said && std::isfinite(number(record, "probability")) && named_instead_of(diagnosis, record).empty())
+      near.push_back(&record);
+  }
+  if (near.empty()) return "No effect of the catalogue came near enough to be judged as its name.";
+  std::stable_sort(near.begin(), near.end(),
+                   [](const Json* a, const Json* b) { return number(*a, "probability") > number(*b, "probability"); });
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(most, near.size()); ++i)
+    names.push_back(fmt::format("{} ({})", plain_name(*near[i]), sure(number(*near[i], "probability"))));
+  return "No name was sure enough for the rest, which takes 80 %. Nearest came " + list_in_words(names) +
+         "; the table of evidence below says what speaks for and against.";
+}
+
 // errors with it beside those of physics, in the page's order of horizons
 std::string habit_card(const Json& habit, const Json& fit) {
-  constexpr std::array<std::array<const char*, 3>, 4> quantity = {{{"position_m", "position", "m"},
-                                                                   {"velocity_mps", "velocity", "m/s"},
-                                                                   {"attitude_rad", "attitude", "rad"},
-                                                                   {"body_rate_radps", "body rate", "rad/s"}}};
   const Json& horizon = part(fit, "horizon_s");
   std::string rows;
-  for (const auto& [key, name, unit] : quantity)
+  for (const auto& [key, name, unit] : quantities)
     for (std::size_t h = 0; h < horizon.size(); ++h) {
       const auto cell = [&](const Json& list) {
         return h < list.size() && list[h].is_number() ? figure(list[h].get<double>()) : "–";
@@ -375,16 +401,15 @@ std::string what(const Json& diagnosis, double weight_N) {
           escape(plain_channel(text(term, "channel"))), escape(text(term, "term")), figure(number(term, "coefficient")),
           escape(unit), escape(likeness(term, weight_N)));
     }
-    cards +=
-        "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
-        paragraph(
-            "Nothing in the catalogue explains the rest. This sum of a few terms describes it and can be flown, but "
-            "it is a description and no name.") +
-        paragraph(text(model, "says").empty() ? "" : capital(text(model, "says")) + ".") +
-        (rows.empty()
-             ? ""
-             : card_table({{"channel"}, {"term"}, {"coefficient", true}, {"unit"}, {"what it is like"}}, rows)) +
-        "</div>";
+    cards += "<div class=\"effect\"><div class=\"head\"><h3>An unnamed effect</h3></div>" +
+             paragraph(
+                 nearest_names(diagnosis) +
+                 " This sum of a few terms describes the rest and can be flown, but it is a description and no name.") +
+             paragraph(text(model, "says").empty() ? "" : capital(text(model, "says")) + ".") +
+             (rows.empty()
+                  ? ""
+                  : card_table({{"channel"}, {"term"}, {"coefficient", true}, {"unit"}, {"what it is like"}}, rows)) +
+             "</div>";
   }
   if (const Json& habit = part(diagnosis, "habit"); !habit.empty()) cards += habit_card(habit, part(diagnosis, "fit"));
   return cards + evidence_table(diagnosis);
@@ -479,22 +504,50 @@ void say_once(std::vector<std::pair<std::string, std::string>>& lines) {
   if (!variables.empty()) lines[first].second = std::string(begin) + list_in_words(variables);
 }
 
+// every channel of an alarm that these logs tell is no larger than its noise
+bool within_noise(const Json& diagnosis, const Json& alarm) {
+  const Json& channels = part(alarm, "channels");
+  const bool told = torque_is_told(diagnosis);
+  bool any = false;
+  for (const Json& entry : part(diagnosis, "mismatch")) {
+    const std::string channel = text(entry, "channel");
+    if (std::find(channels.begin(), channels.end(), channel) == channels.end()) continue;
+    if (!told && channel.starts_with("torque")) continue;
+    if (above_noise(entry)) return false;
+    any = true;
+  }
+  return any;
+}
+
+// what an alarm says, as far as the sizes of its channels bear it out
+std::string said_of(const Json& diagnosis, const Json& alarm) {
+  const std::string says = in_plain_words(text(alarm, "says"));
+  return text(alarm, "kind") == "floor" && within_noise(diagnosis, alarm)
+             ? says + ": it is the noise of these sensors or of this air, and counted as noise above"
+             : says;
+}
+
 // alarms in words, one line for all sensors whose innovations are correlated; none of torques that the logs do not tell
 std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& diagnosis) {
   std::vector<std::pair<std::string, std::string>> lines;
   std::vector<std::string> sensors;
   std::size_t at = 0;
+  bool faint = true;  // patterns that are smaller than the noise
   for (const Json& alarm : part(diagnosis, "alarms")) {
     if (!torque_is_told(diagnosis) && of_torques_alone(alarm)) continue;
     const std::string sensor = text(alarm, "sensor");
     if (sensors.empty()) at = lines.size();
-    if (sensor.empty() || sensors.empty())
-      lines.emplace_back(plain_alarm(text(alarm, "kind")), in_plain_words(text(alarm, "says")));
+    if (sensor.empty() || sensors.empty()) lines.emplace_back(text(alarm, "kind"), said_of(diagnosis, alarm));
+    faint = faint && (text(alarm, "kind") != "omnibus" || within_noise(diagnosis, alarm));
     if (!sensor.empty()) sensors.push_back(in_plain_words(sensor));
   }
   if (!sensors.empty())
     lines[at].second = "what the model does not predict comes in runs of several samples in " + list_in_words(sensors);
   say_once(lines);
+  for (auto& [kind, says] : lines) {
+    if (kind == "omnibus" && faint) says += ", and is no larger than the noise";
+    kind = plain_alarm(kind);
+  }
   return lines;
 }
 

@@ -36,25 +36,87 @@ std::string decimals(double value, int digits) {
   return signed_text(written);
 }
 
-// empty when nothing was verified
+std::string on_what_was_not_used(const Json& diagnosis) {
+  return one_flight_is_cut(diagnosis) ? "on the last third of the flight, which was not used to find it"
+                                      : "on flights that were not used to find it";
+}
+
+// what the position half a second ahead gains; empty when nothing was flown, or no gain shows
 std::string gain_in_words(const Json& diagnosis) {
   const Json& fit = part(diagnosis, "fit");
-  const Json &horizons = part(fit, "horizon_s"), &errors = part(fit, "position_m");
-  const Json &before = part(errors, "before"), &after = part(errors, "after");
+  const Json& errors = part(fit, "position_m");
+  const Json& model = part(diagnosis, "residual_model");
+  const std::vector<double> horizons = numbers(part(fit, "horizon_s")), before = numbers(part(errors, "before")),
+                            after = numbers(part(errors, "after")),
+                            without = numbers(part(part(model, "fit_without"), "position_m"));
   std::size_t best = 0;
   for (std::size_t h = 0; h < horizons.size(); ++h)
-    if (std::abs(horizons[h].get<double>() - 0.5) < std::abs(horizons[best].get<double>() - 0.5)) best = h;
-  if (best >= before.size() || best >= after.size() || !before[best].is_number() || !after[best].is_number()) return "";
-  const double from = before[best].get<double>(), to = after[best].get<double>();
+    if (std::abs(horizons[h] - 0.5) < std::abs(horizons[best] - 0.5)) best = h;
+  if (best >= before.size() || best >= after.size()) return "";
+  const double from = before[best], to = after[best];
   if (!(to < from)) return "";
   const auto [factor, unit] = from < 0.01 ? Display{1e3, "mm"} : from < 1.0 ? Display{1e2, "cm"} : Display{1.0, "m"};
   const auto length = [&](double metres) {
     return fmt::format("{} {}", decimals(factor * metres, factor * to < 10.0 ? 1 : 0), unit);
   };
   if (length(to) == length(from)) return "";
-  return fmt::format("the position predicted {:g} s ahead is wrong by {} instead of {}, on {} not used to find it",
-                     horizons[best].get<double>(), length(to), length(from),
-                     one_flight_is_cut(diagnosis) ? "the last third of the flight, which was" : "flights that were");
+  const bool named = !part(diagnosis, "effects").empty();
+  const std::string on = on_what_was_not_used(diagnosis);
+  if (named && best < without.size() && std::isfinite(without[best]))
+    return fmt::format(
+        "The position predicted {:g} s ahead is wrong by {} in the simulation as it was, by {} with what was named, "
+        "and by "
+        "{} with a model of the rest that has no name as well, {}.",
+        horizons[best], length(from), length(without[best]), length(to), on);
+  const char* what = model.empty() ? "what was found"
+                     : !named      ? "a model that has no name"
+                                   : "what was found and a model of the rest that has no name";
+  return fmt::format("With {}, the position predicted {:g} s ahead is wrong by {} instead of {}, {}.", what,
+                     horizons[best], length(to), length(from), on);
+}
+
+// calls back with every mean error of `after` that is known, and with what it was before and with values kept
+template <typename Visit>
+void for_each_error(const Json& diagnosis, const Visit& visit) {
+  const Json& fit = part(diagnosis, "fit");
+  const std::vector<double> horizons = numbers(part(fit, "horizon_s"));
+  for (const Quantity& quantity : quantities) {
+    const Json& errors = part(fit, quantity.key);
+    const std::vector<double> after = numbers(part(errors, "after"));
+    const auto at = [&](const char* kind, std::size_t h) {
+      const std::vector<double> values = numbers(part(errors, kind));
+      return h < values.size() ? values[h] : nan;
+    };
+    for (std::size_t h = 0; h < std::min(horizons.size(), after.size()); ++h)
+      if (std::isfinite(after[h])) visit(quantity, horizons[h], after[h], at("before", h), at("hold", h));
+  }
+}
+
+constexpr double least_worse = 1.01;  // less is said to be equal
+
+// predictions that lose by what was found
+std::string losses_in_words(const Json& diagnosis) {
+  std::vector<std::string> worse;
+  for_each_error(diagnosis, [&](const Quantity& quantity, double ahead_s, double after, double before, double) {
+    if (!(after > least_worse * before)) return;
+    const Display display = display_of("", quantity.unit, after);
+    worse.push_back(fmt::format("{} {:g} s ahead ({} {} instead of {})", quantity.name, ahead_s,
+                                figure(display.factor * after), display.unit, figure(display.factor * before)));
+  });
+  return worse.empty() ? "" : "Worse than before: " + list_in_words(worse) + ".";
+}
+
+// predictions that are worse than none: "velocity 0.5 and 1 s ahead"
+std::string kept_in_words(const Json& diagnosis) {
+  std::vector<std::pair<const char*, std::vector<std::string>>> kept;  // horizons of each quantity
+  for_each_error(diagnosis, [&](const Quantity& quantity, double ahead_s, double after, double, double hold) {
+    if (!(after > least_worse * hold)) return;
+    if (kept.empty() || kept.back().first != quantity.name) kept.push_back({quantity.name, {}});
+    kept.back().second.push_back(fmt::format("{:g}", ahead_s));
+  });
+  std::vector<std::string> items;
+  for (const auto& [name, ahead_s] : kept) items.push_back(fmt::format("{} {} s ahead", name, list_in_words(ahead_s)));
+  return items.empty() ? "" : "Still worse than no model, which keeps the last values: " + list_in_words(items) + ".";
 }
 
 // what the residual is and where: the strongest channel with its first region
@@ -62,7 +124,8 @@ std::string where_in_words(const Json& diagnosis) {
   const Json* strongest = nullptr;
   double ratio = 0.0;
   for (const Json& entry : part(diagnosis, "mismatch")) {
-    if (!entry.value("significant", false)) continue;
+    const bool told = torque_is_told(diagnosis) || !text(entry, "channel").starts_with("torque");
+    if (!entry.value("significant", false) || !told || !above_noise(entry)) continue;
     const double here = number(entry, "rms") / number(entry, "noise_rms");
     if (!strongest || here > ratio) strongest = &entry, ratio = here;
   }
@@ -118,6 +181,18 @@ const Json& part(const Json& object, const std::string& key) {
   const bool there =
       object.is_object() && object.contains(key) && (object.at(key).is_object() || object.at(key).is_array());
   return there ? object.at(key) : nothing;
+}
+
+std::vector<double> numbers(const Json& list) {
+  std::vector<double> found;
+  for (const Json& item : list) found.push_back(item.is_number() ? item.get<double>() : nan);
+  return found;
+}
+
+bool above_noise(const Json& channel) {
+  constexpr double least = 1.05;
+  // nothing is within a noise that is not known
+  return !(number(channel, "rms") < least * number(channel, "noise_rms"));
 }
 
 std::string plain_label(const std::string& label) {
@@ -319,6 +394,7 @@ std::string probability(double p) {
 
 std::string sure(double confidence) {
   if (!std::isfinite(confidence)) return "–";
+  if (confidence < 0.005) return "less than 1 %";
   return confidence > 0.995 ? "more than 99 %" : fmt::format("{:.0f} %", 100.0 * confidence);
 }
 
@@ -356,7 +432,7 @@ std::string one_sentence(const Json& diagnosis) {
            " is right or wrong" + (one_reason ? ": " + text(blind[0], "why") : "") + ".";
   }
   if (verdict == Verdict::unexplained) {
-    return fmt::format("Something acts on {} that {}{}, and no effect known here explains enough of it to be named.",
+    return fmt::format("Something acts on {} that {}{}, and no effect known here is sure enough to be named.",
                        vehicle.empty() ? "the vehicle" : vehicle,
                        compared ? "neither the simulation nor the reference flights show" : "the simulation leaves out",
                        where.empty() ? "" : " (" + where + ")");
@@ -384,13 +460,11 @@ bool torque_is_told(const Json& diagnosis) {
 }
 
 std::string gain_sentence(const Json& diagnosis) {
-  const std::string gain = gain_in_words(diagnosis);
-  const bool named = !part(diagnosis, "effects").empty(), unnamed = !part(diagnosis, "residual_model").empty();
-  if (gain.empty() || (!named && !unnamed)) return "";
-  const char* what = !unnamed ? "what was found"
-                     : !named ? "a model that has no name"
-                              : "what was found and a model of the rest that has no name";
-  return fmt::format("With {}, {}.", what, gain);
+  if (part(diagnosis, "effects").empty() && part(diagnosis, "residual_model").empty()) return "";
+  std::string words;
+  for (const std::string& sentence : {gain_in_words(diagnosis), losses_in_words(diagnosis), kept_in_words(diagnosis)})
+    if (!sentence.empty()) words += (words.empty() ? "" : " ") + sentence;
+  return words;
 }
 
 }  // namespace gustlab::report

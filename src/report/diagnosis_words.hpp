@@ -17,6 +17,17 @@ double number(const Json& object, const std::string& key);     // NaN
 std::string text(const Json& object, const std::string& key);  // empty
 const Json& part(const Json& object, const std::string& key);  // an empty object or array
 
+std::vector<double> numbers(const Json& list);  // each a number or NaN
+
+// What held-out rollouts are asked for, in the order of the page.
+struct Quantity {
+  const char *key, *name, *unit;
+};
+inline constexpr Quantity quantities[] = {{"position_m", "position", "m"},
+                                          {"velocity_mps", "velocity", "m/s"},
+                                          {"attitude_rad", "attitude", "rad"},
+                                          {"body_rate_radps", "body rate", "rad/s"}};
+
 // "rotor drag", "loss of rotor 3"
 std::string plain_name(const Json& effect);
 // Names that the data cannot tell from this one.
@@ -71,7 +82,10 @@ bool has_reference(const Json& diagnosis);
 std::optional<diagnosis::Verdict> verdict_of(const Json& diagnosis);
 // The sentence at the top of the page: what was found, in the words of the trade.
 std::string one_sentence(const Json& diagnosis);
-// How much nearer held-out predictions come with it, empty when they do not.
+// What a channel of `mismatch` shows is larger than its noise; of one that is not, many samples may still prove a pattern.
+bool above_noise(const Json& channel);
+// What held-out predictions gain by what was found, by the names and by the unnamed model, and which of them lose; empty where nothing was
+// found or flown.
 std::string gain_sentence(const Json& diagnosis);
 
 }  // namespace gustlab::report

@@ -86,6 +86,27 @@ TEST(DiagnoseTrials, NamesNothingWhereNothingIsMissing) {
   EXPECT_EQ(to_string(d.verdict), "consistent") << to_json(d).dump(1);
 }
 
+// of one flight it was said that effects are tested on other flights
+TEST(DiagnoseTrials, SaysOnWhatEffectsAreTested) {
+  struct Seen {};
+  const TemporaryFolder folder;
+  const std::vector<std::string> paths = fly_trials(folder, "");
+  DiagnoseOptions options;
+  options.fit = {paths[0]};
+  std::vector<std::string> stages;
+  options.progress = [&](std::string_view stage, std::optional<double> done) {
+    stages.emplace_back(stage);
+    EXPECT_FALSE(done);  // nobody knows it
+    if (stage.starts_with("testing")) throw Seen{};
+  };
+  EXPECT_THROW(diagnose(options), Seen);
+  EXPECT_THAT(stages, ElementsAre("reading the flights", "checking rotors and clocks", "choosing effects",
+                                  "testing them on the last third of the flight"));
+  options.holdout = {paths[1]};
+  EXPECT_THROW(diagnose(options), Seen);
+  EXPECT_EQ(stages.back(), "testing them on the held-out flights");
+}
+
 TEST(DiagnoseTrials, FindsPlantedRotorDragWithItsTotalValue) {
   const TemporaryFolder folder;
   const auto paths = fly_trials(folder, "[[effect]]\ntype = \"rotor_drag\"\nat_hover = 0.025\n");

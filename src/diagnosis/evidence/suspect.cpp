@@ -5,7 +5,7 @@ namespace gustlab::diagnosis {
 void suspect(Diagnosis& out, const std::string& why, const std::function<bool(const EffectFinding&)>& stands) {
   std::erase_if(out.effects, [&](const EffectFinding& effect) {
     if (stands(effect)) return false;
-    out.rejected.push_back({effect.effect, effect.delta_chi2, why});
+    out.rejected.push_back({with_rotor(effect.effect, effect.rotor()), effect.delta_chi2 - effect.price, why});
     return true;
   });
 }

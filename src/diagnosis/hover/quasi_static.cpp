@@ -274,13 +274,12 @@ std::vector<int> limited_rotors(const std::vector<const Flight*>& flights) {
 
 double score(const Hypothesis& h, double cost) { return h.misfit + cost * h.size(); }
 
-void reject_all(const std::vector<Hypothesis>& all, Diagnosis& out) {
+// `none`: the misfit of no change
+void reject_all(const std::vector<Hypothesis>& all, double none, Diagnosis& out) {
   for (const Hypothesis& h : all)
     if (h.size() <= 2 && h.rotors.size() < 2)
-      out.rejected.push_back(
-          {names_of({&h}).front(), -h.misfit,
-           h.rotors.empty() ? "does not explain the mean commands"
-                            : fmt::format("of rotor {}: does not explain the mean commands", h.rotors.front() + 1)});
+      out.rejected.push_back({with_rotor(names_of({&h}).front(), h.rotors.empty() ? 0 : h.rotors.front() + 1),
+                              none - score(h, number_costs), "does not explain the mean commands"});
   out.verdict = Verdict::insufficient_data;
 }
 
@@ -331,7 +330,8 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
   for (Hypothesis& h : all) fit(h, reference, fitted, rows);
   for (const Hypothesis& h : all)
     if (h.adequate && (!best || score(h, number_costs) < score(*best, number_costs))) best = &h;
-  if (!best) return reject_all(all, out);
+  const double none = misfit_of(fitted, reference, rows, Vector4::Zero());
+  if (!best) return reject_all(all, none, out);
   const Alike alike = alike_to(*best, all);
   const std::vector<std::string> names = names_of(alike.hypotheses);
   const Hypothesis& chosen = **std::find_if(alike.hypotheses.begin(), alike.hypotheses.end(), [&](const Hypothesis* h) {
@@ -343,8 +343,7 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
 
   // does it hold on flights that were not used?
   const double before = misfit_of(checked, reference, rows, Vector4::Zero()),
-               after = misfit_of(checked, reference, rows, chosen.directions * chosen.value),
-               none = misfit_of(fitted, reference, rows, Vector4::Zero());
+               after = misfit_of(checked, reference, rows, chosen.directions * chosen.value);
   const bool pays = checked.empty() || after < most_left_in_hover * before;
   std::vector<EffectFinding> effects = effects_of(chosen, reference, vehicle, fitted);
   // one cause that needs nothing beside it is as good: what was added beside this one is part of the class
@@ -356,7 +355,7 @@ void name_what_changed(const Reference& reference, const std::vector<const Fligh
   for (EffectFinding& effect : effects) {
     effect.delta_chi2 = none - chosen.misfit;
     if (which || !pays) {
-      out.rejected.push_back({effect.effect, pays ? effect.delta_chi2 : before - after,
+      out.rejected.push_back({with_rotor(effect.effect, effect.rotor()), none - score(chosen, number_costs),
                               pays ? "another rotor explains the means as well"
                                    : "explains the flights it was found on, and not the held-out ones"});
       continue;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -88,6 +89,11 @@ void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis
 
 const Group& group_of(const Session& session, int group) { return session.catalogue().group(group); }
 
+// as a selection counts numbers (select_effects.cpp)
+double price_of(const Selection& selection, const Group& group) {
+  return std::log(selection.grams.rows) * static_cast<double>(group.columns.size());
+}
+
 // values of the effect, as changes where there are reference flights, and of every flight's own
 void fill_values(const Session& session, const Selection& selection, const Group& group, EffectFinding& effect) {
   const Catalogue& catalogue = session.catalogue();
@@ -168,6 +174,7 @@ void explain_finding(const Session& session, const Selection& selection, const C
   effect.place = to_string(group.row->place);
   effect.says = group.row->says;
   effect.delta_chi2 = finding.delta_chi2;
+  effect.price = price_of(selection, group);
   fill_values(session, selection, group, effect);
   effect.classmates = {effect.effect};
   // what may as well be a trim of another name is not missing physics
@@ -208,56 +215,12 @@ std::vector<NamedValue> would_show(const Session& session, const Eigen::MatrixXd
   return sizes;
 }
 
-// Which effects are said to be found, or were withdrawn.
-std::set<std::string_view> told_of(const Session& session, const Selection& selection, const Diagnosis& out) {
-  std::set<std::string_view> names;
-  for (const Finding& finding : selection.findings) names.insert(group_of(session, finding.group).row->name);
-  for (const Rejected& rejected : out.rejected)
-    if (const EffectRow* row = find_effect(rejected.effect)) names.insert(row->name);
-  return names;
-}
-
 // a wind beside what was found is felt by nothing
 bool blows_unfelt(const Session& session, const Selection& selection, int g) {
   std::vector<int> beside = selection.groups();
   beside.push_back(g);
   return group_of(session, g).row->air == Airflow::wind &&
          !SubsetSearch(session.catalogue(), session.vehicle(), 0.0).allowed(beside);
-}
-
-// what was withdrawn, the best of what was not chosen, and every other effect that these flights would show
-void list_rejected(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
-  constexpr std::size_t best = 5;
-  for (const Evidence& record : challenge.withdrawn)
-    out.rejected.push_back({record.effect, record.delta_chi2,
-                            fmt::format("its own evidence makes it {:.0f} % likely", 100.0 * record.probability)});
-  std::set<std::string_view> told = told_of(session, selection, out);
-  std::size_t at = out.rejected.size() - challenge.withdrawn.size();
-  for (const Evidence& record : challenge.withdrawn)
-    if (Rejected& one = out.rejected[at++]; record.rotor > 0) one.effect += fmt::format(" (rotor {})", record.rotor);
-  const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
-  std::vector<std::pair<double, int>> others;
-  for (const auto& [g, delta_chi2] : selection.alone) others.emplace_back(delta_chi2, g);
-  std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    const auto [gain, g] = others[i];
-    const Group& group = group_of(session, g);
-    const bool first = told.insert(group.row->name).second;
-    if (i >= best && (!first || why_not_identifiable(session, selection, g))) continue;
-    const std::string name =
-        group.rotor > 0 ? fmt::format("{} (rotor {})", group.row->name, group.rotor) : catalogue_name(group);
-    if (blows_unfelt(session, selection, g))
-      out.rejected.push_back({name,
-                              gain,
-                              "without a drag, in the vehicle file or among what was found, no wind is felt: a steady "
-                              "one looks like a constant force",
-                              {}});
-    else
-      out.rejected.push_back({name, gain,
-                              gain > 0.0 ? "makes the predictions too little better to be one more name"
-                                         : "does not make the predictions better",
-                              would_show(session, projected, group)});
-  }
 }
 
 // what is not identifiable in these logs, or in these flights
@@ -273,7 +236,54 @@ void list_not_identifiable(const Session& session, const Selection& selection, D
     if (!group.candidate || group.row->name == last) continue;
     last = group.row->name;
     if (catalogue.why_left_out(*group.row)) continue;
+    const auto is_said = [&](const std::vector<EffectFinding>& list) {
+      return std::ranges::find(list, group.row->name, &EffectFinding::effect) != list.end();
+    };
+    if (is_said(out.effects) || is_said(out.suspected)) continue;
     if (const auto lacking = why_not_identifiable(session, selection, g)) out.not_identifiable.push_back(*lacking);
+  }
+}
+
+// What was withdrawn, the best of what was not chosen, and every other effect that these flights would show; each effect, or each rotor of
+// it, once. What is not identifiable is said there.
+void list_rejected(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
+  constexpr std::size_t best = 5;
+  const auto name_of = [&](int g) { return group_of(session, g).row->name; };
+  std::set<std::string_view> told, untold;
+  for (const Finding& finding : selection.findings) told.insert(name_of(finding.group));
+  for (const NotIdentifiable& unknown : out.not_identifiable) untold.insert(unknown.effect);
+  std::map<int, double> scores(selection.alone.begin(), selection.alone.end());
+  const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
+  const auto reject = [&](int g, double score, const std::string& why) {
+    const Group& group = group_of(session, g);
+    told.insert(group.row->name);
+    const bool unfelt = blows_unfelt(session, selection, g);
+    out.rejected.push_back({with_rotor(group.row->name, group.rotor), score, why,
+                            unfelt ? std::vector<NamedValue>{} : would_show(session, projected, group)});
+  };
+  for (const Evidence& record : challenge.withdrawn) {
+    if (untold.contains(name_of(record.group))) continue;
+    const auto added = scores.find(record.group);
+    const double score = added == scores.end()
+                             ? record.delta_chi2 - price_of(selection, group_of(session, record.group))
+                             : added->second;
+    reject(record.group, score, fmt::format("its own evidence makes it {:.0f} % likely", 100.0 * record.probability));
+    scores.erase(record.group);
+  }
+  std::vector<std::pair<double, int>> others;
+  for (const auto& [g, score] : scores)
+    if (!untold.contains(name_of(g))) others.emplace_back(score, g);
+  std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const auto [score, g] = others[i];
+    if (i >= best && told.contains(name_of(g))) continue;
+    reject(
+        g, score,
+        blows_unfelt(session, selection, g)
+            ? "without a drag, in the vehicle file or among what was found, no wind is felt: a steady one looks like a "
+              "constant force"
+        : score > 0.0 ? "makes the predictions too little better to be one more name"
+                      : "does not make the predictions better");
   }
 }
 
@@ -283,8 +293,8 @@ void explain(const Session& session, const Selection& selection, const Challenge
   describe_sensors(session, selection.noise_selected, out);
   for (std::size_t i = 0; i < selection.findings.size(); ++i) explain_finding(session, selection, challenge, i, out);
   note_tilted_frame(session, out);
-  list_rejected(session, selection, challenge, out);
   list_not_identifiable(session, selection, out);
+  list_rejected(session, selection, challenge, out);
 }
 
 void say_what_channels_show(std::vector<Mismatch>& channels) {
@@ -340,12 +350,9 @@ std::string augmented_toml(const Diagnosis& diagnosis) {
   };
   // what changed since stands for what the reference flights showed of it
   std::vector<EffectFinding> reference;
-  const auto rotor_of = [](const EffectFinding& e) {
-    return e.parameters.empty() || e.parameters.front().name != "rotor" ? 0.0 : e.parameters.front().value;
-  };
   const auto changed = [&](const std::vector<EffectFinding>& found, const EffectFinding& old) {
     return std::any_of(found.begin(), found.end(),
-                       [&](const EffectFinding& e) { return e.effect == old.effect && rotor_of(e) == rotor_of(old); });
+                       [&](const EffectFinding& e) { return e.effect == old.effect && e.rotor() == old.rotor(); });
   };
   for (const EffectFinding& old : diagnosis.reference_effects)
     if (!changed(diagnosis.effects, old) && !changed(diagnosis.calibration, old)) reference.push_back(old);

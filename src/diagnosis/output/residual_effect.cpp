@@ -251,10 +251,13 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   const Proof& most = proofs.front();
   std::string quantity(most.quantity.substr(0, most.quantity.rfind('_')));
   std::replace(quantity.begin(), quantity.end(), '_', ' ');
-  json["says"] = fmt::format("it closes {:.0f} % of the held-out error in {} half a second ahead",
-                             100.0 * std::min(most.closed, 1.0), quantity);
+  json["says"] = fmt::format(
+      "it closes {:.0f} % of the held-out error above noise in {} half a second ahead that is left without it",
+      100.0 * std::min(most.closed, 1.0), quantity);
   json["share_closed"] = nlohmann::ordered_json::object();
   for (const Proof& proof : proofs) json["share_closed"][std::string(proof.quantity)] = proof.closed;
+  for (const std::string_view name : fit_quantity_names)
+    json["fit_without"][std::string(name)] = without.fit.at(std::string(name)).at("after");
   out.residual_model = std::move(json);
   out.residual_toml = std::move(toml);
   show(std::move(with));

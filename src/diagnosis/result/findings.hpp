@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gustlab::diagnosis {
@@ -51,12 +52,20 @@ struct EffectFinding {
   std::vector<std::string> classmates;                                      // itself included
   std::vector<ConfusableEffect> confusable;
   double delta_chi2 = 0.0;  // Δχ²: rise of the score when it is removed
+  double price = 0.0;       // Δχ² from which on its numbers pay
   Regimes least_even;       // where its size varies most
+  // 0: of no single rotor
+  int rotor() const {
+    return parameters.empty() || parameters.front().name != "rotor" ? 0 : static_cast<int>(parameters.front().value);
+  }
 };
 
+// "rotor_loss (rotor 3)"; of rotor 0 the name alone
+std::string with_rotor(std::string_view effect, int rotor);
+
 struct Rejected {
-  std::string effect;
-  double delta_chi2 = 0.0;
+  std::string effect;  // with its rotor
+  double score = 0.0;  // Δχ² of adding it to what was found, less what its numbers cost
   std::string why;
   std::vector<NamedValue> would_show = {};  // numbers from which on it would show, if nothing looked like it
 };

@@ -112,6 +112,10 @@ Lack lack_named(std::string_view name) {
   return found == std::end(lacks) ? Lack::other : static_cast<Lack>(found - std::begin(lacks));
 }
 
+std::string with_rotor(std::string_view effect, int rotor) {
+  return rotor > 0 ? fmt::format("{} (rotor {})", effect, rotor) : std::string(effect);
+}
+
 std::string shows_in_words(std::string_view shows_in) { return fmt::format(" (it shows in: {})", shows_in); }
 
 std::string_view to_string(Verdict verdict) {
@@ -184,7 +188,7 @@ ordered_json to_json(const Diagnosis& d) {
     out["log_findings_in_short"].push_back({{"kind", kind}, {"says", says}});
   out["rejected"] = ordered_json::array();
   for (const Rejected& r : d.rejected) {
-    out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.delta_chi2)}, {"why", r.why}});
+    out["rejected"].push_back({{"effect", r.effect}, {"delta_score", number(r.score)}, {"why", r.why}});
     for (const NamedValue& v : r.would_show)
       out["rejected"].back()["would_show"][v.name] = {{"value", number(v.value)}, {"unit", v.unit}};
   }

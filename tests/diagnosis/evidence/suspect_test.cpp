@@ -12,6 +12,7 @@ Diagnosis with_names() {
     EffectFinding effect;
     effect.effect = name;
     effect.delta_chi2 = 10.0 + static_cast<double>(d.effects.size());
+    effect.price = 4.0;
     d.effects.push_back(effect);
   }
   d.rejected.push_back({"before", 1.0, "earlier"});
@@ -27,8 +28,20 @@ TEST(Suspect, WithdrawsAllButThoseThatStand) {
   EXPECT_EQ(d.rejected[0].effect, "before");
   EXPECT_EQ(d.rejected[1].effect, "first");
   EXPECT_EQ(d.rejected[2].effect, "third");
-  EXPECT_EQ(d.rejected[2].delta_chi2, 12.0);
+  EXPECT_EQ(d.rejected[2].score, 8.0);  // beyond what its numbers cost
   EXPECT_EQ(d.rejected[2].why, "late");
+}
+
+TEST(Suspect, SaysOfWhichRotor) {
+  Diagnosis d;
+  for (const double rotor : {2.0, 3.0}) {
+    EffectFinding& loss = d.effects.emplace_back();
+    loss.effect = "rotor_loss", loss.parameters = {{"rotor", "-", rotor, 0.0}};
+  }
+  suspect(d, "late");
+  ASSERT_EQ(d.rejected.size(), 2u);
+  EXPECT_EQ(d.rejected[0].effect, "rotor_loss (rotor 2)");
+  EXPECT_EQ(d.rejected[1].effect, "rotor_loss (rotor 3)");
 }
 
 TEST(Suspect, NothingStandsWhereNothingIsSaidOfIt) {

@@ -170,6 +170,10 @@ TEST(QuasiStatic, WithdrawsWhatAHeldOutFlightContradicts) {
   const Diagnosis d = compare({third}, {first}, {normal});
   EXPECT_THAT(names(d), IsEmpty());
   EXPECT_EQ(d.verdict, Verdict::insufficient_data);
+  // which rotor, and what it explains of the flight that it was found on
+  ASSERT_EQ(d.rejected.size(), 1u);
+  EXPECT_EQ(d.rejected[0].effect, "rotor_loss (rotor 3)");
+  EXPECT_GT(d.rejected[0].score, 0.0);
 }
 
 }  // namespace quasi_static_test

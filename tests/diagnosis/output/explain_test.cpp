@@ -18,6 +18,8 @@ using ::testing::ElementsAre;
 using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using ::testing::SizeIs;
 
 EffectFinding finding(const std::string& effect, std::vector<NamedValue> parameters) {
   EffectFinding result;
@@ -86,6 +88,11 @@ class Explained : public ::testing::Test {
     selection.value[column(group)] += change;
     challenge.records.emplace_back().probability = probability;
     challenge.regimes.emplace_back();
+  }
+  void withdrawn(const char* group, double delta_chi2, double probability) {
+    Evidence& gone = challenge.withdrawn.emplace_back();
+    gone.group = session.catalogue().find(group);
+    gone.delta_chi2 = delta_chi2, gone.probability = probability;
   }
   Diagnosis explained() const {
     Diagnosis d;
@@ -185,16 +192,14 @@ TEST(WhatChannelsShow, OfTimeAreWhatMakesACommandOrAPoseLate) {
 
 // a page named "rotor loss" twice, and no rotor
 TEST_F(Explained, AWithdrawnLossSaysOfWhichRotor) {
-  Evidence& gone = challenge.withdrawn.emplace_back();
-  gone.effect = "rotor_loss", gone.rotor = 3, gone.delta_chi2 = 12.0, gone.probability = 0.01;
+  withdrawn("rotor_loss#3", 12.0, 0.01);
   const Diagnosis d = explained();
   ASSERT_FALSE(d.rejected.empty());
   EXPECT_EQ(d.rejected[0].effect, "rotor_loss (rotor 3)");
 }
 
 TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
-  Evidence& gone = challenge.withdrawn.emplace_back();
-  gone.effect = "gyro_scale", gone.delta_chi2 = 12.0, gone.probability = 0.08;
+  withdrawn("gyro_scale", 12.0, 0.08);
   selection.alone = {{session.catalogue().find("mass"), 3.0}, {session.catalogue().find("rotor_loss#2"), 7.0}};
   const Diagnosis d = explained();
   ASSERT_EQ(d.rejected.size(), 3u);
@@ -202,6 +207,47 @@ TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
   EXPECT_THAT(d.rejected[0].why, HasSubstr("8 % likely"));
   EXPECT_EQ(d.rejected[1].effect, "rotor_loss (rotor 2)");
   EXPECT_EQ(d.rejected[2].effect, "mass");
+}
+
+// a page listed one force twice: with what it had gained, and with what it would gain now beyond what its numbers cost
+TEST_F(Explained, AWithdrawnNameIsSaidOnceWithTheScoreThatItHasNow) {
+  withdrawn("constant_force", 12234.0, 0.01);
+  withdrawn("gyro_scale", 12.0, 0.08);
+  selection.alone = {{session.catalogue().find("mass"), 3.0}, {session.catalogue().find("constant_force"), 5.0}};
+  const Diagnosis d = explained();
+  std::vector<std::pair<std::string, double>> said;
+  for (const Rejected& rejected : d.rejected) said.emplace_back(rejected.effect, rejected.score);
+  using Said = std::pair<std::string, double>;
+  // of one that the selection does not ask of again, what it gained less the price of its number
+  EXPECT_THAT(said,
+              ElementsAre(Said("constant_force", 5.0), Said("gyro_scale", 12.0 - std::log(1e4)), Said("mass", 3.0)));
+  EXPECT_THAT(d.rejected[0].why, HasSubstr("1 % likely"));
+}
+
+// a page said that these flights tell nothing of an effect, and listed it with a score of 174288
+TEST_F(Explained, WhatIsNotIdentifiableIsNotListedAsLookedAt) {
+  withdrawn("translational_lift", 174288.0, 0.005);
+  selection.alone = {{session.catalogue().find("translational_lift"), 7.0},
+                     {session.catalogue().find("gyro_scale"), 6.0},
+                     {session.catalogue().find("mass"), 5.0}};
+  ASSERT_THAT(explained().rejected, SizeIs(3));
+  for (const char* unseen : {"translational_lift", "gyro_scale"})
+    for (const int c : session.catalogue().group(session.catalogue().find(unseen)).columns)
+      selection.grams.block[0](c, c) = 0.0;
+  const Diagnosis d = explained();
+  EXPECT_THAT(d.not_identifiable, IsSupersetOf({Field(&NotIdentifiable::effect, "translational_lift"),
+                                                Field(&NotIdentifiable::effect, "gyro_scale")}));
+  EXPECT_THAT(d.rejected, ElementsAre(Field(&Rejected::effect, "mass")));
+}
+
+TEST_F(Explained, WhatIsNamedOrSuspectedIsNotSaidToBeNotIdentifiable) {
+  found("mass", 0.05, 0.97);
+  found("rotor_drag", 0.01, 0.6);
+  for (const char* name : {"mass", "rotor_drag"}) selection.grams.block[0](column(name), column(name)) = 0.0;
+  for (const NotIdentifiable& n : explained().not_identifiable) {
+    EXPECT_NE(n.effect, "mass");
+    EXPECT_NE(n.effect, "rotor_drag");
+  }
 }
 
 // information of 1e4 of every number in typical sizes: five standard errors are a twentieth of it

@@ -89,6 +89,9 @@ TEST(ResidualEffectTrials, DescribesAForceAcrossTheMotionAndFliesIt) {
   EXPECT_NEAR(coefficient["force_y vx_B"], 0.02, 0.003);
   // the held-out flight is predicted better with it, and it is part of the augmented vehicle
   EXPECT_LT(d.fit["position_m"]["after"][1].get<double>(), 0.7 * d.fit["position_m"]["before"][1].get<double>());
+  EXPECT_GT(d.residual_model["fit_without"]["position_m"][1].get<double>(),
+            d.fit["position_m"]["after"][1].get<double>());
+  EXPECT_THAT(d.residual_model["says"].get<std::string>(), ::testing::HasSubstr("that is left without it"));
   config::Table table = config::Table::parse(d.augmented_toml, "augmented.toml");
   const std::vector<EffectSpec> effects = config::read_effects(table);
   ASSERT_FALSE(effects.empty());
