@@ -206,8 +206,12 @@ std::string residual_section(const nlohmann::ordered_json& diagnosis, const Diag
   return "<section><h2>What is left over, and what it depends on</h2><p>What acts on the vehicle beyond the "
          "simulation, estimated "
          "along the flights, against the variable that matters most. A flat blue line at zero means that nothing is "
-         "left.</p><figure>" +
-         legend({{"before", "mean before"}, {"after", "mean after"}}) + "<div class=\"charts\">" + charts +
+         "left." +
+         std::string(part(diagnosis, "residual_model").empty()
+                         ? ""
+                         : " After is with the names, and without the unnamed effect.") +
+         "</p><figure>" + legend({{"before", "mean before"}, {"after", "mean after"}}) + "<div class=\"charts\">" +
+         charts +
          "</div><figcaption>Each faint dot is the mean of one block, a short stretch of a flight, before. Bars: 95 % "
          "intervals of the bin "
          "means. " +

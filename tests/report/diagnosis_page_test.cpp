@@ -165,6 +165,10 @@ TEST(DiagnosisPage, AnUnnamedModelIsShownAsSuch) {
   const std::string html = page_as_read(diagnosis, {});
   expect_sound(html);
   EXPECT_THAT(html, HasSubstr("An unnamed effect"));
+  // the blue line is not that of the model which the other charts fly
+  constexpr const char* without = "After is with the names, and without the unnamed effect.";
+  EXPECT_THAT(page_as_read(diagnosis, example_figures()), HasSubstr(without));
+  EXPECT_THAT(page_as_read(example_diagnosis(), example_figures()), Not(HasSubstr(without)));
   EXPECT_THAT(html, HasSubstr("<code>vx |v|</code></td><td data-label=\"coefficient\" class=\"n\">−0.0120</td>"));
   EXPECT_THAT(html, AllOf(HasSubstr("class=\"unit\">N</td>"), Not(HasSubstr("per unit of the term"))));
 }

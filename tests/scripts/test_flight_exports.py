@@ -1,5 +1,6 @@
 """Exports of a flight log, read back by the libraries of those formats; films; and what is refused."""
 
+import os
 import csv
 import io
 import json
@@ -253,7 +254,7 @@ class Films(WithFlight):
         # ffmpeg is another program, which a full disk of ours does not reach: a limit of a file's size stands for it
         out = self.root / "film.mp4"
         done = subprocess.run([sys.executable, str(SCRIPTS / "render_flight.py"), str(self.log), "--out", str(out), "--size", "128x96", "--fps", "5"],
-                              capture_output=True, text=True, timeout=120,
+                              capture_output=True, text=True, timeout=120, env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},  # or modules are cut as well
                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)))
         self.assertEqual(done.returncode, 4, done.stderr)
         self.assertIn("film.mp4: cannot be written", done.stderr)
