@@ -1,9 +1,9 @@
 """Exports of a flight log, read back by the libraries of those formats; films; and what is refused."""
 
-import os
 import csv
 import io
 import json
+import os
 import resource
 import subprocess
 import sys
