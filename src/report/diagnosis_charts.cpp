@@ -243,7 +243,7 @@ struct Flown {
   std::size_t begin = 0, end = 0;
 };
 
-// The prediction in which the lines are told apart best: where the nearest two of them are farthest from each other, in the plane; the
+// The prediction in which the lines are farthest apart: where the nearest two of them are farthest from each other, in the plane; the
 // first of equals.
 Flown farthest_apart(const DiagnosisFigures::Trace& x, const DiagnosisFigures::Trace& y) {
   using Values = std::vector<double> DiagnosisFigures::Trace::*;
@@ -407,7 +407,7 @@ std::string window_section(const nlohmann::ordered_json& diagnosis, const Diagno
         "ahead.",
         restart_s);
   if (trace_of(figures, "position x"))
-    caption += " The path from above is one prediction, that in which the lines are told apart best.";
+    caption += " The path from above is one prediction, that in which the lines are farthest apart.";
   if (!torque_is_told(diagnosis))
     caption += " These logs do not tell fast torques, so predictions follow the recorded attitude.";
   return "<section><h2>Before and after, over a stretch of flight</h2><figure>" +

@@ -41,6 +41,8 @@ Eigen::MatrixXd Grams::total() const {
   return sum;
 }
 
+double Grams::price(std::size_t numbers) const { return std::log(rows) * static_cast<double>(numbers); }
+
 void Grams::add(int of_flight, double at_s, Eigen::MatrixXd more, bool is_known) {
   block.push_back(std::move(more));
   flight.push_back(of_flight);

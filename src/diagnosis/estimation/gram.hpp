@@ -22,6 +22,8 @@ struct Grams {
   int columns = 0;
 
   Eigen::MatrixXd total() const;
+  // What so many numbers must gain of the loss (Schwarz, Ann. Stat. 6, 1978).
+  double price(std::size_t numbers) const;
   // One more block, which is a cluster of its own. `is_known`: of what is known of a flight beforehand.
   void add(int flight, double time_s, Eigen::MatrixXd block, bool is_known);
   // See shifted() below.

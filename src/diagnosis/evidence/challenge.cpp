@@ -93,7 +93,7 @@ bool explains_more(const Session& session, const Selection& one, const Selection
     const Eigen::MatrixXd total = about->grams.total();
     const auto score = [&](const Selection& of) {
       const std::vector<int> columns = session.with_biases(of.groups());
-      return solve(total, columns).loss + std::log(about->grams.rows) * static_cast<double>(columns.size());
+      return solve(total, columns).loss + about->grams.price(columns.size());
     };
     better += score(other) - score(one);
   }

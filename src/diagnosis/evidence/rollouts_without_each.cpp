@@ -67,15 +67,14 @@ Removed best_of(const PairsOfHorizon& freely, const PairsOfHorizon& led) {
   return counts && led_moves.z > best.z ? led_moves : best;
 }
 
-// Errors without each finding and with all, by finding and horizon; `led`: the attitude is taken as it was recorded.
-std::vector<std::vector<PairsOfHorizon>> fly(const std::vector<Recording>& held_out, bool led,
-                                             const std::vector<EffectSpec>& own, const std::vector<EffectSpec>& found,
-                                             const ReplayOptions& options, bool& flown) {
+// Errors without each finding and with all, by finding and horizon.
+std::vector<std::vector<PairsOfHorizon>> fly(const std::vector<Recording>& held_out, const std::vector<EffectSpec>& own,
+                                             const std::vector<EffectSpec>& found, const ReplayOptions& options,
+                                             bool& flown) {
   const std::vector<EffectSpec> all = config::merge_effects(own, found);
   const std::size_t horizons = options.horizon_s.size();
   std::vector<std::vector<PairsOfHorizon>> pairs(found.size(), std::vector<PairsOfHorizon>(horizons));
-  for (Recording recording : held_out) {
-    recording.collective_only |= led;
+  for (const Recording& recording : held_out) {
     try {
       const FitErrors with = replay(recording, all, options);
       flown = true;
@@ -111,9 +110,14 @@ void fly_without_each(const std::vector<Recording>& held_out, const std::vector<
   options.jobs = jobs;
   options.with_noise = false;
   bool flown = false;
-  const auto freely = fly(held_out, false, own, found, options, flown),
-             led = fly(held_out, true, own, found, options, flown);
+  const auto freely = fly(held_out, own, found, options, flown);
   if (!flown) return;
+  auto led = freely;
+  if (!std::ranges::all_of(held_out, &Recording::collective_only)) {
+    std::vector<Recording> along = held_out;
+    for (Recording& recording : along) recording.collective_only = true;
+    led = fly(along, own, found, options, flown);
+  }
   for (std::size_t i = 0; i < records.size(); ++i) {
     records[i].horizon_s = options.horizon_s;
     for (std::size_t h = 0; h < options.horizon_s.size(); ++h) {

@@ -89,11 +89,6 @@ void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis
 
 const Group& group_of(const Session& session, int group) { return session.catalogue().group(group); }
 
-// as a selection counts numbers (select_effects.cpp)
-double price_of(const Selection& selection, const Group& group) {
-  return std::log(selection.grams.rows) * static_cast<double>(group.columns.size());
-}
-
 // values of the effect, as changes where there are reference flights, and of every flight's own
 void fill_values(const Session& session, const Selection& selection, const Group& group, EffectFinding& effect) {
   const Catalogue& catalogue = session.catalogue();
@@ -174,7 +169,7 @@ void explain_finding(const Session& session, const Selection& selection, const C
   effect.place = to_string(group.row->place);
   effect.says = group.row->says;
   effect.delta_chi2 = finding.delta_chi2;
-  effect.price = price_of(selection, group);
+  effect.price = selection.grams.price(group.columns.size());
   fill_values(session, selection, group, effect);
   effect.classmates = {effect.effect};
   // what may as well be a trim of another name is not missing physics
@@ -249,34 +244,34 @@ void list_not_identifiable(const Session& session, const Selection& selection, D
 void list_rejected(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   constexpr std::size_t best = 5;
   const auto name_of = [&](int g) { return group_of(session, g).row->name; };
-  std::set<std::string_view> told, untold;
-  for (const Finding& finding : selection.findings) told.insert(name_of(finding.group));
-  for (const NotIdentifiable& unknown : out.not_identifiable) untold.insert(unknown.effect);
+  std::set<std::string_view> said, not_identifiable;
+  for (const Finding& finding : selection.findings) said.insert(name_of(finding.group));
+  for (const NotIdentifiable& unknown : out.not_identifiable) not_identifiable.insert(unknown.effect);
   std::map<int, double> scores(selection.alone.begin(), selection.alone.end());
   const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
   const auto reject = [&](int g, double score, const std::string& why) {
     const Group& group = group_of(session, g);
-    told.insert(group.row->name);
+    said.insert(group.row->name);
     const bool unfelt = blows_unfelt(session, selection, g);
     out.rejected.push_back({with_rotor(group.row->name, group.rotor), score, why,
                             unfelt ? std::vector<NamedValue>{} : would_show(session, projected, group)});
   };
   for (const Evidence& record : challenge.withdrawn) {
-    if (untold.contains(name_of(record.group))) continue;
+    if (not_identifiable.contains(name_of(record.group))) continue;
     const auto added = scores.find(record.group);
     const double score = added == scores.end()
-                             ? record.delta_chi2 - price_of(selection, group_of(session, record.group))
+                             ? record.delta_chi2 - selection.grams.price(group_of(session, record.group).columns.size())
                              : added->second;
     reject(record.group, score, fmt::format("its own evidence makes it {:.0f} % likely", 100.0 * record.probability));
     scores.erase(record.group);
   }
   std::vector<std::pair<double, int>> others;
   for (const auto& [g, score] : scores)
-    if (!untold.contains(name_of(g))) others.emplace_back(score, g);
+    if (!not_identifiable.contains(name_of(g))) others.emplace_back(score, g);
   std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < others.size(); ++i) {
     const auto [score, g] = others[i];
-    if (i >= best && told.contains(name_of(g))) continue;
+    if (i >= best && said.contains(name_of(g))) continue;
     reject(
         g, score,
         blows_unfelt(session, selection, g)

@@ -264,7 +264,7 @@ class Selector {
       s_.linearise(refined, s_.with_biases(groups));
       const Grams grams = s_.grams();
       const double loss = solve(grams.total(), s_.with_biases(groups)).loss;
-      const double score = loss + std::log(grams.rows) * static_cast<double>(columns_of(catalogue_, groups).size()) +
+      const double score = loss + grams.price(columns_of(catalogue_, groups).size()) +
                            decisions::materiality * grams.rows * static_cast<double>(groups.size());
       if (score < best) {
         best = score;
@@ -374,9 +374,8 @@ class Selector {
       if (std::find(chosen.begin(), chosen.end(), g) != chosen.end()) continue;
       std::vector<int> more = chosen;
       more.push_back(g);
-      result.alone.emplace_back(
-          g, fit.loss - solve(total, s_.with_biases(more)).loss -
-                 std::log(result.grams.rows) * static_cast<double>(columns_of(catalogue_, {g}).size()));
+      result.alone.emplace_back(g, fit.loss - solve(total, s_.with_biases(more)).loss -
+                                       result.grams.price(columns_of(catalogue_, {g}).size()));
     }
   }
 

@@ -1,8 +1,6 @@
 #include "diagnosis/selection/shared_numbers.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/subset_search.hpp"
@@ -12,20 +10,15 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// what a set leaves, and what its numbers cost (Schwarz, Ann. Stat. 6, 1978); infinite where a group in it would be a trim or has no possible value
-double cost_of(const Session& session, const Eigen::MatrixXd& total, double rows, const std::vector<int>& groups,
-               int must_be_possible) {
+// whether a fitted set gives a group a value that is possible and no trim
+bool may_be_named(const Session& session, const std::vector<int>& columns, const Fit& fit, int group) {
   const Catalogue& catalogue = session.catalogue();
-  const std::vector<int> columns = session.with_biases(groups);
-  const Fit fit = solve(total, columns);
   Eigen::VectorXd value = catalogue.nominal();
   for (std::size_t i = 0; i < columns.size(); ++i)
     value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] * catalogue.column(columns[i]).natural;
-  const auto admitted = [&](int c) { return catalogue.column(c).admits(value[c]); };
-  if (must_be_possible >= 0 && (below_tolerance(session, value, must_be_possible) ||
-                                !std::ranges::all_of(catalogue.group(must_be_possible).columns, admitted)))
-    return std::numeric_limits<double>::infinity();
-  return fit.loss + std::log(rows) * static_cast<double>(columns.size());
+  return !below_tolerance(session, value, group) && std::ranges::all_of(catalogue.group(group).columns, [&](int c) {
+    return catalogue.column(c).admits(value[c]);
+  });
 }
 
 }  // namespace
@@ -37,10 +30,10 @@ std::vector<int> shared_instead(const Session& session, const Grams& grams, std:
   const Eigen::MatrixXd total = grams.total();
   for (const int force : std::vector<int>(chosen)) {
     if (!catalogue.group(force).row->per_flight) continue;
-    const double now = cost_of(session, total, grams.rows, chosen, -1),
-                 gain = solve(total, session.with_biases(search.without(chosen, force))).loss -
-                        solve(total, session.with_biases(chosen)).loss;
-    double least = now + decisions::nearly_all * gain;
+    const std::vector<int> columns = session.with_biases(chosen);
+    const double loss = solve(total, columns).loss,
+                 gain = solve(total, session.with_biases(search.without(chosen, force))).loss - loss;
+    double least = loss + grams.price(columns.size()) + decisions::nearly_all * gain;
     std::vector<int> best = chosen;
     for (const int other : search.candidates) {
       std::vector<int> instead = chosen;
@@ -48,8 +41,10 @@ std::vector<int> shared_instead(const Session& session, const Grams& grams, std:
       if (catalogue.group(other).row->per_flight || left_out.contains(other) || std::ranges::count(chosen, other) > 0 ||
           !search.allowed(instead))
         continue;
-      if (const double cost = cost_of(session, total, grams.rows, instead, other); cost < least)
-        least = cost, best = instead;
+      const std::vector<int> other_columns = session.with_biases(instead);
+      const Fit fit = solve(total, other_columns);
+      const double cost = fit.loss + grams.price(other_columns.size());
+      if (cost < least && may_be_named(session, other_columns, fit, other)) least = cost, best = instead;
     }
     chosen = best;
     std::ranges::sort(chosen);
