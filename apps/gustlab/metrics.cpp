@@ -19,7 +19,7 @@ struct MetricsArguments {
 
 void metrics(const MetricsArguments& options) {
   std::vector<TrackingFigures> figures;
-  for (const std::string& path : options.logs) figures.push_back(tracking_of(read_flight_log(path), options.settle_s));
+  for (const std::string& path : options.logs) figures.push_back(tracking_of(path, options.settle_s));
   if (options.format == "json") {
     nlohmann::ordered_json result{{"format", "gustlab-metrics/1"}, {"settle_s", options.settle_s}};
     result["logs"] = nlohmann::ordered_json::array();

@@ -1,6 +1,7 @@
 // A flight as columns on one time base: what the recorder writes and every reader returns (FORMATS.md §1).
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -64,6 +65,10 @@ struct TimeRange {
 // Reads NAME.csv or NAME.csv.gz and NAME.meta.toml. Throws DataError with file:line:col. Repairs only what needs no guess.
 // `only`: without the rows whose time lies in none of these; empty: all rows.
 FlightLog read_flight_log(const std::string& csv_path, const std::vector<TimeRange>& only = {});
+// The same in parts of at most so many rows, one after the other, so that memory is that of one: `part` may use it until it returns. What
+// is wrong with the log as a whole (no motion, an attitude that contradicts the body rate) is thrown before the last. Repairs: so far.
+void read_flight_log_in_parts(const std::string& csv_path, const std::function<void(const FlightLog& part)>& part,
+                              std::size_t most_rows = 50'000);
 // NAME.meta.toml of NAME.csv or NAME.csv.gz. Throws DataError for any other name.
 std::string sidecar_path(const std::string& csv_path);
 // Writes both files, each whole or not at all; throws IoError. Numbers are the shortest text that reads back the same.

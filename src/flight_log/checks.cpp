@@ -36,12 +36,6 @@ Vector3 turn_of(const Quaternion& q) {
   return turn.angle() * turn.axis();
 }
 
-struct Disagreement {
-  double share = 0.0;
-  std::size_t windows = 0;
-  std::optional<std::size_t> first_row;
-};
-
 // Rows in which every one of some columns has a sample, and the usual step from one to the next.
 struct Samples {
   std::vector<std::size_t> rows;
@@ -67,13 +61,14 @@ Samples samples_of(const std::vector<double>& time_s, const std::vector<double>*
 // Attitude and body rate each have samples of their own, at their own rates.
 class Judge {
  public:
+  using Sums = AttitudeCheck::Sums;
   explicit Judge(const AttitudeColumns& columns)
       : columns_(columns), q_(samples_of(columns.time_s, columns.q)), w_(samples_of(columns.time_s, columns.w)) {}
 
-  Disagreement judge(const Convention& convention) const {
-    Disagreement result;
+  // first_row: where it shows first
+  Sums judge(const Convention& convention, std::optional<std::size_t>& first_row) const {
+    Sums result;
     if (q_.rows.empty() || w_.rows.empty()) return result;
-    double wrong = 0.0, all = 0.0;
     const auto length = static_cast<std::size_t>(std::max(1.0, std::round(window_s / q_.step_s)));
     std::size_t before = 0;  // the last rate at or before the window's begin
     for (std::size_t k = 0; k + length < q_.rows.size(); k += length) {
@@ -93,11 +88,10 @@ class Judge {
       if (turn < least_turn_rad) continue;
       const double error = (by_rate - by_attitude).norm();
       ++result.windows;
-      if (!result.first_row && error > too_much * turn) result.first_row = begin;
-      wrong += error * error;
-      all += turn * turn;
+      if (!first_row && error > too_much * turn) first_row = begin;
+      result.wrong += error * error;
+      result.all += turn * turn;
     }
-    result.share = all > 0.0 ? wrong / all : 0.0;
     return result;
   }
 
@@ -141,19 +135,37 @@ class Judge {
 
 }  // namespace
 
-std::optional<Contradiction> find_contradiction(const AttitudeColumns& columns) {
+void AttitudeCheck::Sums::add(const Sums& other) {
+  wrong += other.wrong;
+  all += other.all;
+  windows += other.windows;
+}
+
+std::optional<std::size_t> AttitudeCheck::add(const AttitudeColumns& columns) {
+  static_assert(std::size(gustlab::conventions) == conventions);
   const Judge judge(columns);
-  const Disagreement as_read = judge.judge(conventions[0]);
-  if (as_read.windows < least_windows || as_read.share < too_much) return std::nullopt;
-  Contradiction found{as_read.first_row.value_or(0), ""};
-  double best = clearly_better * as_read.share;
-  for (const Convention& convention : conventions) {
-    const Disagreement other = judge.judge(convention);
-    if (other.windows < least_windows || other.share >= best) continue;
-    best = other.share;
-    found.suggestion = convention.says;
+  std::optional<std::size_t> first_row, unused;
+  const Sums as_read = judge.judge(gustlab::conventions[0], first_row);
+  as_read_.add(as_read);
+  if (as_read.windows > 0 && as_read.share() >= too_much)
+    for (std::size_t i = 0; i < conventions; ++i)
+      doubted_[i].add(i == 0 ? as_read : judge.judge(gustlab::conventions[i], unused));
+  if (shown_ || !first_row) return std::nullopt;
+  shown_ = true;
+  return first_row;
+}
+
+bool AttitudeCheck::contradicts() const { return as_read_.windows >= least_windows && as_read_.share() >= too_much; }
+
+std::string AttitudeCheck::suggestion() const {
+  std::string says;
+  double best = clearly_better * doubted_[0].share();
+  for (std::size_t i = 0; i < conventions; ++i) {
+    if (doubted_[i].windows < least_windows || doubted_[i].share() >= best) continue;
+    best = doubted_[i].share();
+    says = gustlab::conventions[i].says;
   }
-  return found;
+  return says;
 }
 
 }  // namespace gustlab

@@ -21,10 +21,12 @@ namespace {
 constexpr std::size_t most_bytes = std::size_t{4} << 30;
 constexpr double no_sample = std::numeric_limits<double>::quiet_NaN();
 
+}  // namespace
+
 // Lines of a file, one after the other; zlib reads plain files as they are. In memory is the longest line.
-class Lines {
+class CsvLines {
  public:
-  explicit Lines(const std::string& path) : path_(path), file_(nullptr, gzclose_r) {
+  explicit CsvLines(const std::string& path) : path_(path), file_(nullptr, gzclose_r) {
     errno = 0;
     file_.reset(gzopen(path.c_str(), "rb"));
     if (!file_) throw DataError(fmt::format("{}: cannot read ({})", path, std::strerror(errno ? errno : ENOMEM)));
@@ -88,6 +90,8 @@ class Lines {
   std::size_t number_ = 0;
 };
 
+namespace {
+
 constexpr std::size_t longest_cell = 40;  // of what a message shows
 
 std::string_view trimmed(std::string_view text) {
@@ -126,33 +130,45 @@ double number_in(std::string_view line, std::size_t column) {
 
 }  // namespace
 
-CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view), const std::vector<TimeRange>& only)
-    : path_(path) {
-  Lines lines(path);
+CsvNumbers::CsvNumbers(const std::string& path, bool (*lenient)(std::string_view), const std::vector<TimeRange>& only,
+                       std::size_t most_rows)
+    : path_(path), text_(std::make_unique<CsvLines>(path)), only_(only), most_rows_(most_rows) {
   std::string_view line;
-  std::vector<bool> is_lenient;
-  std::size_t time = 0;
-  const auto wanted = [&] {
-    if (only.empty()) return true;
-    const double time_s = number_in(line, time);
-    return std::any_of(only.begin(), only.end(),
-                       [=](const TimeRange& range) { return time_s >= range.from_s && time_s < range.to_s; });
-  };
-  while (lines.next(line)) {
-    if (lines.number() == 1) {
-      const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r'; };
-      if (const auto wrong = std::find_if(line.begin(), line.end(), is_control); wrong != line.end())
-        throw DataError(fmt::format("{}:1:{}: not a text file (a CSV is needed)", path_, wrong - line.begin() + 1));
-      read_header(line);
-      for (const std::string& name : names_) is_lenient.push_back(lenient(name));
-      time = static_cast<std::size_t>(std::find(names_.begin(), names_.end(), "time_s") - names_.begin());
-    } else if (!trimmed(line).empty() && wanted()) {
-      lines_.push_back({lines.number(), lines.begin()});
-      read_row(line, is_lenient);
-    }
-  }
-  if (names_.empty())
+  if (!text_->next(line))
     throw DataError(fmt::format("{}:1:1: the file is empty (a header line and samples are needed)", path_));
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r'; };
+  if (const auto wrong = std::find_if(line.begin(), line.end(), is_control); wrong != line.end())
+    throw DataError(fmt::format("{}:1:{}: not a text file (a CSV is needed)", path_, wrong - line.begin() + 1));
+  read_header(line);
+  for (const std::string& name : names_) lenient_.push_back(lenient(name));
+  time_ = static_cast<std::size_t>(std::find(names_.begin(), names_.end(), "time_s") - names_.begin());
+  read_on();
+}
+
+CsvNumbers::~CsvNumbers() = default;
+CsvNumbers::CsvNumbers(CsvNumbers&&) noexcept = default;
+
+void CsvNumbers::read_on() {
+  lines_.clear();
+  for (auto& values : columns_) values.clear();
+  std::string_view line;
+  while (!at_end_ && lines_.size() < most_rows_) {
+    if (!text_->next(line)) {
+      at_end_ = true;
+      text_.reset();
+      break;
+    }
+    if (trimmed(line).empty() || !wanted(line)) continue;
+    lines_.push_back({text_->number(), text_->begin()});
+    read_row(line);
+  }
+}
+
+bool CsvNumbers::wanted(std::string_view line) const {
+  if (only_.empty()) return true;
+  const double time_s = number_in(line, time_);
+  return std::any_of(only_.begin(), only_.end(),
+                     [=](const TimeRange& range) { return time_s >= range.from_s && time_s < range.to_s; });
 }
 
 void CsvNumbers::read_header(std::string_view line) {
@@ -167,7 +183,7 @@ void CsvNumbers::read_header(std::string_view line) {
   columns_.resize(names_.size());
 }
 
-void CsvNumbers::read_row(std::string_view line, const std::vector<bool>& lenient) {
+void CsvNumbers::read_row(std::string_view line) {
   const std::size_t number = lines_.back().number;
   std::size_t column = 0;
   for (std::size_t begin = 0; begin <= line.size(); begin = cell_end(line, begin) + 1, ++column) {
@@ -179,7 +195,7 @@ void CsvNumbers::read_row(std::string_view line, const std::vector<bool>& lenien
     if (!cell.empty()) {
       const bool number_read = read_number(cell, value);
       if (!number_read || !std::isfinite(value)) {
-        if (!lenient[column])
+        if (!lenient_[column])
           throw DataError(fmt::format(
               "{}:{}:{}: \"{}\" in column {} is not a {}number (a missing sample is an empty cell)", path_, number,
               begin + 1, cell.substr(0, longest_cell), names_[column], number_read ? "finite " : ""));
@@ -193,15 +209,21 @@ void CsvNumbers::read_row(std::string_view line, const std::vector<bool>& lenien
                                 column, names_.size()));
 }
 
-bool CsvNumbers::same(std::size_t row, std::size_t other) const {
-  return std::all_of(columns_.begin(), columns_.end(), [=](const std::vector<double>& values) {
-    return values[row] == values[other] || (std::isnan(values[row]) && std::isnan(values[other]));
-  });
+std::vector<double> CsvNumbers::cells(std::size_t row) const {
+  std::vector<double> result;
+  for (const auto& values : columns_) result.push_back(values[row]);
+  return result;
+}
+
+bool CsvNumbers::same(std::size_t row, const std::vector<double>& cells) const {
+  for (std::size_t c = 0; c < columns_.size(); ++c)
+    if (columns_[c][row] != cells[c] && !(std::isnan(columns_[c][row]) && std::isnan(cells[c]))) return false;
+  return true;
 }
 
 // only a message asks for a column's place: the line is read again
 std::string CsvNumbers::where(const Line& line, std::size_t column) const {
-  Lines lines(path_);
+  CsvLines lines(path_);
   lines.seek(line.begin);
   std::string_view text;
   lines.next(text);
@@ -229,7 +251,7 @@ void CsvNumbers::keep(const std::vector<bool>& wanted) {
 
 void for_each_row(const std::string& path, const std::vector<std::string>& columns,
                   const std::function<void(const std::vector<double>& cells)>& row) {
-  Lines lines(path);
+  CsvLines lines(path);
   std::string_view line;
   std::vector<std::size_t> slots;  // of each column of the file, where its cell goes
   std::vector<double> cells;

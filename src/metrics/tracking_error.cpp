@@ -19,13 +19,13 @@ double root_mean(const std::vector<double>& squares) {
   return squares.empty() ? nothing : std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-ErrorFigures error_figures(const std::vector<double>& squares) {
+ErrorFigures error_figures(std::vector<double> squares) {
   if (squares.empty()) return {nothing, nothing, nothing, nothing};
-  std::vector<double> norms(squares.size());
-  double sum = 0.0;
-  for (std::size_t i = 0; i < squares.size(); ++i) sum += norms[i] = std::sqrt(squares[i]);
   ErrorFigures figures;
   figures.rmse_m = root_mean(squares);
+  std::vector<double>& norms = squares;
+  double sum = 0.0;
+  for (double& norm : norms) sum += norm = std::sqrt(norm);
   figures.mae_m = sum / static_cast<double>(norms.size());
   figures.max_m = *std::max_element(norms.begin(), norms.end());
   figures.p95_m = quantile(std::move(norms), 0.95);
@@ -41,12 +41,12 @@ TrackingError::TrackingError(double settle_s, std::size_t capacity) : settle_s_(
 }
 
 TrackingFigures TrackingError::figures() const {
-  std::vector<double> spatial_m2(planar_m2_.size());
-  for (std::size_t i = 0; i < spatial_m2.size(); ++i) spatial_m2[i] = planar_m2_[i] + vertical_m2_[i];
   TrackingFigures figures;
   figures.samples = planar_m2_.size();
   figures.planar = error_figures(planar_m2_);
-  figures.spatial = error_figures(spatial_m2);
+  std::vector<double> spatial_m2(planar_m2_.size());
+  for (std::size_t i = 0; i < spatial_m2.size(); ++i) spatial_m2[i] = planar_m2_[i] + vertical_m2_[i];
+  figures.spatial = error_figures(std::move(spatial_m2));
   figures.rmse_z_m = root_mean(vertical_m2_);
   return figures;
 }

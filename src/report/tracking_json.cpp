@@ -2,35 +2,42 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "flight_log/columns.hpp"
 #include "gustlab/errors.hpp"
+#include "gustlab/flight_log.hpp"
 
 namespace gustlab {
 
-TrackingFigures tracking_of(const FlightLog& log, double settle_s) {
-  std::array<const std::vector<double>*, 6> columns;
-  constexpr std::array<const char*, 6> names{"px", "py", "pz", "rpx", "rpy", "rpz"};
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    columns[i] = log.find(names[i]);
-    if (columns[i] != nullptr) continue;
-    std::vector<std::string> there;
-    for (const LogColumn& column : log.columns) there.push_back(column.name);
-    const std::string near = suggest_column(names[i], there);
-    throw DataError(worded(fmt::format("{}:1:1: column \"{}\" is missing", log.path, names[i]),
-                           "a tracking error needs position and reference", near));
-  }
-  TrackingError error(settle_s, log.rows());
-  for (std::size_t row = 0; row < log.rows(); ++row) {
-    const auto at = [&](std::size_t i) { return (*columns[i])[row]; };
-    const Vector3 position_W_m(at(0), at(1), at(2)), reference_W_m(at(3), at(4), at(5));
-    if (position_W_m.allFinite() && reference_W_m.allFinite())
-      error.add(log.time_s[row] - log.time_s.front(), position_W_m, reference_W_m);
-  }
+TrackingFigures tracking_of(const std::string& csv_path, double settle_s) {
+  TrackingError error(settle_s, 0);
+  std::optional<double> first_s;
+  read_flight_log_in_parts(csv_path, [&](const FlightLog& log) {
+    std::array<const std::vector<double>*, 6> columns;
+    constexpr std::array<const char*, 6> names{"px", "py", "pz", "rpx", "rpy", "rpz"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      columns[i] = log.find(names[i]);
+      if (columns[i] != nullptr) continue;
+      std::vector<std::string> there;
+      for (const LogColumn& column : log.columns) there.push_back(column.name);
+      const std::string near = suggest_column(names[i], there);
+      throw DataError(worded(fmt::format("{}:1:1: column \"{}\" is missing", log.path, names[i]),
+                             "a tracking error needs position and reference", near));
+    }
+    for (std::size_t row = 0; row < log.rows(); ++row) {
+      const auto at = [&](std::size_t i) { return (*columns[i])[row]; };
+      if (!first_s) first_s = log.time_s[row];
+      const Vector3 position_W_m(at(0), at(1), at(2)), reference_W_m(at(3), at(4), at(5));
+      if (position_W_m.allFinite() && reference_W_m.allFinite())
+        error.add(log.time_s[row] - *first_s, position_W_m, reference_W_m);
+    }
+  });
   const TrackingFigures figures = error.figures();
   if (figures.samples == 0)
-    throw DataError(fmt::format("{}: no sample with position and reference from {} s on", log.path, settle_s));
+    throw DataError(fmt::format("{}: no sample with position and reference from {} s on", csv_path, settle_s));
   return figures;
 }
 

@@ -14,6 +14,8 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::NanSensitiveDoubleEq;
+using ::testing::Pointwise;
 using ::testing::StartsWith;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -230,6 +232,70 @@ TEST(FlightLog, ASlowAttitudeIsComparedWithTheRateBetweenItsSamples) {
   // the first attitude has no rate before it
   EXPECT_THAT(said(turning(false, false, -1.0, true)),
               StartsWith("a.csv:22:10: the attitude contradicts the body rate"));
+}
+
+// what is read in parts of so many rows: all of it, or the message, without the folder
+std::string in_parts(const std::string& csv, std::size_t most_rows, FlightLog& log) {
+  const TemporaryFolder folder;
+  folder.write("a.meta.toml", meta_text);
+  const std::string path = folder.write("a.csv", csv);
+  try {
+    read_flight_log_in_parts(
+        path,
+        [&](const FlightLog& part) {
+          EXPECT_LE(part.rows(), most_rows);
+          log.time_s.insert(log.time_s.end(), part.time_s.begin(), part.time_s.end());
+          log.columns.resize(part.columns.size());
+          for (std::size_t c = 0; c < part.columns.size(); ++c) {
+            const std::vector<double>& values = part.columns[c].values;
+            log.columns[c].name = part.columns[c].name;
+            log.columns[c].values.insert(log.columns[c].values.end(), values.begin(), values.end());
+          }
+          log.repairs = part.repairs;
+        },
+        most_rows);
+  } catch (const DataError& error) {
+    return std::string(error.what()).substr(folder.path().string().size() + 1);
+  }
+  return {};
+}
+
+TEST(FlightLog, IsTheSameInPartsOfAnyNumberOfRows) {
+  const std::string h = header;
+  const std::string logs[] = {
+      h + "0,1,2,3,4,5,6,7\n1,,,,4,5,6,7\n2,1,2,3,4,5,6,7\n",
+      // motion in the first row or in the last, repeated rows, quaternions off norm
+      h + "0,1,2,3,4,5,6,7\n1,,,,4,5,6,7\n2,,,,4,5,6,7\n3,,,,4,5,6,7\n",
+      h + "0,,,,4,5,6,7\n1,,,,4,5,6,7\n2,,,,4,5,6,7\n3,1,2,3,4,5,6,7\n",
+      h + "0,1,,3,4,5,6,7\n0,1,,3,4,5,6,7\n0,1,,3,4,5,6,7\n1,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,7\n",
+      "time_s,qw,qx,qy,qz,px,py,pz,u1,mood\n0,1,0,0,0,1,1,1,9,a\n1,1.01,0,0,0,1,1,1,9,b\n2,0,1.015,0,0,1,1,1,9,c\n",
+      turning(false, false, 1.0), turning(false, false, 1.0, true),
+      // what is wrong with a row, with two, with all
+      h + "0,1,2,3,4,5,6,7\n1,1,2,1e300,4,5,6,7\n", h + "0,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,8\n",
+      h + "0,1,2,3,4,5,6,7\n,1,2,3,4,5,6,8\n", h + "0,1,2,3,4,5,6,7\n", h, "", h + "0,,,,4,5,6,7\n1,,2,,4,5,6,7\n",
+      turning(true, false, 1.0), turning(false, false, -1.0)};
+  for (const std::string& csv : logs) {
+    SCOPED_TRACE(csv.substr(0, 200));
+    Files whole;
+    const std::string message = whole.read(csv);
+    for (const std::size_t most_rows : {1, 2, 3, 4, 5, 300, 1000}) {
+      if (csv.size() > 1000 && most_rows < 300) continue;  // a window of the attitude lies within a part
+      SCOPED_TRACE(most_rows);
+      FlightLog log;
+      EXPECT_EQ(in_parts(csv, most_rows, log), message);
+      if (!message.empty()) continue;
+      EXPECT_EQ(log.time_s, whole.log.time_s);
+      ASSERT_EQ(log.columns.size(), whole.log.columns.size());
+      for (std::size_t c = 0; c < log.columns.size(); ++c) {
+        EXPECT_EQ(log.columns[c].name, whole.log.columns[c].name);
+        EXPECT_THAT(log.columns[c].values, Pointwise(NanSensitiveDoubleEq(), whole.log.columns[c].values));
+      }
+      ASSERT_EQ(log.repairs.size(), whole.log.repairs.size());
+      for (std::size_t i = 0; i < log.repairs.size(); ++i)
+        EXPECT_EQ(log.repairs[i].says.substr(log.repairs[i].says.find("a.csv")),
+                  whole.log.repairs[i].says.substr(whole.log.repairs[i].says.find("a.csv")));
+    }
+  }
 }
 
 TEST(FlightLog, SidecarErrorsAreDataErrorsWithTheirPlace) {

@@ -45,7 +45,7 @@ void read_toml(const std::string& bytes, const std::string&) {
 void read_log(const std::string& bytes, const std::string& folder) {
   const std::string path = write(folder, "log.csv", bytes);
   write(folder, "log.meta.toml", sidecar_text_of_a_log);
-  tracking_of(read_flight_log(path), 0.0);
+  tracking_of(path, 0.0);
 }
 
 void read_meta(const std::string& bytes, const std::string& folder) {
