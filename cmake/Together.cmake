@@ -2,6 +2,7 @@
 # compiled as one. Names in a folder are unique; the files that share some (ALONE, parts of their paths) are compiled by themselves.
 # TIMES N: so many times more files as one, where headers take most of the time.
 set(GUSTLAB_TOGETHER 8 CACHE STRING "so many files of a folder are compiled as one; fewer: an edit is quicker, a whole build slower")
+set(GUSTLAB_ALONE /score _loop /layouts /pendulum /rigid_body /swing_fit)  # of src/
 function(gustlab_together target)
   cmake_parse_arguments(PARSE_ARGV 1 together "" TIMES "")
   if(NOT together_TIMES)
