@@ -19,6 +19,6 @@ mkdir -p "build/fuzz/corpus/$target" build/fuzz/found
 [[ -n ${TMPDIR:-} || ! -w /dev/shm ]] || export TMPDIR=/dev/shm
 dictionary=()
 [[ -f tests/fuzz/$target.dict ]] && dictionary=("-dict=tests/fuzz/$target.dict")
-GUSTLAB_FUZZ_TARGET="$target" ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1 build/fuzz/fuzz_readers \
+GUSTLAB_FUZZ_TARGET="$target" ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=16:malloc_context_size=8 UBSAN_OPTIONS=print_stacktrace=1 build/fuzz/fuzz_readers \
   "${dictionary[@]}" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 \
   -artifact_prefix="build/fuzz/found/$target." "${@:3}" "build/fuzz/corpus/$target" "tests/fuzz/corpus/$target"

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <sstream>
 
 #include "gustlab/errors.hpp"
+#include "gustlab/types.hpp"
 #include "util/files.hpp"
 
 namespace gustlab {
@@ -29,7 +32,9 @@ Json parse(const std::string& text) {
 std::pair<std::string, int> split_label(const std::string& label) {
   const std::size_t mark = label.find('#');
   if (mark == std::string::npos) return {label, 0};
-  return {label.substr(0, mark), std::atoi(label.c_str() + mark + 1)};
+  int rotor = 0;
+  std::from_chars(label.data() + mark + 1, label.data() + label.size(), rotor);  // too large a number leaves 0
+  return {label.substr(0, mark), rotor};
 }
 
 std::string make_label(const std::string& effect, int rotor) {
@@ -45,12 +50,20 @@ std::vector<std::string> texts(const Json& object, const char* key) {
   return found;
 }
 
+// of a number that may be any
+int read_rotor(const Json& value) {
+  const double number = value.get<double>();
+  if (!(std::abs(number) <= max_rotors))
+    throw Json::other_error::create(500, fmt::format("there is no rotor {}", number), nullptr);
+  return static_cast<int>(number);
+}
+
 Concealed read_concealed(const Json& entry) {
   Concealed truth;
   truth.effect = entry.at("effect").get<std::string>();
   truth.parameters = part(entry, "parameters");
   truth.per_flight = part(entry, "per_flight");
-  truth.rotor = truth.parameters.value("rotor", 0);
+  if (truth.parameters.contains("rotor")) truth.rotor = read_rotor(truth.parameters.at("rotor"));
   truth.parameters.erase("rotor");
   truth.strength = entry.value("strength_over_limit", std::numeric_limits<double>::quiet_NaN());
   return truth;
@@ -63,7 +76,7 @@ Named read_named(const Json& entry) {
   name.per_flight = part(entry, "per_flight");
   if (name.parameters.contains("rotor")) {
     const Json& rotor = name.parameters.at("rotor");
-    name.rotor = static_cast<int>(rotor.is_object() ? rotor.at("value").get<double>() : rotor.get<double>());
+    name.rotor = read_rotor(rotor.is_object() ? rotor.at("value") : rotor);
     name.parameters.erase("rotor");
   }
   name.alternatives = texts(entry, "class");

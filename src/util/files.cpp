@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -259,7 +260,7 @@ std::string read_blocks(const std::string& path, std::size_t most_bytes,
   errno = 0;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"), std::fclose);
   if (!file) return std::strerror(errno ? errno : EIO);
-  std::string bytes(65536, '\0');
+  std::array<char, 65536> bytes;
   for (std::size_t got = 0, all = 0; (got = std::fread(bytes.data(), 1, bytes.size(), file.get())) > 0;) {
     if ((all += got) > most_bytes) return fmt::format("it is larger than {} MiB", most_bytes >> 20);
     block({bytes.data(), got});

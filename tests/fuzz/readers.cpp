@@ -23,8 +23,12 @@ namespace fs = std::filesystem;
 
 std::string write(const std::string& folder, const char* name, const std::string& bytes) {
   const fs::path path = fs::path(folder) / name;
-  fs::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream file(path, std::ios::binary);
+  if (!file) {
+    fs::create_directories(path.parent_path());
+    file.open(path, std::ios::binary);
+  }
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return path.string();
 }
 
@@ -46,6 +50,9 @@ void read_log(const std::string& bytes, const std::string& folder) {
   const std::string path = write(folder, "log.csv", bytes);
   write(folder, "log.meta.toml", sidecar_text_of_a_log);
   tracking_of(path, 0.0);
+  if (bytes.size() % 2 == 1)
+    read_flight_log_in_parts(
+        path, [](const FlightLog&) {}, 3);
 }
 
 void read_meta(const std::string& bytes, const std::string& folder) {
@@ -82,7 +89,12 @@ void read_diagnosis(const std::string& bytes, const std::string& folder) {
       write(folder, "answers.jsonl",
             R"({"trial": "t", "kind": "single", "effects": [{"effect": "mass", "parameters": {"delta": 0.1}}]})");
   write(folder, "trials/t/diagnosis/diagnosis.json", bytes);
-  score_trials({{answers, (fs::path(folder) / "trials").string()}}, "diagnosis");
+  const TrialSet set{answers, (fs::path(folder) / "trials").string()};
+  // the tables of a score take most of the time: of one input in sixteen (its size and sum tell which) they are made, too
+  unsigned sum = static_cast<unsigned>(bytes.size());
+  for (const char byte : bytes) sum += static_cast<unsigned char>(byte);
+  if (sum % 16 == 0) score_trials({set}, "diagnosis");
+  else read_trials(set, "diagnosis");
 }
 
 void read_answers(const std::string& bytes, const std::string& folder) {

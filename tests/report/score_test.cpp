@@ -73,6 +73,19 @@ TEST_F(ScoreTest, UnreadableDiagnosisCountsAsMissing) {
   EXPECT_EQ(headline("nothing concealed: no name"), "0/1");
 }
 
+TEST_F(ScoreTest, ARotorThatNoVehicleHasIsAnUnreadableDiagnosisAndAWrongAnswer) {
+  for (const double rotor : {1e300, -1e10, 9.0}) {
+    add("single", {hidden("rotor_loss", 2, {{"rotor", 3}})}, {found("rotor_loss", 0.9, {{"rotor", rotor}})});
+    add("single", {hidden("rotor_loss", 2, {{"rotor", 3}})},
+        {found("rotor_loss", 0.9, {{"rotor", {{"value", rotor}}}})});
+  }
+  add("single", {hidden("rotor_loss", 2, {{"rotor", 3}})}, {found("rotor_loss#99999999999")});
+  EXPECT_EQ(headline("one effect: exact"), "0/7");
+  EXPECT_EQ(score().at("without_diagnosis"), 6);
+  add("single", {hidden("rotor_loss", 2, {{"rotor", 1e300}})}, Json::array());
+  EXPECT_THAT([&] { score(); }, testing::ThrowsMessage<DataError>(HasSubstr("answers.jsonl:8:1: not an answer")));
+}
+
 TEST_F(ScoreTest, AClassHoldsTheTruthButTheNameItselfIsCountedApart) {
   add("single", {hidden("thrust_scale", 2)}, {found("mass", 0.5, Json::object(), {"mass", "thrust_scale"})});
   add("single", {hidden("thrust_scale", 2)}, {found("thrust_scale", 0.5, Json::object(), {"thrust_scale"})});
