@@ -4,6 +4,7 @@ import csv
 import gzip
 import json
 import sys
+import zlib
 from pathlib import Path
 
 import matplotlib
@@ -45,7 +46,7 @@ class Flight:
             with gzip.open(path, "rt") if path.suffix == ".gz" else open(path, encoding="utf-8") as file:
                 names = file.readline().strip().split(",")
                 table = np.genfromtxt(file, delimiter=",", ndmin=2)
-        except (OSError, ValueError) as error:
+        except (OSError, EOFError, zlib.error, ValueError) as error:
             raise DataError(f"{path}: cannot be read ({' '.join(str(error).split())})") from None
         if table.size == 0 or table.shape[1] != len(names):
             raise DataError(f"{path}: no table (a header and rows of {len(names)} numbers are needed)")

@@ -78,7 +78,7 @@ flies() { [[ -f $room/out/shards/$1/runs.sqlite-wal ]]; }
 until flies 1 && flies 2; do sleep 0.05; done
 # right after its start a task cannot be signalled yet
 until scancel --quiet --signal=USR1 --batch "${array}_1"; do sleep 0.1; done
-scontrol requeue "${array}_2"
+for _ in {1..100}; do scontrol requeue "${array}_2" && break; sleep 0.2; done
 # Slurm lets a task that was queued again wait for two minutes; not here
 for _ in {1..600}; do
   [[ -z $(squeue -h -j "$merge" 2> /dev/null) ]] && break

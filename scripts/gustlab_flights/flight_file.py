@@ -8,6 +8,7 @@ import numpy as np
 
 from gustlab_import.problems import ImportFailure
 from gustlab_import.tables import read_csv
+from gustlab_import.toml_text import parse_toml
 
 from .problems import DATA, Refusal
 
@@ -61,7 +62,7 @@ class FlightFile:
             raise Refusal(f"{self.path}: time_s does not increase in every row (is it a flight log?)", DATA)
         self.sidecar_text = self._read_sidecar()
         try:
-            self.sidecar = tomllib.loads(self.sidecar_text)
+            self.sidecar = parse_toml(self.sidecar_text)
         except tomllib.TOMLDecodeError as error:
             raise Refusal(f"{self.sidecar_path}: {error}", DATA) from None
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from gustlab_import.problems import ImportFailure
+from gustlab_import.toml_text import parse_toml
 from gustlab_import.vehicle_file import find_vehicle
 
 from .flight_file import FlightFile
@@ -95,7 +96,7 @@ class Scene:
         import mujoco
         self.mujoco, self.floor_m = mujoco, floor_m
         try:
-            self.vehicle = tomllib.loads(path.read_text(encoding="utf-8"))
+            self.vehicle = parse_toml(path.read_text(encoding="utf-8"))
             mjcf = path.parent / str(self.vehicle.get("mjcf", ""))
             spec = mujoco.MjSpec.from_file(str(mjcf))
             self._dress(spec, floor_m, size)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .problems import USAGE, ImportFailure
+from .toml_text import parse_toml
 
 FORMAT = "gustlab-column-map/1"
 MAPS = Path(__file__).resolve().parent.parent / "column_maps"
@@ -119,7 +120,7 @@ def load_map(name: str) -> ColumnMap:
     except (OSError, UnicodeDecodeError) as error:
         raise ImportFailure(f"{path}:1:1: the map cannot be read ({error})", USAGE) from error
     try:
-        document = tomllib.loads(text)
+        document = parse_toml(text)
     except tomllib.TOMLDecodeError as error:
         at = str(error)
         where = [part for part in at.replace(")", "").replace(",", "").split() if part.isdigit()][-2:]

@@ -6,6 +6,7 @@ import hashlib
 import io
 import math
 import zlib
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -84,7 +85,7 @@ def _table_of(rows, path: Path, digest: str) -> Table:
                             "(and decimal points)")
     if header[0].startswith(("#", "//", "%")):
         raise ImportFailure(f"{path}:1:1: the first line is a remark (`{header[0][:40]}`); the names of the columns must be there: delete what stands before them")
-    doubled = sorted({name for name in header if header.count(name) > 1})
+    doubled = sorted(name for name, count in Counter(header).items() if count > 1)
     if doubled:
         column = header.index(doubled[0]) + 1
         raise ImportFailure(f"{path}:1:{column}: column `{doubled[0]}` occurs twice; rename one of them")

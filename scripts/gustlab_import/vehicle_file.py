@@ -9,6 +9,7 @@ from pathlib import Path
 from .column_map import suggest
 from .problems import USAGE, ImportFailure
 from .streams import Rotor
+from .toml_text import parse_toml
 
 FORMAT = "gustlab-vehicle/1"
 MODELS = Path(__file__).resolve().parents[2] / "models"
@@ -45,7 +46,7 @@ def read_vehicle(wanted: str, beside) -> Vehicle:
     path = find_vehicle(wanted)
     reference = wanted if wanted in shipped() else Path(os.path.relpath(path.resolve(), Path(beside or ".").resolve())).as_posix()
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        document = parse_toml(path.read_text(encoding="utf-8"))
         if document.get("format") != FORMAT:
             raise ImportFailure(f'{path}:1:1: --vehicle: not a vehicle file ("format" must be "{FORMAT}"); make one with `gustlab vehicle new`', USAGE)
         return Vehicle(reference, _rotors(path, document), _inputs(document))

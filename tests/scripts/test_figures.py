@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import importlib
 import io
+import gzip
 import json
 import math
 import sys
@@ -151,7 +152,14 @@ class Figures(unittest.TestCase):
         ragged.write_text("time_s,px\n1,2\n3\n")
         without = self.root / "without.csv"
         without.write_text("time_s,px\n1,2\n3,4\n")
+        cut = self.root / "cut.csv.gz"
+        cut.write_bytes(gzip.compress(without.read_bytes() * 1000)[:-20])
+        broken = self.root / "broken.csv.gz"
+        broken.write_bytes(cut.read_bytes()[:12] + b"\xff" * 40)
         for name, argument, said in (
+            ("plot_flight", cut, "cannot be read"),
+            ("plot_overlay", cut, "cannot be read"),
+            ("plot_overlay", broken, "cannot be read"),
             ("plot_flight", empty, "no flight.csv"),
             ("plot_flight", ragged, "cannot be read"),
             ("plot_flight", without, "no column py, pz"),

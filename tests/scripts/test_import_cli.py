@@ -3,6 +3,7 @@
 import gzip
 import json
 import re
+import time
 import tomllib
 import unittest
 from pathlib import Path
@@ -118,6 +119,18 @@ class BadInput(ImportCase):
         for words, text in cases.items():
             with self.subTest(words):
                 self.fails(3, words, self.log(text), "--map", self.map, "--out", self.out)
+
+    def test_many_columns_take_time_by_their_number(self):
+        head, *rows = csv(flight(2.0)).splitlines()
+        names = ",".join(f"c{i}" for i in range(100_000))
+        log = self.log("\n".join([f"{head},{names}", *(row + ",1" * 100_000 for row in rows[:5])]))
+        start = time.process_time()
+        self.fails(3, "only 5 samples", log, "--map", self.map, "--out", self.out)
+        self.assertLess(time.process_time() - start, 10.0)   # in proportion to the square of their number it took 50 s
+
+    def test_dots_that_are_no_key_are_read(self):
+        text = MAP.replace("[time]", 'notes = "' + "a. " * 90 + "..." * 100 + '"\n# ' + "." * 200 + "\n[time]", 1)
+        self.assertEqual(self.run_import(self.log(csv(flight(5.0))), "--map", self.write("m.toml", text), "--out", self.out)[0], 0)
 
     def test_broken_gzip(self):
         packed = gzip.compress(csv(flight(2.0)).encode())[:-200]

@@ -81,6 +81,9 @@ def files():
              "tied.toml": VEHICLE.replace("body.xml", "tied.xml"), "tied.xml": BODY.replace("<freejoint/>", ""), "nobody_there.toml": VEHICLE.replace("body.xml", "gone.xml"),
              "falls.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{9 - k}\n" for k in range(10)), "held.csv": "throttle,thrust_N\n" + "0.5,3\n" * 10,
              "pushed.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{-k}\n" for k in range(10)), "ampere.csv": "throttle,current\n" + "0.5,3\n" * 10}
+    made |= {"deep.toml": MAP + "notes = " + "[" * 100_000, "dotted.toml": MAP + ".".join("a" * 100_000) + " = 1\n", "latin.toml": MAP.encode() + b"notes = '\xe9'\n",
+             "kind.toml": MAP.replace('kind = "csv"', "kind = 5"), "table.toml": MAP.replace('[position]\ncolumns = ["x", "y", "z"]', "position = 3"),
+             "cell.csv": table.replace(lines[5].split(",")[2], "0." + "1" * 140_000), "return.csv": table.replace(lines[5].split(",")[2], "1\r2")}
     made |= {f"nonsense{kind}": NONSENSE for kind in (".ulg", ".bin", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".parquet", ".csv", ".toml")}
     return {name: text.encode() if isinstance(text, str) else text for name, text in made.items()}
 
@@ -194,8 +197,16 @@ WRONG = (
     (log("good.ulg", "--vehicle", "three.toml"), 2, "good.ulg: 4 motors are logged and the vehicle ../three.toml has 3 rotors"),
     (log("good.ulg", "--vehicle", "body.xml"), 2, "body.xml:1:1: --vehicle: not a vehicle file ("),
     (table("hex.csv"), 3, "hex.csv:6:3: `0x1F` in column `y` is not a number"),
+    (table("cell.csv"), 3, "cell.csv:1:1: not a table of comma separated cells (field larger than field limit (131072)); save it as CSV again"),
+    (table("return.csv"), 3, "return.csv:6:4: 3 cells where the header has 22 (cut off while it was written?)"),
     (table("tabs.csv"), 3, "tabs.csv:1:1: cells are separated by tabs; write commas"),
     # column maps
+    (table("good.csv", "deep.toml"), 2, "deep.toml:25:1: nested too deep"),
+    (table("good.csv", "dotted.toml"), 2, "dotted.toml:26:1: a key of more than 100 parts"),
+    (table("good.csv", "latin.toml"), 2, "latin.toml:1:1: the map cannot be read ("),
+    (table("good.csv", "kind.toml"), 2, "kind.toml:2:1: `kind` must be a text in quotes"),
+    (table("good.csv", "table.toml"), 2, "table.toml:6:1: unknown key `position` in [time]"),
+    (log("good.ulg", "--vehicle", "dotted.toml"), 2, "dotted.toml:1:1: --vehicle: not a vehicle file (a key of more than 100 parts)"),
     (table("good.csv", "five.toml"), 2, "five.toml:1:1: [actuator] has 5 columns, and the vehicle crazyflie has 4 rotors; give the vehicle that flew"),
     (table("good.csv", "fortnight.toml"), 2, 'fortnight.toml:5:9: unit = "fortnight" is not a unit of time'),
     (table("good.csv", "excel.toml"), 2, 'kind = "excel" is not known; one of: csv'),
