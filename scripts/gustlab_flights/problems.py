@@ -2,6 +2,8 @@
 
 import sys
 
+from gustlab_import.problems import told
+
 USAGE, DATA, IO = 2, 3, 4
 
 
@@ -16,7 +18,7 @@ class Refusal(Exception):
 def ended(command, arguments) -> int:
     """Runs a command; its exit code. A refusal is one line on stderr."""
     try:
-        return command(arguments)
+        return told(lambda: command(arguments))
     except Refusal as refusal:
         print(refusal, file=sys.stderr)
         return refusal.code

@@ -11,7 +11,7 @@ from .from_recording import import_recording
 from .from_table import import_table
 from .kinds import kind_of, reader_of
 from .outcome import FORMAT, as_document, as_json, as_text
-from .problems import DATA, IO, USAGE, ImportFailure, printable
+from .problems import DATA, IO, USAGE, ImportFailure, printable, told
 from .progress import LogProgress
 from .segments import reasons
 from .vehicle_file import read_vehicle
@@ -152,7 +152,7 @@ def former_import(folder: Path) -> list:
 
 def main(argv=None) -> int:
     try:
-        return run(sys.argv[1:] if argv is None else argv)
+        return told(lambda: run(sys.argv[1:] if argv is None else argv))
     except ImportFailure as failure:
         print(printable(str(failure)), file=sys.stderr)
         return failure.code

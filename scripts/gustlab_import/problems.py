@@ -1,5 +1,8 @@
 """What an importer can say: findings about the data, and failures that end the program."""
 
+import contextlib
+import os
+import sys
 from dataclasses import dataclass
 
 USAGE, DATA, IO = 2, 3, 4
@@ -16,6 +19,54 @@ class ImportFailure(Exception):
     def __init__(self, message: str, code: int = DATA):
         super().__init__(message)
         self.code = code
+
+
+class _Stdout:
+    """stdout whose failures are not taken for those of other files."""
+
+    def __init__(self, stream):
+        self.stream = stream
+
+    def write(self, text: str) -> int:
+        with self._watched():
+            return self.stream.write(text)
+
+    def flush(self):
+        with self._watched():
+            self.stream.flush()
+
+    @contextlib.contextmanager
+    def _watched(self):
+        try:
+            yield
+        except OSError as error:
+            raise _StdoutFailure(error) from None
+
+    def __getattr__(self, name: str):
+        return getattr(self.stream, name)
+
+
+class _StdoutFailure(Exception):
+    pass
+
+
+def told(command) -> int:
+    """Runs what prints to stdout; its exit code, 4 where stdout takes no more (a full disk is said, a closed pipe is not)."""
+    stdout = _Stdout(sys.stdout)
+    try:
+        with contextlib.redirect_stdout(stdout):
+            try:
+                code = command()
+            except SystemExit as end:   # what argparse printed is not written yet
+                code = end.code
+            stdout.flush()
+            return code
+    except _StdoutFailure as failure:
+        error = failure.args[0]
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stdout.fileno())   # Python would try again at its end
+        if not isinstance(error, BrokenPipeError):
+            print(f"stdout: cannot write ({error.strerror})", file=sys.stderr)
+        return IO
 
 
 @dataclass(frozen=True)

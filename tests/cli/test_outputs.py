@@ -16,6 +16,7 @@ from concealed_trials import trials_toml
 from small_experiments import VARIANTS, experiment_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+PX4_LOG = str(Path(__file__).resolve().parents[1] / "data" / "logs" / "px4_sitl_jmavsim.ulg")
 
 EXPERIMENT = experiment_toml("hover", duration_s=1.0)
 TRAINING = experiment_toml("circle", duration_s=5.0, more=VARIANTS)
@@ -63,6 +64,18 @@ class Places(Commands):
         os.close(end)
         self.assertTrue(stat.S_ISFIFO(pipe.stat().st_mode))
         self.assertEqual(read, [out])
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root makes devices")
+    def test_a_device_is_written_through(self):
+        for name, number, code in (("null", 3, 0), ("full", 7, 4)):
+            device = self.folder / name
+            os.mknod(device, stat.S_IFCHR | 0o666, os.makedev(1, number))
+            for command in ((*self.GATE, "--summary", name), (*self.GATE, "--junit", name), ("train", "train.toml", "--epochs", "1", "--out", name),
+                            ("conceal", "t.toml", "--out", "again", "--answers", name)):
+                with self.subTest(command=command):
+                    self.call(*command, code=code)
+                    self.assertTrue(stat.S_ISCHR(device.stat().st_mode))
+                    shutil.rmtree(self.folder / "again", ignore_errors=True)
 
     def test_a_link_stays_one_and_its_file_is_replaced(self):
         (self.folder / "there").mkdir()
@@ -152,7 +165,9 @@ class Inputs(Commands):
 class Failures(Commands):
     def test_stdout_that_is_full_is_exit_4(self):
         for arguments in (["table", "swept"], self.GATE, ["list"], ["defaults", "pid"], ["--help"], ["--version"], ["metrics", "flown/flight.csv"],
-                          ["sweep", "e.toml", "--dry-run"], ["replay", "trials/nothing/fit_1.csv"], ["gate", "swept", "--baseline", "base.csv", "--summary", "-"]):
+                          ["sweep", "e.toml", "--dry-run"], ["identify", "flown/flight.csv"], ["vehicle", "check", "crazyflie"], ["completion", "bash"], ["man"],
+                          ["table", "swept", "--format", "json"], ["score", "answers.jsonl", "trials"],
+                          ["import", "--help"], ["import", PX4_LOG], ["export", "--help"], ["render", "--help"], ["replay", "trials/nothing/fit_1.csv"], ["gate", "swept", "--baseline", "base.csv", "--summary", "-"]):
             with self.subTest(arguments=arguments), open("/dev/full", "w") as full:
                 _, err = self.call(*arguments, code=4, stdout=full)
                 self.assertRegex(err, "stdout: cannot write|No space left on device")
