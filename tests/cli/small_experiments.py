@@ -20,6 +20,15 @@ name = "other"
 set = ["seed=2"]
 """
 
+TUNING = """
+format = "gustlab-tuning/1"
+flights = 2
+replicates = 1
+[[controller]]
+name = "pid"
+parameters = [{name = "position_gain", min = 0.1, max = 4.0, start = 0.3, log = true}]
+"""
+
 
 def experiment_toml(*trajectories, duration_s, replicates=1, more=""):
     """The text of an experiment; `more`: tables that follow."""

@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
 from concealed_trials import FIRST_SET, trials_toml  # noqa: E402
 from import_fixture import MAP, csv, flight  # noqa: E402
-from small_experiments import GUST, VARIANTS, calibration_toml, experiment_toml  # noqa: E402
+from small_experiments import GUST, TUNING, VARIANTS, calibration_toml, experiment_toml  # noqa: E402
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 FULL = "No space left on device|database or disk is full|unable to open database file|disk I/O error"
@@ -20,15 +20,6 @@ FULL = "No space left on device|database or disk is full|unable to open database
 EXPERIMENT = experiment_toml("circle", replicates=6, duration_s=0.2, more=GUST)
 TRAINING = EXPERIMENT + VARIANTS
 CALIBRATION = calibration_toml(replicates=1, evaluations=2)
-
-TUNING = """
-format = "gustlab-tuning/1"
-flights = 2
-replicates = 1
-[[controller]]
-name = "pid"
-parameters = [{name = "position_gain", min = 0.1, max = 4.0, start = 0.3, log = true}]
-"""
 
 
 class FullDisk(unittest.TestCase):

@@ -13,7 +13,7 @@ import unittest
 from pathlib import Path
 
 from concealed_trials import trials_toml
-from small_experiments import VARIANTS, experiment_toml
+from small_experiments import CIRCLE, GUST, TUNING, VARIANTS, calibration_toml, experiment_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 PX4_LOG = str(Path(__file__).resolve().parents[1] / "data" / "logs" / "px4_sitl_jmavsim.ulg")
@@ -223,6 +223,38 @@ class Signals(Commands):
                     _, err = process.communicate(timeout=120)
                     self.assertEqual(process.returncode, 130, err)
                     self.assertEqual(self.files(), before)
+
+
+class Searches(Commands):
+    """tune and calibrate, in the middle of a flight of an hour"""
+
+    def test_a_search_ends_within_a_second_of_work(self):
+        (self.folder / "long.toml").write_text(experiment_toml("circle", duration_s=3600.0, more=CIRCLE + GUST))
+        (self.folder / "c.toml").write_text(calibration_toml(replicates=4, evaluations=100))
+        (self.folder / "s.toml").write_text(TUNING)
+        for command in (["tune", "long.toml", "--tuning", "s.toml"], ["calibrate", "long.toml", "--calibration", "c.toml"]):
+            for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
+                with self.subTest(command=command[0], signal=number):
+                    process = subprocess.Popen([PROGRAM, *command, "--out", "out", "--jobs", "2"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                    until = time.monotonic() + 120.0
+                    while process.poll() is None and work_s(process.pid) < 1.0 and time.monotonic() < until:
+                        time.sleep(0.01)
+                    before = work_s(process.pid)
+                    process.send_signal(number)
+                    err = process.stderr.read()
+                    process.stdout.close()
+                    process.stderr.close()
+                    _, status, usage = os.wait4(process.pid, 0)
+                    process.returncode = os.waitstatus_to_exitcode(status)
+                    self.assertEqual(process.returncode, 130, err)
+                    self.assertLess(usage.ru_utime + usage.ru_stime - before, 1.0)
+                    shutil.rmtree(self.folder / "out", ignore_errors=True)
+
+
+def work_s(pid):
+    """seconds of processor time that a process has taken"""
+    numbers = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(numbers[11]) + int(numbers[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def catches(pid, number):
