@@ -15,7 +15,11 @@ room="$(mktemp -d)"
 chmod 755 "$room"
 started=()
 stop() {
-  # the controller last, so that it hears of the end of the jobs
+  # jobs that a failure left, which outlive their daemons; then the controller last, so that it hears of their end
+  if [[ -n ${controller:-} ]] && kill -0 "$controller" 2> /dev/null; then
+    timeout 20 scancel --quiet --full --signal=KILL --user="$(id -un)" 2> /dev/null || true
+    for _ in {1..50}; do [[ -z $(timeout 5 squeue -h -t RUNNING,COMPLETING 2> /dev/null) ]] && break; sleep 0.2; done
+  fi
   for pid in "${started[@]}"; do kill "$pid" 2> /dev/null || true; done
   for pid in "${started[@]}"; do wait "$pid" 2> /dev/null || true; done
   rm -rf "$room"
@@ -30,13 +34,15 @@ munged --foreground --force --key-file="$room/munge.key" --socket="$room/munge.s
   --seed-file="$room/munge.seed" --log-file="$room/munge.log" 2> /dev/null &
 started+=($!)
 
-# a controller and a node, both this host, on ports that nothing else has
-read -r port1 port2 < <(python3 -c '
+# a controller and a node, both this host, on ports that nothing else has: another process may take one before they do
+host="$(hostname -s)"
+export SLURM_CONF="$room/slurm.conf"
+for _ in {1..50}; do [[ -S $room/munge.socket ]] && break; sleep 0.1; done
+for attempt in 1 2 3; do
+  read -r port1 port2 < <(python3 -c '
 import socket
 sockets = [socket.create_server(("", 0)) for _ in range(2)]
 print(*(s.getsockname()[1] for s in sockets))')
-host="$(hostname -s)"
-export SLURM_CONF="$room/slurm.conf"
 cat > "$SLURM_CONF" << END
 ClusterName=gustlab
 SlurmctldHost=$host(127.0.0.1)
@@ -63,11 +69,18 @@ KillWait=5
 NodeName=$host NodeAddr=127.0.0.1 CPUs=2
 PartitionName=all Nodes=$host Default=YES MaxTime=10
 END
-for _ in {1..50}; do [[ -S $room/munge.socket ]] && break; sleep 0.1; done
-slurmctld -D 2> /dev/null & started+=($!)
-slurmd -D -N "$host" 2> /dev/null & started+=($!)
-for _ in {1..100}; do [[ $(sinfo -h -o %t 2> /dev/null) == idle ]] && break; sleep 0.2; done
-[[ $(sinfo -h -o %t) == idle ]] || { cat "$room"/slurm*.log >&2; echo "test_slurm: the node does not come up" >&2; exit 4; }
+  slurmctld -D 2> /dev/null & controller=$!
+  slurmd -D -N "$host" 2> /dev/null & node=$!
+  for _ in {1..100}; do
+    kill -0 "$controller" 2> /dev/null && kill -0 "$node" 2> /dev/null || break
+    [[ $(timeout 5 sinfo -h -o %t 2> /dev/null) == idle ]] && break 2
+    sleep 0.2
+  done
+  kill "$controller" "$node" 2> /dev/null || true
+  wait "$controller" "$node" 2> /dev/null || true
+  ((attempt < 3)) || { cat "$room"/slurm*.log >&2; echo "test_slurm: the node does not come up" >&2; exit 4; }
+done
+started+=("$node" "$controller")
 
 # four tasks, of which the first is interrupted, and the second killed and queued again
 parts=4
