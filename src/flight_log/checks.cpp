@@ -69,7 +69,9 @@ class Judge {
   Sums judge(const Convention& convention, std::optional<std::size_t>& first_row) const {
     Sums result;
     if (q_.rows.empty() || w_.rows.empty()) return result;
-    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(window_s / q_.step_s)));
+    // a step may be next to nothing, and no window is longer than the log
+    const auto length = static_cast<std::size_t>(
+        std::clamp(std::round(window_s / q_.step_s), 1.0, static_cast<double>(q_.rows.size())));
     std::size_t before = 0;  // the last rate at or before the window's begin
     for (std::size_t k = 0; k + length < q_.rows.size(); k += length) {
       const std::size_t begin = q_.rows[k], end = q_.rows[k + length];

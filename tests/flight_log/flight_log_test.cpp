@@ -224,6 +224,12 @@ TEST(FlightLog, AttitudeThatContradictsTheBodyRateIsAnErrorThatNamesTheConventio
   EXPECT_THAT(said(turning(false, false, -1.0)), StartsWith("a.csv:2:10: the attitude contradicts the body rate"));
 }
 
+TEST(FlightLog, StepsOfNextToNothingAreRead) {
+  std::string csv = "time_s,qw,qx,qy,qz,wx,wy,wz,u1\n";
+  for (int i = 0; i < 50; ++i) csv += std::to_string(i) + "e-300,1,0,0,0,0,0,0,1\n";
+  EXPECT_EQ(said(csv), "");
+}
+
 TEST(FlightLog, ASlowAttitudeIsComparedWithTheRateBetweenItsSamples) {
   EXPECT_EQ(said(turning(false, false, 1.0, true)), "");
   EXPECT_THAT(said(turning(true, false, 1.0, true)), EndsWith("turn differently); the quaternion looks scalar-last"));
