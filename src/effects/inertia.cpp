@@ -21,7 +21,7 @@ class Inertia final : public Effect {
            .max = 30.0,
            .natural = 0.05,
            .tolerance = 0.05,
-           .plausible = 2.0});  // three times what the file says; more is a lag, or a thrust map that is wrong
+           .plausible = 1.0});  // twice what the file says; more is a lag, or a thrust map that is wrong
     };
     axis("delta_x", delta_.x());
     axis("delta_y", delta_.y());
