@@ -244,17 +244,19 @@ struct Flown {
 };
 
 // The prediction in which the lines are farthest apart: where the nearest two of them are farthest from each other, in the plane; the
-// first of equals.
+// first of equals. What was found may change nothing here: two lines are then one.
 Flown farthest_apart(const DiagnosisFigures::Trace& x, const DiagnosisFigures::Trace& y) {
   using Values = std::vector<double> DiagnosisFigures::Trace::*;
   constexpr Values measured = &DiagnosisFigures::Trace::measured, before = &DiagnosisFigures::Trace::before,
                    after = &DiagnosisFigures::Trace::after;
+  const auto between = [&](std::size_t k, Values one, Values other) {
+    return std::hypot(value_at(x.*one, k) - value_at(x.*other, k), value_at(y.*one, k) - value_at(y.*other, k));
+  };
+  bool two_models = false;
+  for (std::size_t k = 0; k < x.after.size(); ++k) two_models = two_models || between(k, before, after) > 0.0;
   const auto apart = [&](std::size_t k) {
-    const auto between = [&](Values one, Values other) {
-      return std::hypot(value_at(x.*one, k) - value_at(x.*other, k), value_at(y.*one, k) - value_at(y.*other, k));
-    };
-    const double first = between(measured, before);
-    return x.after.empty() ? first : std::min({first, between(measured, after), between(before, after)});
+    const double first = between(k, measured, before);
+    return two_models ? std::min({first, between(k, measured, after), between(k, before, after)}) : first;
   };
   const auto predicted = [&](std::size_t k) { return std::isfinite(value_at(x.before, k)); };
   Flown best{0, x.time_s.size()};
