@@ -211,6 +211,17 @@ class PX4(ImportCase):
         self.assertEqual(code, 2)
         self.assertIn("is there already, and otherwise (a vehicle is never overwritten)", err)
 
+    def test_a_report_in_two_commands(self):
+        log = Path(__file__).resolve().parents[1] / "data" / "logs" / "px4_sitl_jmavsim.ulg"
+        for words in (("import", log, "--out", "logs", "--mass", "1.5kg"), ("diagnose", "logs/px4_sitl_jmavsim_1.csv", "--out", "report")):
+            done = subprocess.run([os.environ["GUSTLAB_PROGRAM"], *words], cwd=self.folder, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(done.stdout.startswith("my_vehicle: "))
+        # seven seconds beside the ground: at most a push, and never a number that the log itself gave
+        found = json.loads((self.folder / "report" / "diagnosis.json").read_text(encoding="utf-8"))
+        self.assertFalse({"mass", "thrust_scale", "thrust_curve"} & {effect["effect"] for effect in found["effects"]})
+        self.assertTrue((self.folder / "report" / "report.html").is_file())
+
     def test_what_describes_a_vehicle_is_what_vehicle_new_takes(self):
         from gustlab_import.new_vehicle import OPTIONS
         said = subprocess.run([os.environ["GUSTLAB_PROGRAM"], "vehicle", "new", "--help"], check=True, capture_output=True, text=True).stdout

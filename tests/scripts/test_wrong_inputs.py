@@ -164,7 +164,7 @@ WRONG = (
     (table("cut.csv.gz"), 3, "the gzip stream is broken"),
     (table("semicolons.csv"), 3, "semicolons.csv:1:1: cells are separated by semicolons; write commas"),
     (table("wide.csv"), 3, "wide.csv:1:1: not a text file (invalid start byte); it is UTF-16: save it as UTF-8"),
-    (table("good.ulg"), 3, "it is a flight computer's log, which needs no map: leave --map out"),
+    (table("good.ulg"), 3, "it is a flight computer's log; `gustlab import` without --map reads it"),
     (table("decimal.csv"), 3, "cells where the header has 22 (decimal commas?)"),
     (table("quote.csv"), 3, "quote.csv:1:1: a quotation mark in the header is never closed"),
     (table("one.csv"), 3, "one.csv: only 1 sample: too few"),
