@@ -188,6 +188,17 @@ std::string horizon_section(const nlohmann::ordered_json& diagnosis, const Diagn
          horizon_table(diagnosis) + "</section>";
 }
 
+namespace {
+
+// the table of channels says that it is no larger than the noise, and its means may still follow a variable
+bool is_within_noise(const Json& diagnosis, const std::string& channel) {
+  const Json& channels = part(diagnosis, "mismatch");
+  return std::any_of(channels.begin(), channels.end(),
+                     [&](const Json& entry) { return text(entry, "channel") == channel && !above_noise(entry); });
+}
+
+}  // namespace
+
 std::string residual_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
   std::string charts;
   std::vector<std::string> notes;
@@ -198,9 +209,12 @@ std::string residual_section(const nlohmann::ordered_json& diagnosis, const Diag
     if (chart.empty()) continue;
     charts += chart;
     const auto blocks = std::count_if(residual.y.begin(), residual.y.end(), [](double y) { return std::isfinite(y); });
-    notes.push_back(fmt::format("{} against {}: N = {} blocks{}", capital(plain_channel(residual.channel)),
+    notes.push_back(fmt::format("{} against {}: N = {} blocks{}{}", capital(plain_channel(residual.channel)),
                                 plain_variable(residual.variable).name, blocks,
-                                residual.left_out.empty() ? ", none left out" : ", left out: " + residual.left_out));
+                                residual.left_out.empty() ? ", none left out" : ", left out: " + residual.left_out,
+                                is_within_noise(diagnosis, residual.channel)
+                                    ? "; from one moment to the next, noise and air make as much"
+                                    : ""));
   }
   if (charts.empty()) return "";
   return "<section><h2>What is left over, and what it depends on</h2><p>What acts on the vehicle beyond the "

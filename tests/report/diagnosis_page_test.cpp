@@ -515,6 +515,15 @@ TEST(DiagnosisPage, EndsSentencesOnceAndRoundsShares) {
   EXPECT_THAT(html, Not(HasSubstr("(z = ")));
 }
 
+// a page said of lift that it is no larger than the noise, beside a curve of it with small bars
+TEST(DiagnosisPage, ACurveOfWhatIsWithinTheNoiseSaysSo) {
+  Json diagnosis = example_diagnosis();
+  const char* note = "from one moment to the next, noise and air make as much";
+  EXPECT_THAT(page_as_read(diagnosis, example_figures()), Not(HasSubstr(note)));
+  for (Json& entry : diagnosis["mismatch"]) entry["rms"] = entry["noise_rms"];
+  EXPECT_THAT(page_as_read(diagnosis, example_figures()), HasSubstr(note));
+}
+
 // where the logs tell no torque a size of it means nothing
 TEST(DiagnosisPage, ShowsNoSizeOfWhatIsNotJudged) {
   Json diagnosis = example_diagnosis();
