@@ -44,7 +44,8 @@ class Selector {
     result.nominal_from(s_);
     suspect_histories(s_, value, {});
     s_.start_latency(value);
-    if (value != s_.value()) s_.linearise(value, s_.all_columns());
+    value = likelier_start(value);
+    if (value != catalogue_.nominal()) s_.linearise(value, s_.all_columns());
     // what nothing explains yet is no noise to begin with
     s_.noise = calm;
 
@@ -190,6 +191,35 @@ class Selector {
   }
 
   bool forces_alone() const { return !s_.shoots() && s_.flights().front().collective_only; }
+
+  double loss_of_biases_at(const Eigen::VectorXd& value) {
+    s_.predict_at(value);
+    return solve(s_.grams(s_.biases()).total(), s_.biases()).loss;
+  }
+
+  // Where no rotor was measured the motion itself says how late the vehicle answers: torques swing at several hertz, and from half a swing away a
+  // fit runs the wrong way. The search begins at the likeliest of some lags and delays.
+  Eigen::VectorXd likelier_start(const Eigen::VectorXd& prompt) {
+    if (s_.shoots() || s_.predicts_speeds() || forces_alone() || !catalogue_.observes(Need::torque) ||
+        catalogue_.commands_are_slow())
+      return prompt;
+    constexpr double hopeless = 1.5;
+    const double loss_prompt = loss_of_biases_at(prompt);
+    double least = decisions::latency_likelier * loss_prompt;
+    Eigen::VectorXd best = prompt;
+    for (const int late : latencies())
+      for (const double later_s : latency_starts_s) {
+        if (late < 0) continue;
+        Eigen::VectorXd trial = prompt;
+        for (const int c : catalogue_.group(late).columns) trial[c] += later_s;
+        catalogue_.clamp(trial);
+        const double loss = loss_of_biases_at(trial);
+        if (loss > hopeless * loss_prompt) break;
+        if (loss < least) least = loss, best = trial;
+      }
+    s_.predict_at(best);
+    return best;
+  }
 
   // Thrust swings at several hertz: from half a swing away a fit runs the wrong way. Torques say it by themselves; forces alone
   // are tried at some latencies, and the likeliest is where the fit begins.
