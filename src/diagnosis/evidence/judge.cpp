@@ -110,4 +110,9 @@ void judge(Evidence& record) {
   record.probability = 1.0 / (1.0 + std::exp(-sum));
 }
 
+double weight_of(std::string_view feature) {
+  const auto* known = std::ranges::find(features, feature, &Feature::name);
+  return known == std::end(features) ? 0.0 : known->weight;
+}
+
 }  // namespace gustlab::diagnosis
