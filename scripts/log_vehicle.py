@@ -76,7 +76,7 @@ def hover_of_flights(recording):
 def of_ardupilot(path):
     recording = read_dataflash(path)
     if recording.no_flight:
-        sys.exit(f"{path}: not of a multicopter ({recording.no_flight})")
+        raise ImportFailure(f"{path}: not of a multicopter ({recording.no_flight})")
     source = recording.streams["u"].source if "u" in recording.streams else ""
     places = [{"position_B_m": [rotor.x, rotor.y, 0.0], "counter_clockwise": rotor.direction > 0} for rotor in recording.rotors]
     count = {"value": len(places), "source": "FRAME_CLASS"} if places else None
@@ -104,14 +104,20 @@ def of_px4(path):
     try:
         log = ULog(str(path), ["hover_thrust_estimate"], disable_str_exceptions=True)
     except Exception as error:  # noqa: BLE001 (pyulog raises whatever a broken file leads to)
-        sys.exit(f"{path}: not a PX4 log that can be read ({type(error).__name__}: {error})")
+        raise ImportFailure(f"{path}: not a PX4 log that can be read ({type(error).__name__}: {error})") from error
     parameters = log.initial_parameters
     kind = int(parameters.get("MAV_TYPE", 2))
     if kind not in MULTICOPTERS or int(parameters.get("CA_AIRFRAME", 0)) != 0:
-        sys.exit(f"{path}: not of a multicopter (MAV_TYPE is {kind}, CA_AIRFRAME {int(parameters.get('CA_AIRFRAME', 0))})")
+        raise ImportFailure(f"{path}: not of a multicopter (MAV_TYPE is {kind}, CA_AIRFRAME {int(parameters.get('CA_AIRFRAME', 0))})")
     found = hubs(parameters)
     return {"rotors": rotor_count(parameters, found), "hubs": found and found[0], "hubs_source": found and found[1], "metres": bool(found and found[2]),
             "hover": hover(log) or hover_of_flights(read_ulog(path)), "throttle_curve": curve(parameters), "torque_ratio_m": torque_ratio(parameters)}
+
+
+def said_of(path):
+    """What a log says of its vehicle; None for kinds of logs that do not."""
+    of_kind = {"dataflash": of_ardupilot, "ulog": of_px4}.get(kind_of(path))
+    return of_kind(path) if of_kind else None
 
 
 def main():
@@ -119,10 +125,10 @@ def main():
     parser.add_argument("log", metavar="LOG", type=Path)
     path = parser.parse_args().log
     try:
-        of_kind = {"dataflash": of_ardupilot, "ulog": of_px4}.get(kind_of(path))
-        if of_kind is None:
+        said = said_of(path)
+        if said is None:
             sys.exit(f"{path}: a log of PX4 (.ulg) or ArduPilot (.bin) is needed; others do not say what vehicle flew")
-        print(json.dumps(of_kind(path)))
+        print(json.dumps(said))
     except (ImportFailure, OSError) as failure:
         sys.exit(str(failure))
 

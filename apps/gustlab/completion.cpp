@@ -86,9 +86,9 @@ bool is_below(const CommandWords& command, const CommandWords& parent) {
 }
 std::string last_word(const std::string& words) { return words.substr(words.find_last_of(' ') + 1); }
 
-std::string without(std::string text, std::string_view characters) {
-  std::erase_if(text, [&](char c) { return characters.find(c) != std::string_view::npos; });
-  return text;
+// an explanation in brackets, as _arguments of zsh takes it
+std::string in_brackets(const std::string& text) {
+  return '[' + std::regex_replace(text, std::regex(R"([\[\]\\])"), R"(\$&)") + ']';
 }
 
 // with apostrophes that no shell takes for a quote
@@ -143,8 +143,7 @@ std::string zsh_completion(const std::vector<CommandWords>& all) {
     text += fmt::format("{}() {{\n", function(command.words));
     std::string below;
     for (const CommandWords& other : all)
-      if (is_below(other, command))
-        below += fmt::format(" '{}:{}'", last_word(other.words), without(typographic(other.says), ":"));
+      if (is_below(other, command)) below += fmt::format(" '{}:{}'", last_word(other.words), typographic(other.says));
     if (!below.empty()) {
       text += fmt::format(
           "  local -a below\n  below=({})\n  if (( CURRENT == 2 )); then _describe command below; return; fi\n"
@@ -154,15 +153,17 @@ std::string zsh_completion(const std::vector<CommandWords>& all) {
       continue;
     }
     text += "  _arguments";
+    std::string words = "file:_files";
     for (const OptionWords& option : command.options) {
-      const std::string says = without(typographic(option.says), "[]:"),
-                        values =
-                            option.choices.empty() ? "_files" : fmt::format("({})", fmt::join(option.choices, " "));
+      const std::string values =
+          option.choices.empty() ? "_files" : fmt::format("({})", fmt::join(option.choices, " "));
+      if (option.positional && !option.choices.empty()) words = "word:" + values;
       if (option.positional) continue;
       for (const std::string& name : option.names)
-        text += fmt::format(" \\\n    '*{}[{}]{}'", name, says, option.takes_value ? ":value:" + values : "");
+        text += fmt::format(" \\\n    '*{}{}{}'", name, in_brackets(typographic(option.says)),
+                            option.takes_value ? ":value:" + values : "");
     }
-    text += " \\\n    '*:file:_files'\n}\n";
+    text += " \\\n    '*:" + words + "'\n}\n";
   }
   return text + "_gustlab_ \"$@\"\n";
 }
@@ -179,6 +180,8 @@ std::string fish_completion(const std::vector<CommandWords>& all) {
         text += fmt::format("complete -c gustlab -n '{}' -f -a {} -d '{}'\n", seen, last_word(below.words),
                             typographic(below.says));
     for (const OptionWords& option : command.options) {
+      if (option.positional && !option.choices.empty())
+        text += fmt::format("complete -c gustlab -n '{}' -f -a '{}'\n", seen, fmt::join(option.choices, " "));
       if (option.positional) continue;
       text += fmt::format("complete -c gustlab -n '{}'", seen);
       for (const std::string& name : option.names)

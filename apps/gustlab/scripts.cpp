@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 
 #include "commands.hpp"
 #include "config/resources.hpp"
@@ -34,6 +35,10 @@ const std::array<Script, 4> scripts{
   std::vector<char*> words;
   for (std::string& word : command) words.push_back(word.data());
   words.push_back(nullptr);
+  // a script that needs another command of the program finds this one
+  std::error_code failed;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  if (!failed) setenv("GUSTLAB_PROGRAM", program.c_str(), 1);
   execv(words[0], words.data());
   throw std::runtime_error(
       fmt::format("{}: cannot be started ({}); run scripts/setup.sh", command[0], std::strerror(errno)));

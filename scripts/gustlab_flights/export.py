@@ -23,7 +23,7 @@ def arguments(argv: list) -> Namespace:
     ending = options.out.suffix.removeprefix(".")
     if options.to is None:
         if ending not in ("parquet", "mcap"):
-            raise Refusal(f"--out {options.out}: its ending names no kind (give --to {', '.join(KINDS)})", USAGE)
+            raise Refusal(f"--out {options.out}: its ending names no kind; give --to {', '.join(KINDS)}", USAGE)
         options.to = ending
     return options
 

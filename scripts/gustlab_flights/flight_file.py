@@ -126,4 +126,4 @@ def _csv_of(path: Path) -> Path:
     for name in ("flight.csv", "flight.csv.gz"):
         if (path / name).is_file():
             return path / name
-    raise Refusal(f"{path}: no flight.csv in this folder (name a flight log, or the --out of `gustlab run`)")
+    raise Refusal(f"{path}: no flight.csv in this folder; name a flight log, or the --out of `gustlab run`")

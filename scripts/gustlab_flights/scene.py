@@ -36,7 +36,7 @@ def vehicle_file(flight: FlightFile, wanted: str | None) -> Path:
     """The vehicle.toml that --vehicle or the sidecar names."""
     named = wanted or flight.sidecar.get("vehicle")
     if not named:
-        raise Refusal(f"{flight.path}: its sidecar names no vehicle (give --vehicle)", USAGE)
+        raise Refusal(f"{flight.path}: its sidecar names no vehicle; give --vehicle", USAGE)
     try:
         return find_vehicle(str(named), Path() if wanted else flight.path.parent)
     except ImportFailure as failure:

@@ -36,7 +36,7 @@ def need_display() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         if not glfw.init():
-            raise Refusal("view: no display can be opened here (`gustlab render FLIGHT --out film.mp4` needs none)", IO)
+            raise Refusal("view: no display can be opened here; `gustlab render FLIGHT --out film.mp4` needs none", IO)
 
 
 def run(argv: list) -> int:

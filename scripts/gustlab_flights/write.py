@@ -18,9 +18,9 @@ def check_paths(paths) -> None:
     """Refuses a path that is a folder, or that has a file where a folder should be."""
     for path in paths:
         if path.is_dir():
-            raise Refusal(f"{path}: is a folder, not a file (name another output)", USAGE)
+            raise Refusal(f"{path}: is a folder, not a file; name another output", USAGE)
         if file := file_on_the_way(path.parent):
-            raise Refusal(f"{path}: cannot be written ({file} is a file, not a folder; name another output)", USAGE)
+            raise Refusal(f"{path}: cannot be written ({file} is a file, not a folder); name another output", USAGE)
 
 
 def replace_files(writes: dict, inputs: tuple) -> None:
@@ -30,7 +30,7 @@ def replace_files(writes: dict, inputs: tuple) -> None:
     try:
         for path, write in writes.items():
             if path.exists() and any(other.exists() and path.samefile(other) for other in inputs):
-                raise Refusal(f"{path}: is read by the same command (name another output)", USAGE)
+                raise Refusal(f"{path}: is read by the same command; name another output", USAGE)
             made += [folder for folder in path.parents if not folder.exists()]
             path.parent.mkdir(parents=True, exist_ok=True)
             handle, temporary[path] = tempfile.mkstemp(dir=path.parent, prefix=".gustlab-", suffix=path.suffix)

@@ -10,6 +10,7 @@ from .command_line import Options, seconds
 from .from_recording import import_recording
 from .from_table import import_table
 from .kinds import kind_of, reader_of
+from .new_vehicle import add_options, given, make_vehicle, missing, vehicle_there
 from .outcome import FORMAT, as_document, as_json, as_text
 from .problems import DATA, IO, USAGE, ImportFailure, printable, told
 from .progress import LogProgress
@@ -27,8 +28,8 @@ def arguments(argv: list) -> Namespace:
                                      "flight (with the reason), or a file that cannot be read, 4 one that cannot be written")
     parser.add_argument("inputs", nargs="+", type=Path, metavar="LOG", help=FORMATS)
     parser.add_argument("--out", type=Path, metavar="DIR", help="where the flight logs and import.json go; without it nothing is written")
-    parser.add_argument("--vehicle", metavar="NAME|PATH", help="vehicle of the flight logs (default: the map's, or vehicle.toml "
-                        "beside the flight logs); motors are put into its order")
+    parser.add_argument("--vehicle", metavar="NAME|PATH", help="vehicle of the flight logs (default: the map's, my_vehicle in DIR if it is "
+                        "there, or vehicle.toml beside the flight logs); motors are put into its order")
     parser.add_argument("--map", metavar="NAME|FILE.toml", help="column map: needed for CSV, Parquet, uSD; built in or a file")
     parser.add_argument("--from", dest="from_s", type=seconds, metavar="S", help="first time kept, seconds of the log")
     parser.add_argument("--to", dest="to_s", type=seconds, metavar="S", help="last time kept, seconds of the log")
@@ -38,6 +39,7 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
     parser.add_argument("-q", "--quiet", action="store_true", help="errors only")
     parser.add_argument("-v", "--verbose", action="store_true", help="also the noise of each flight, and the topics of logs that hold one")
+    add_options(parser)
     return parser.parse_intermixed_args(argv)
 
 
@@ -54,7 +56,9 @@ def run(argv: list) -> int:
     if options.out is not None and (file := file_on_the_way(options.out)):
         raise ImportFailure(f"--out {options.out}: {file} is a file, not a folder (flight logs go into a folder); give a folder", USAGE)
     column_map = load_map(options.map) if options.map else None
-    vehicle = read_vehicle(options.vehicle, options.out) if options.vehicle else None
+    made = make_vehicle(options) if given(options) else None
+    named = options.vehicle or (None if column_map else vehicle_there(options.out))
+    vehicle = made.vehicle if made else read_vehicle(str(named), options.out) if named else None
     outcomes, names = [], {}
     with LogProgress(len(options.inputs), options.quiet) as progress:
         for path in options.inputs:
@@ -72,8 +76,20 @@ def run(argv: list) -> int:
     # one unusable recording holds all back: a set of flights with a silent hole would be worse
     code = refusals(outcomes, options.keep_unusable)
     if options.out is not None and (code == 0 or column_map is None):
-        write(options.out, outcomes, options.quiet)
+        write(options.out, outcomes, options.quiet, made.files if made and any(one.flights for one in outcomes) else {})
+        say_of_vehicle(options, made, vehicle is not None or column_map is not None, outcomes)
     return code
+
+
+def say_of_vehicle(options: Namespace, made, known: bool, outcomes: list) -> None:
+    log = next((Path(one.file) for one in outcomes if one.flights), None)
+    if options.quiet or log is None:
+        return
+    if made:
+        print(printable(f"{options.out / made.vehicle.reference}: written, and says of each number where it comes from"), file=sys.stderr)
+        print(made.said, end="", file=sys.stderr)
+    elif not known and not (options.out / "vehicle.toml").is_file():
+        print(printable(missing(options, log)), file=sys.stderr)
 
 
 def refusals(outcomes: list, keep_unusable: bool) -> int:
@@ -91,8 +107,8 @@ def refusals(outcomes: list, keep_unusable: bool) -> int:
     return 0 if any(one.flights for one in outcomes) else DATA
 
 
-def write(folder: Path, outcomes: list, quiet: bool = False) -> None:
-    """Adds to what earlier imports wrote there, replaces what is imported again, and nothing that others wrote."""
+def write(folder: Path, outcomes: list, quiet: bool, vehicle: dict) -> None:
+    """Adds to what earlier imports wrote there, replaces what is imported again, and nothing that others wrote. `vehicle`: its files."""
     files = {}
     for one in outcomes:
         for name, flight, sidecar in one.flights:
@@ -110,7 +126,7 @@ def write(folder: Path, outcomes: list, quiet: bool = False) -> None:
     stale = {name for log in before if log["file"] in again for flight in log["flights"] for name in _names(flight)} - set(files)
     replaced = [name for name in sorted(files) if (folder / name).exists() and (folder / name).read_bytes() != files[name]]
     files["import.json"] = as_json(document).encode("utf-8")
-    write_all(folder, files)
+    write_all(folder, files | vehicle)
     for name in stale:
         (folder / name).unlink(missing_ok=True)
     flights = [name for name in sorted(stale | set(replaced)) if name.endswith(".csv")]

@@ -117,7 +117,11 @@ class _Builder:
         return self.table.columns[name]
 
     def time(self) -> np.ndarray:
-        source = self.column(self.map.get("time", "column"))
+        name = self.map.get("time", "column")
+        if self.map.get("", "kind") == "ros" and name not in self.table.columns:
+            raise ImportFailure(f"{self.table.file}:1:1: no column `{name}`, which [time] of the map `{self.map.name}` names; that of a bag is "
+                                "called `time`")
+        source = self.column(name)
         missing = np.flatnonzero(np.isnan(source))
         if len(missing):
             what = "a time that is no number, or too large for one" if self.map.get("time", "column") in self.table.non_finite else "a row without a time"

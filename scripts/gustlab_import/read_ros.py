@@ -104,6 +104,8 @@ class _Bag:
         except ImportFailure:
             raise
         except Exception as error:  # rosbags raises whatever a damaged byte leads to
+            if "Profile is not ros2" in str(error):
+                raise ImportFailure(f"{path}: an MCAP file without ROS 2 messages; give a bag, or the log that it was made of") from error
             why = f"{type(error).__name__}: " if isinstance(error, (AttributeError, KeyError)) else ""
             raise ImportFailure(f"{path}: the bag cannot be read ({why}{error}): cut off, or never closed? fetch it again, or mend it "
                                 f"with {REPAIR.get(path.suffix.lower(), REPAIR['.bag'])}") from error

@@ -111,7 +111,7 @@ def _instead_of_text(raw: bytes) -> str:
         return "it is UTF-16: save it as UTF-8"
     kind = kind_by_mark(raw[:64])
     if kind in ("ulog", "dataflash", "blackbox"):
-        return "it is a flight computer's log, which needs no map: leave --map out"
+        return "it is a flight computer's log; `gustlab import` without --map reads it"
     return "a binary file needs a map of its kind (usd, parquet, ros)"
 
 

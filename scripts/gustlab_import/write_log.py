@@ -59,11 +59,13 @@ def file_on_the_way(folder: Path):
 
 
 def write_all(folder: Path, files: dict) -> None:
-    """Writes name -> bytes into a folder, all of them or none. Throws ImportFailure with code 4."""
-    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    """Writes name (perhaps of a folder in it) -> bytes into a folder, all of them or none. Throws ImportFailure with code 4."""
+    folders = {(folder / name).parent for name in files}
+    missing = sorted({path for place in folders for path in (place, *place.parents) if not path.exists()}, reverse=True)
     ready = {}
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        for place in folders:
+            place.mkdir(parents=True, exist_ok=True)
         for name, content in files.items():
             handle, ready[name] = tempfile.mkstemp(dir=folder, prefix=".import-")
             with os.fdopen(handle, "wb") as stream:

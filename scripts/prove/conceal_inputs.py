@@ -84,6 +84,9 @@ def motion_at(log, vehicle, time_s):
 
 # ---- wrench of the rotors ---------------------------------------------------------------------------------------------
 
+LATENCY = {"motor_lag": "time_constant", "actuation_delay": "delay"}      # to first order both are a time by which thrusts are late
+
+
 def mixer(vehicle, shift=(0.0, 0.0, 0.0)):
     """(4, N): thrusts → [force along z, torque about x, y, z] for a centre of mass moved by `shift`."""
     hub = vehicle.hub - np.asarray(shift)
@@ -120,6 +123,9 @@ def wrench(vehicle, motion, thrust, effect=None, values=None):
         lift = thrust * (1 + number("strength") * (vehicle.radius / (4 * np.maximum(motion.height_m, vehicle.radius))) ** 2)
     elif effect == "yaw_torque_ratio":
         drag_torque = thrust * (1 + number("delta"))
+    elif effect in LATENCY:
+        late_s = number(LATENCY[effect])
+        lift = drag_torque = thrust - late_s * np.gradient(low_pass(motion.time_s, thrust, 15), motion.time_s, axis=0)
     elif effect == "center_of_mass":
         shift = tuple(number(axis) for axis in "xyz")
     matrix = mixer(vehicle, shift)

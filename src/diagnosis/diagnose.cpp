@@ -198,8 +198,6 @@ Diagnosis describe(Fitted& fitted) {
   const Selection& selection = fitted.selection;
   const Remainder& rest = fitted.challenged.rest;
   out.reference_effects = fitted.reference_effects;
-  out.evidence = fitted.challenged.records;
-  out.evidence.insert(out.evidence.end(), fitted.challenged.withdrawn.begin(), fitted.challenged.withdrawn.end());
   explain(session, selection, fitted.challenged, out);
   if (std::any_of(out.effects.begin(), out.effects.end(),
                   [&](const EffectFinding& e) { return session.seen_in_speeds(session.catalogue().find(e.effect)); }))

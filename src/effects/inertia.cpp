@@ -13,15 +13,14 @@ class Inertia final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
     const auto axis = [&visitor](std::string_view name, double& delta) {
-      visitor.number(
-          name, delta,
-          {.unit = "-",
-           .help = "relative change of the moment of inertia",
-           .min = -0.9,
-           .max = 30.0,
-           .natural = 0.05,
-           .tolerance = 0.05,
-           .plausible = 2.0});  // three times what the file says; more is a lag, or a thrust map that is wrong
+      visitor.number(name, delta,
+                     {.unit = "-",
+                      .help = "relative change of the moment of inertia",
+                      .min = -0.9,
+                      .max = 30.0,
+                      .natural = 0.05,
+                      .tolerance = 0.05,
+                      .plausible = 1.0});  // twice what the file says; more is a lag, or a thrust map that is wrong
     };
     axis("delta_x", delta_.x());
     axis("delta_y", delta_.y());

@@ -188,6 +188,17 @@ std::string horizon_section(const nlohmann::ordered_json& diagnosis, const Diagn
          horizon_table(diagnosis) + "</section>";
 }
 
+namespace {
+
+// the table of channels says that it is no larger than the noise, and its means may still follow a variable
+bool is_within_noise(const Json& diagnosis, const std::string& channel) {
+  const Json& channels = part(diagnosis, "mismatch");
+  return std::any_of(channels.begin(), channels.end(),
+                     [&](const Json& entry) { return text(entry, "channel") == channel && !above_noise(entry); });
+}
+
+}  // namespace
+
 std::string residual_section(const nlohmann::ordered_json& diagnosis, const DiagnosisFigures& figures) {
   std::string charts;
   std::vector<std::string> notes;
@@ -198,9 +209,12 @@ std::string residual_section(const nlohmann::ordered_json& diagnosis, const Diag
     if (chart.empty()) continue;
     charts += chart;
     const auto blocks = std::count_if(residual.y.begin(), residual.y.end(), [](double y) { return std::isfinite(y); });
-    notes.push_back(fmt::format("{} against {}: N = {} blocks{}", capital(plain_channel(residual.channel)),
+    notes.push_back(fmt::format("{} against {}: N = {} blocks{}{}", capital(plain_channel(residual.channel)),
                                 plain_variable(residual.variable).name, blocks,
-                                residual.left_out.empty() ? ", none left out" : ", left out: " + residual.left_out));
+                                residual.left_out.empty() ? ", none left out" : ", left out: " + residual.left_out,
+                                is_within_noise(diagnosis, residual.channel)
+                                    ? "; from one moment to the next, noise and air make as much"
+                                    : ""));
   }
   if (charts.empty()) return "";
   return "<section><h2>What is left over, and what it depends on</h2><p>What acts on the vehicle beyond the "
@@ -244,17 +258,19 @@ struct Flown {
 };
 
 // The prediction in which the lines are farthest apart: where the nearest two of them are farthest from each other, in the plane; the
-// first of equals.
+// first of equals. What was found may change nothing here: two lines are then one.
 Flown farthest_apart(const DiagnosisFigures::Trace& x, const DiagnosisFigures::Trace& y) {
   using Values = std::vector<double> DiagnosisFigures::Trace::*;
   constexpr Values measured = &DiagnosisFigures::Trace::measured, before = &DiagnosisFigures::Trace::before,
                    after = &DiagnosisFigures::Trace::after;
+  const auto between = [&](std::size_t k, Values one, Values other) {
+    return std::hypot(value_at(x.*one, k) - value_at(x.*other, k), value_at(y.*one, k) - value_at(y.*other, k));
+  };
+  bool two_models = false;
+  for (std::size_t k = 0; k < x.after.size(); ++k) two_models = two_models || between(k, before, after) > 0.0;
   const auto apart = [&](std::size_t k) {
-    const auto between = [&](Values one, Values other) {
-      return std::hypot(value_at(x.*one, k) - value_at(x.*other, k), value_at(y.*one, k) - value_at(y.*other, k));
-    };
-    const double first = between(measured, before);
-    return x.after.empty() ? first : std::min({first, between(measured, after), between(before, after)});
+    const double first = between(k, measured, before);
+    return two_models ? std::min({first, between(k, measured, after), between(k, before, after)}) : first;
   };
   const auto predicted = [&](std::size_t k) { return std::isfinite(value_at(x.before, k)); };
   Flown best{0, x.time_s.size()};

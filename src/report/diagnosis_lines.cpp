@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "report/diagnosis_candidates.hpp"
+
 namespace gustlab {
 
 namespace {
@@ -23,12 +25,29 @@ std::string name_line(const diagnosis::EffectFinding& effect) {
   return line;
 }
 
+std::string speaks_against(const report::Json& record) {
+  const std::string weak = report::weak_points_of(record);
+  return weak.empty() ? "" : "    what speaks against it: " + weak + "\n";
+}
+
 }  // namespace
 
 std::string diagnosis_lines(const diagnosis::Diagnosis& result) {
   std::string lines = fmt::format("{}: {}\n", result.vehicle, to_string(result.verdict));
   for (const auto& effect : result.effects) lines += "  " + name_line(effect) + "\n";
-  for (const auto& effect : result.suspected) lines += "  only suspected: " + name_line(effect) + "\n";
+  const report::Json document = to_json(result);
+  const report::Json& evidence = report::part(document, "evidence");
+  for (std::size_t i = 0; i < result.suspected.size(); ++i) {
+    lines += "  only suspected: " + name_line(result.suspected[i]) + "\n";
+    for (const report::Json& record : evidence)
+      if (report::same_candidate(record, document["suspected"][i])) lines += speaks_against(record);
+  }
+  for (const report::Json& record : evidence)
+    if (report::surprises(document, record))
+      lines += fmt::format("  not named: {}, though it removes {:.0f} % of the error 0.5 s ahead (confidence {:.2f})\n",
+                           diagnosis::with_rotor(report::text(record, "effect"), record.value("rotor", 0)),
+                           100.0 * report::removed_share(record), report::number(record, "probability")) +
+               speaks_against(record);
   return lines;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/diagnosis_candidates.hpp"
 #include "report/diagnosis_charts.hpp"
 #include "report/diagnosis_words.hpp"
 #include "report/page_parts.hpp"
@@ -45,22 +46,26 @@ std::string headlines(const Json& diagnosis) {
   return items.empty() ? "" : "<ol class=\"headlines\">" + items + "</ol>";
 }
 
-// names that were found and taken back for one reason, which belongs to all of them
+// names that were found and taken back for one reason, and what is more likely than not
 std::string suspected(const Json& diagnosis) {
-  constexpr std::string_view mark = "only suspected: ";
   std::vector<std::string> names;
   std::string why;
   for (const Json& entry : part(diagnosis, "rejected"))
-    if (const std::string reason = text(entry, "why"); reason.starts_with(mark))
-      names.push_back(plain_name(entry)), why = reason.substr(mark.size());
+    if (const std::string reason = taken_back_because(entry); !reason.empty())
+      names.push_back(plain_name(entry)), why = reason;
   std::string words =
       names.empty() ? ""
                     : paragraph(fmt::format("Suspected, and not named because {}: {}.", why, list_in_words(names)));
   std::vector<std::string> likely;
   for (const Json& effect : part(diagnosis, "suspected"))
     likely.push_back(uncapital(headline_of(effect, diagnosis)) + " (" + sure(number(effect, "confidence")) + ")");
-  if (!likely.empty()) words += paragraph("More likely than not, and not proved: " + list_in_words(likely) + ".");
-  return words;
+  if (likely.empty()) return words;
+  std::string against;
+  for (const Json& effect : part(diagnosis, "suspected"))
+    for (const Json& record : part(diagnosis, "evidence"))
+      if (const std::string weak = weak_points_of(record); same_candidate(record, effect) && !weak.empty())
+        against += fmt::format(" What speaks against {}: {}.", plain_name(effect), weak);
+  return words + paragraph("More likely than not, and not proved: " + list_in_words(likely) + "." + against);
 }
 
 std::string header(const Json& diagnosis) {
@@ -133,13 +138,6 @@ bool something_acts_on(const Json& diagnosis, const Json& channel) {
     return text(effect, "place") == text(channel, "channel") ||
            std::find(shown.begin(), shown.end(), text(effect, "effect")) != shown.end();
   });
-}
-
-// of diagnosis.json: what stands in one of these is no candidate for a name any more, or is none
-constexpr const char* lists_of_findings[] = {"effects", "calibration", "not_identifiable"};
-
-bool lists(const Json& list, const std::string& effect) {
-  return std::any_of(list.begin(), list.end(), [&](const Json& entry) { return text(entry, "effect") == effect; });
 }
 
 // why the size of a channel says nothing, empty where it does
@@ -289,28 +287,39 @@ std::string whole_percent(double share) {
   return fmt::format("{}{:.0f} %", share < -0.005 ? "−" : "", std::abs(100.0 * share));
 }
 
+std::string surprising_names(const Json& diagnosis) {
+  std::string items;
+  for (const Json& record : part(diagnosis, "evidence"))
+    if (surprises(diagnosis, record))
+      items += fmt::format(
+          "<li><strong>{}</strong> removes {} of the error half a second ahead and has no name, "
+          "because by its evidence it is {} likely: {}.</li>",
+          escape(capital(plain_name(record))), whole_percent(removed_share(record)),
+          sure(number(record, "probability")), escape(weak_points_of(record)));
+  return items.empty() ? "" : "<ul>" + items + "</ul>";
+}
+
 // what speaks for and against every candidate, in the numbers that decided
 std::string evidence_table(const Json& diagnosis) {
   std::string rows;
   for (const Json& record : part(diagnosis, "evidence")) {
-    const Json &share = part(record, "recovered"), &z = part(record, "recovered_z");
-    // too few held-out windows leave both at zero
-    const bool flown = share.size() > 1 && share[1].is_number() && z.size() > 1 && z[1].is_number() && z[1] != 0.0;
+    const double removed = removed_share(record);
     const auto gain = [&](const char* key) { return figure(three_digits(number(record, key))); };
     const double p = number(record, "surrogate_p");
     // its probability is that beside the effect that is named
     const std::string named = named_instead_of(diagnosis, record);
     const bool blind = lists(part(diagnosis, "not_identifiable"), text(record, "effect"));
-    const std::string probability_of = !named.empty() ? "in place of " + named
-                                       : blind        ? "not identifiable"
-                                                      : sure(number(record, "probability"));
+    const std::string probability_of = !named.empty()                      ? "in place of " + named
+                                       : blind                             ? "not identifiable"
+                                       : was_taken_back(diagnosis, record) ? "taken back"
+                                                                           : sure(number(record, "probability"));
     rows += fmt::format(
         "<tr><td class=\"name\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td class=\"n\">{} / {}</td>"
         "<td class=\"n\">{}</td></tr>",
         escape(plain_name(record)), escape(probability_of), gain("delta_chi2"), gain("robust_delta_chi2"),
         std::isfinite(p) ? probability(p) : "–", record.value("flights_for", 0), record.value("flights_against", 0),
-        flown ? whole_percent(share[1].get<double>()) : "–");
+        std::isfinite(removed) ? whole_percent(removed) : "–");
   }
   if (rows.empty()) return "";
   return "<details><summary>Evidence, one line a candidate</summary>" +
@@ -337,21 +346,20 @@ std::string evidence_table(const Json& diagnosis) {
 std::string nearest_names(const Json& diagnosis) {
   constexpr std::size_t most = 3;
   std::vector<const Json*> near;
-  for (const Json& record : part(diagnosis, "evidence")) {
-    const std::string effect = text(record, "effect");
-    const bool said = std::any_of(std::begin(lists_of_findings), std::end(lists_of_findings),
-                                  [&](const char* list) { return lists(part(diagnosis, list), effect); });
-    if (!said && std::isfinite(number(record, "probability")) && named_instead_of(diagnosis, record).empty())
-      near.push_back(&record);
-  }
+  for (const Json& record : part(diagnosis, "evidence"))
+    if (stands_alone(diagnosis, record)) near.push_back(&record);
   if (near.empty()) return "No effect of the catalogue came near enough to be judged as its name.";
   std::stable_sort(near.begin(), near.end(),
                    [](const Json* a, const Json* b) { return number(*a, "probability") > number(*b, "probability"); });
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(most, near.size()); ++i)
+  std::string against;
+  for (std::size_t i = 0; i < std::min(most, near.size()); ++i) {
     names.push_back(fmt::format("{} ({})", plain_name(*near[i]), sure(number(*near[i], "probability"))));
-  return "No name was sure enough for the rest, which takes 80 %. Nearest came " + list_in_words(names) +
-         "; the table of evidence below says what speaks for and against.";
+    // what surprises stands below, with its reasons
+    if (const std::string weak = weak_points_of(*near[i]); !weak.empty() && !surprises(diagnosis, *near[i]))
+      against += fmt::format(" What speaks against {}: {}.", plain_name(*near[i]), weak);
+  }
+  return "No name was sure enough for the rest, which takes 80 %. Nearest came " + list_in_words(names) + "." + against;
 }
 
 // errors with it beside those of physics, in the page's order of horizons
@@ -411,7 +419,7 @@ std::string what(const Json& diagnosis, double weight_N) {
              "</div>";
   }
   if (const Json& habit = part(diagnosis, "habit"); !habit.empty()) cards += habit_card(habit, part(diagnosis, "fit"));
-  return cards + evidence_table(diagnosis);
+  return cards + surprising_names(diagnosis) + evidence_table(diagnosis);
 }
 
 bool anything_named(const Json& diagnosis) {
@@ -617,10 +625,16 @@ std::string cannot_tell(const Json& diagnosis) {
     const std::string name = plain_name(entry);
     if (std::find(said.begin(), said.end(), name) != said.end()) continue;
     said.push_back(name);
+    if (!taken_back_because(entry).empty()) continue;  // stands in the header
     const std::string named = named_instead_of(diagnosis, entry);
-    const std::string why = named.empty()
-                                ? text(entry, "why")
-                                : "in place of " + named + " it would fit as well; beside it little is left for it";
+    const Json& records = part(diagnosis, "evidence");
+    const bool above = std::any_of(records.begin(), records.end(), [&](const Json& record) {
+      return same_candidate(record, entry) && surprises(diagnosis, record);
+    });
+    const std::string why = !named.empty()
+                                ? "in place of " + named + " it would fit as well; beside it little is left for it"
+                            : above ? "its own evidence makes it unlikely, for the reasons above"
+                                    : text(entry, "why");
     rows +=
         fmt::format("<tr><td class=\"name\">{}</td><td class=\"where\">{}</td><td>{}</td><td class=\"n\">{}</td></tr>",
                     escape(name), escape(why), named.empty() ? escape(would_show(entry)) : "–",

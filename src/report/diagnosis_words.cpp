@@ -195,7 +195,15 @@ bool above_noise(const Json& channel) {
   return !(number(channel, "rms") < least * number(channel, "noise_rms"));
 }
 
-std::string plain_label(const std::string& label) {
+std::string plain_label(const std::string& written) {
+  // "rotor_loss (rotor 3)", as a name that was rejected is written, is rotor_loss#3
+  constexpr std::string_view of_rotor = " (rotor ";
+  const std::size_t rotor = written.find(of_rotor);
+  const std::string label =
+      rotor == std::string::npos || !written.ends_with(')')
+          ? written
+          : written.substr(0, rotor) + "#" +
+                written.substr(rotor + of_rotor.size(), written.size() - rotor - of_rotor.size() - 1);
   const std::size_t mark = label.find('#');
   std::string name = label.substr(0, mark);
   if (mark != std::string::npos && name == "rotor_loss") return "loss of rotor " + label.substr(mark + 1);

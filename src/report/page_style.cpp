@@ -80,7 +80,7 @@ table.heat th { padding: .3rem .5rem; } table.heat th.n { text-align: center; }
 svg circle.before { fill: var(--before); } svg circle.after { fill: var(--after); } svg circle.cloud { fill: var(--before); opacity: .28; }
 svg .whisker { stroke-width: 1.3; opacity: .7; }
 svg.bar { width: 124px; max-width: 124px; } svg.bar { margin-top: .4rem; }
-table.errors { font-size: .88rem; } table.errors th, table.errors td { padding-right: .7rem; } table.errors svg.bar { width: 64px; }
+table.errors { font-size: .86rem; } table.errors th, table.errors td { padding-right: .6rem; } table.errors svg.bar { width: 48px; }
 svg.bar .back { fill: var(--faint); opacity: .5; } svg.bar .value { fill: var(--before); } svg.bar .reference { stroke: var(--ink); stroke-width: 1.5; }
 @media (prefers-color-scheme: dark) { svg .m1 { stroke: #58a9e0; } svg circle.m1 { fill: #58a9e0; } svg .m2 { stroke: #f08a4b; }
   svg circle.m2 { fill: #f08a4b; } svg .m3 { stroke: #3fc79a; } svg circle.m3 { fill: #3fc79a; } }

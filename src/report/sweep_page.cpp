@@ -25,12 +25,13 @@ constexpr std::size_t rmse = 0;  // of tracking_metrics
 
 std::string metres(double value) { return std::isnan(value) ? "–" : fmt::format("{:.3f}", value); }
 
-// decimals with which no spread of a column is written as 0.000
+// decimals with which no spread of a column is written as 0.000, but for what rounding leaves of runs that are all alike
 int digits_of(const std::vector<TableCell>& cells, std::size_t metric) {
+  constexpr int most = 5;
   int digits = 3;
   for (const TableCell& cell : cells)
-    if (const double sd = cell.errors[metric].sd; sd > 0.0)
-      while (digits < 5 && sd < 0.5 * std::pow(10.0, -digits)) ++digits;
+    if (const double sd = cell.errors[metric].sd; sd >= 0.5 * std::pow(10.0, -most))
+      while (digits < most && sd < 0.5 * std::pow(10.0, -digits)) ++digits;
   return digits;
 }
 

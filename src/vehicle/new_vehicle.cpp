@@ -199,8 +199,7 @@ std::string thrust_table(const NewVehicle& wanted) {
 std::string vehicle_toml(const NewVehicle& wanted) {
   std::string text = fmt::format(
       "# {}: written by `gustlab vehicle new`; every number says where it comes from.\n"
-      "# Not in here, because nothing told it: motor lag, drag, battery sag. `gustlab vehicle fit LOG...` finds them "
-      "in flights.\n"
+      "# Motor lag, drag and battery sag stand here once flights have told them: `gustlab vehicle fit LOG...`.\n"
       "format = \"gustlab-vehicle/1\"\nname = {}\nmjcf = {}\n\n# in the order of u1...u{}: {}\n",
       wanted.name, config::quoted(wanted.name), config::quoted(wanted.name + ".xml"), wanted.hubs.size(),
       wanted.hubs_source);

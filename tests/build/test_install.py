@@ -67,6 +67,14 @@ class Installed(unittest.TestCase):
             self.assertIn("thrust-to-weight", script.read_text(encoding="utf-8"))
             if shutil.which(shell):
                 output(shell, "-n", script)
+        # words that stand for themselves, and what an explanation holds of brackets and colons
+        zsh = (self.tree / "share/zsh/site-functions/_gustlab").read_text(encoding="utf-8")
+        self.assertIn("'*:word:(bash zsh fish)'", zsh)
+        self.assertIn("default: estimated", zsh)
+        if shutil.which("fish"):
+            fish = lambda words: output("fish", "-c", f"source {script}; complete -C '{words}'").split("\n")  # noqa: E731
+            self.assertEqual([line.split("\t")[0] for line in fish("gustlab vehicle new --thr") if line], ["--throttle-curve", "--thrust-to-weight"])
+            self.assertEqual([line.split("\t")[0] for line in fish("gustlab completion ba") if line], ["bash"])
 
     def test_an_own_program_builds_on_it(self):
         build = Path(self.folder.name, "hover")

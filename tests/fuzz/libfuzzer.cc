@@ -1,7 +1,7 @@
 // The entry points of libFuzzer. GUSTLAB_FUZZ_TARGET names the reader.
-#include <filesystem>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 #include "fuzz/readers.hpp"

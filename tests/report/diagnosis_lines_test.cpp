@@ -37,6 +37,31 @@ TEST(DiagnosisLines, SayWhichNamesWouldDoAsWell) {
             "  only suspected: inertia (confidence 0.62)\n");
 }
 
+// a candidate removed 66 % of the error and was 1 % likely, and nothing said why
+TEST(DiagnosisLines, SayWhatSpeaksAgainstASuspectAndAgainstWhatRemovesMuchOfTheError) {
+  diagnosis::Diagnosis d;
+  d.vehicle = "quad";
+  d.verdict = diagnosis::Verdict::unexplained;
+  d.suspected = {finding("inertia", 0.62, {"inertia"})};
+  const auto record = [](const char* name, double probability, double removed) {
+    diagnosis::Evidence e;
+    e.effect = name, e.probability = probability;
+    e.recovered = {0.0, removed, 0.0}, e.recovered_z = {1.0, 9.0, 1.0};
+    e.weak_points = {"it does not help on the held-out flights", "its size differs between flights"};
+    return e;
+  };
+  d.evidence = {record("inertia", 0.62, 0.1), record("constant_force", 0.01, 0.66), record("mass", 0.01, 0.1)};
+  EXPECT_EQ(diagnosis_lines(d),
+            "quad: unexplained\n"
+            "  only suspected: inertia (confidence 0.62)\n"
+            "    what speaks against it: it does not help on the held-out flights; its size differs between flights\n"
+            "  not named: constant_force, though it removes 66 % of the error 0.5 s ahead (confidence 0.01)\n"
+            "    what speaks against it: it does not help on the held-out flights; its size differs between flights\n");
+  // what looks like a name stands with that name
+  d.effects = {finding("rotor_tilt", 0.9, {"rotor_tilt", "constant_force"})};
+  EXPECT_EQ(diagnosis_lines(d).find("not named"), std::string::npos);
+}
+
 TEST(DiagnosisLines, OfNothingAreTheVerdict) {
   diagnosis::Diagnosis d;
   d.vehicle = "quad";

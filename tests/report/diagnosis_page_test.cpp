@@ -249,6 +249,58 @@ TEST(DiagnosisPage, ShowsSuspectsWithTheReasonWhyTheyHaveNoName) {
               HasSubstr("<p>Suspected, and not named because half of it remains: motor lag and mass.</p>"));
 }
 
+// it stood in the header, among what was looked at, and with 92 % among the names that came nearest
+TEST(DiagnosisPage, ANameThatWasTakenBackStandsOnce) {
+  Json diagnosis = example_diagnosis();
+  diagnosis["effects"] = Json::array();
+  diagnosis["residual_model"] = {{"terms", Json::array()}};
+  diagnosis["rejected"] = {
+      {{"effect", "rotor_loss (rotor 2)"}, {"why", "only suspected: columns of the motion contradict each other"}},
+      {{"effect", "steady_wind"}, {"why", "does not make the predictions better"}}};
+  diagnosis["evidence"] = {{{"effect", "rotor_loss"}, {"rotor", 2}, {"probability", 0.92}}};
+  const std::string html = page_as_read(diagnosis, {});
+  EXPECT_THAT(
+      html,
+      AllOf(HasSubstr("not named because columns of the motion contradict each other: loss of rotor 2.</p>"),
+            HasSubstr("No effect of the catalogue came near enough"), HasSubstr("does not make the predictions")));
+  // the other place is the table of numbers
+  const std::size_t first = html.find("loss of rotor 2"), table = html.find("Evidence, one line");
+  EXPECT_EQ(html.find("loss of rotor 2", first + 1), html.find("loss of rotor 2", table));
+  EXPECT_EQ(html.rfind("loss of rotor 2"), html.find("loss of rotor 2", table));
+  EXPECT_THAT(html.substr(table), AllOf(HasSubstr(">taken back</td>"), Not(HasSubstr("92 %"))));
+}
+
+// a force removed 66 % of the error and was 1 % likely, and nothing said why
+TEST(DiagnosisPage, SaysWhyWhatRemovesMuchHasNoName) {
+  Json diagnosis = example_diagnosis();
+  const char* why = "moved along the flight it fits as well";
+  diagnosis["evidence"] = {{{"effect", "constant_force"},
+                            {"probability", 0.01},
+                            {"weak_points", {why, "its size differs between flights"}},
+                            {"recovered", {0.1, 0.66, 0.2}},
+                            {"recovered_z", {1.0, 50.3, 1.0}}}};
+  diagnosis["rejected"] = {
+      {{"effect", "constant_force"}, {"why", std::string("its own evidence makes it 1 % likely: ") + why}}};
+  std::string html = page_as_read(diagnosis, {});
+  EXPECT_THAT(html,
+              HasSubstr("<li><strong>Constant force</strong> removes 66 % of the error half a second ahead and has no "
+                        "name, because by its evidence it is 1 % likely: moved along the flight it fits as well; "
+                        "its size differs between flights.</li>"));
+  EXPECT_EQ(html.find(why), html.rfind(why));  // once
+  EXPECT_THAT(html, HasSubstr("makes it unlikely, for the reasons above"));
+  // what removes little has its reasons in the table
+  diagnosis["evidence"][0]["recovered"][1] = 0.1;
+  html = page_as_read(diagnosis, {});
+  EXPECT_THAT(html, AllOf(Not(HasSubstr("<strong>Constant force</strong> removes")), HasSubstr(why)));
+  // beside an unnamed model the nearest names have theirs
+  diagnosis["residual_model"] = {{"terms", Json::array()}};
+  EXPECT_THAT(page_as_read(diagnosis, {}),
+              HasSubstr("Nearest came constant force (1 %). What speaks against constant force: moved along"));
+  // and what is more likely than not
+  diagnosis["suspected"] = {{{"effect", "constant_force"}, {"confidence", 0.6}}};
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr("(60 %). What speaks against constant force: moved along"));
+}
+
 TEST(OneSentence, FitsTheVerdict) {
   Json diagnosis = example_diagnosis();
   EXPECT_EQ(report::one_sentence(diagnosis),
@@ -461,6 +513,15 @@ TEST(DiagnosisPage, EndsSentencesOnceAndRoundsShares) {
         "by so many standard errors: quadratic drag (9.1) and steady wind (14.2)"})
     EXPECT_THAT(html, HasSubstr(wanted));
   EXPECT_THAT(html, Not(HasSubstr("(z = ")));
+}
+
+// a page said of lift that it is no larger than the noise, beside a curve of it with small bars
+TEST(DiagnosisPage, ACurveOfWhatIsWithinTheNoiseSaysSo) {
+  Json diagnosis = example_diagnosis();
+  const char* note = "from one moment to the next, noise and air make as much";
+  EXPECT_THAT(page_as_read(diagnosis, example_figures()), Not(HasSubstr(note)));
+  for (Json& entry : diagnosis["mismatch"]) entry["rms"] = entry["noise_rms"];
+  EXPECT_THAT(page_as_read(diagnosis, example_figures()), HasSubstr(note));
 }
 
 // where the logs tell no torque a size of it means nothing
@@ -724,7 +785,7 @@ TEST(DiagnosisPage, AnUnnamedModelSaysWhichNamesCameNearest) {
       page_as_read(diagnosis, {}),
       AllOf(HasSubstr(">ground effect</td><td data-label=\"probability\" class=\"n\">not identifiable</td>"),
             HasSubstr("No name was sure enough for the rest, which takes 80 %. Nearest came constant force (31 %), "
-                      "quadratic drag (1 %) and axial inflow (less than 1 %);"),
+                      "quadratic drag (1 %) and axial inflow (less than 1 %)."),
             Not(HasSubstr("Nothing in the catalogue"))));
 }
 
@@ -760,6 +821,11 @@ TEST(DiagnosisPage, ThePathFromAboveIsWhereTheModelsDiffer) {
   x.before[190] -= 0.5, x.before[290] -= 0.5, x.before[390] += 0.5;
   svg = path();
   EXPECT_THAT(svg, AllOf(HasSubstr("Path from above, 15.0 to 16.0 s"), Not(HasSubstr("class=\"after\""))));
+  // what was found changes nothing here, as a place of the accelerometer: the path was all of the stretch
+  figures.window = example_figures().window;
+  for (auto& trace : figures.window.traces) trace.before = trace.after;
+  for (auto* line : {&figures.window.traces[1].before, &figures.window.traces[1].after}) (*line)[290] += 3.0;
+  EXPECT_THAT(path(), HasSubstr("Path from above, 14.0 to 15.0 s"));
 }
 
 TEST(DiagnosisPage, SaysOnceOnWhatTheRestDepends) {

@@ -120,6 +120,13 @@ TEST(SweepPage, ASpreadHasADigitAndTheBarATitle) {
       html, AllOf(HasSubstr("± 0.00003</td>"), Not(HasSubstr("± 0.000<")), HasSubstr("<td data-label=\"mean RMSE\">")));
 }
 
+// five decimals everywhere, and a table wider than a desk, because runs without a gust differ by rounding
+TEST(SweepPage, WhatRoundingLeavesHasNoDigits) {
+  Results results = grid();
+  for (ResultRow& row : results.rows) row.rmse_z_m = 0.006 + 1e-9 * row.replicate;
+  EXPECT_THAT(sweep_page(results, {}), HasSubstr(">0.006 ± 0.000</td>"));
+}
+
 TEST(SweepPage, FitsAPhoneAndADesk) { expect_fits(sweep_page(grid(), round_paths())); }
 
 }  // namespace sweep_page_test

@@ -127,14 +127,16 @@ class ImportCase(unittest.TestCase):
         return path
 
     def run_import(self, *arguments) -> tuple:
-        """(exit code, stdout, stderr)"""
+        """(exit code, stdout, stderr); what stderr says of a vehicle that is missing, in self.no_vehicle"""
         out, err = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             try:
                 code = cli.main([str(argument) for argument in arguments])
             except SystemExit as end:
                 code = end.code
-        return code, out.getvalue(), err.getvalue()
+        lines = err.getvalue().splitlines(keepends=True)
+        self.no_vehicle = "".join(line for line in lines if ": no vehicle file is there" in line)
+        return code, out.getvalue(), "".join(line for line in lines if line not in self.no_vehicle)
 
     def inspect(self, columns: dict, map_text: str = MAP, *more) -> tuple:
         """(exit code, findings, stderr) of a recording made of these columns; writes to self.out."""

@@ -282,7 +282,7 @@ class Films(WithFlight):
         done = subprocess.run([sys.executable, str(SCRIPTS / "view_flight.py"), str(self.log)], capture_output=True, text=True, timeout=60,
                               env=environment)
         self.assertEqual(done.returncode, 4)
-        self.assertEqual(done.stderr, "view: no display can be opened here (`gustlab render FLIGHT --out film.mp4` needs none)\n")
+        self.assertEqual(done.stderr, "view: no display can be opened here; `gustlab render FLIGHT --out film.mp4` needs none\n")
 
 
 if __name__ == "__main__":

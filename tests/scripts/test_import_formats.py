@@ -120,6 +120,22 @@ scale = 2.0
                 rows = np.isfinite(written["u1"])
                 np.testing.assert_allclose(written["u1"][rows], 2.0 * (0.5 + 0.05 * np.sin(columns["t"][::5])), atol=1e-8)
 
+    def test_a_map_that_does_not_know_the_time_of_a_bag_is_told(self):
+        path = self.write_bag(flight(5.0), "b", "bag")
+        code, _, err = self.run_import(path, "--map", self.write("m.toml", self.MAP.replace('"time"', '"/imu.header.stamp"')))
+        self.assertEqual(code, 3)
+        self.assertIn("no column `/imu.header.stamp`, which [time] of the map `m` names; that of a bag is called `time`", err)
+
+    def test_an_mcap_of_another_kind_is_no_broken_bag(self):
+        from mcap.writer import Writer
+        path = self.folder / "other.mcap"
+        with open(path, "wb") as file:
+            writer = Writer(file)
+            writer.start(profile="", library="test")
+            writer.finish()
+        code, _, err = self.run_import(path)
+        self.assertEqual((code, err), (3, f"{path}: an MCAP file without ROS 2 messages; give a bag, or the log that it was made of\n"))
+
     def test_a_bag_without_motors_says_what_it_has(self):
         code, log, err = self.take(self.write_bag(flight(5.0), "b", "MCAP"))
         self.assertEqual((code, log["flights"]), (3, []))

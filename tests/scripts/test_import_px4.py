@@ -1,7 +1,9 @@
 """PX4 logs that the test writes: frames, rates, allocation, flights and refusals."""
 
 import json
+import os
 import re
+import subprocess
 import tomllib
 import unittest
 from pathlib import Path
@@ -182,6 +184,49 @@ class PX4(ImportCase):
         written = self.written("px4_sitl_jmavsim_1.csv")
         self.assertAlmostEqual(np.nanmedian(np.column_stack([written[f"u{k}"] for k in range(1, 5)])), 0.492, delta=0.01)
         self.assertAlmostEqual(np.nanmedian(written["az"]), 9.8, delta=0.1)
+
+    def test_a_vehicle_is_written_beside_the_flights_of_its_log(self):
+        log = Path(__file__).resolve().parents[1] / "data" / "logs" / "px4_sitl_jmavsim.ulg"
+        code, _, err = self.run_import(log, "--out", self.out)
+        self.assertEqual((code, err), (0, ""))
+        # it says where the motors are, and at which throttle it hovers
+        self.assertIn("px4_sitl_jmavsim.ulg does not say what the vehicle weighs (--mass 1.2kg); import again with this,", self.no_vehicle)
+        numbers = ("--mass", "1.5kg")
+        code, _, err = self.run_import(log, "--out", self.out, *numbers)
+        self.assertEqual((code, self.no_vehicle), (0, ""), err)
+        self.assertIn("out/my_vehicle/vehicle.toml: written, and says of each number where it comes from\n", err)
+        # as `vehicle new` writes it
+        again = self.folder / "again" / "my_vehicle"
+        subprocess.run([os.environ["GUSTLAB_PROGRAM"], "vehicle", "new", *numbers, "--from-log", log, "--out", again], check=True, capture_output=True)
+        for name in ("vehicle.toml", "my_vehicle.xml"):
+            self.assertEqual((self.out / "my_vehicle" / name).read_bytes(), (again / name).read_bytes())
+        sidecar = self.out / "px4_sitl_jmavsim_1.meta.toml"
+        self.assertEqual(tomllib.loads(sidecar.read_text())["vehicle"], "my_vehicle/vehicle.toml")
+        first = sidecar.read_bytes()
+        # once more, and with the vehicle that is there
+        for more in (numbers, ()):
+            self.assertEqual(self.run_import(log, "--out", self.out, *more)[0], 0)
+            self.assertEqual((sidecar.read_bytes(), self.no_vehicle), (first, ""))
+        code, _, err = self.run_import(log, "--out", self.out, "--mass", "1.6kg")
+        self.assertEqual(code, 2)
+        self.assertIn("is there already, and otherwise (a vehicle is never overwritten)", err)
+
+    def test_a_report_in_two_commands(self):
+        log = Path(__file__).resolve().parents[1] / "data" / "logs" / "px4_sitl_jmavsim.ulg"
+        for words in (("import", log, "--out", "logs", "--mass", "1.5kg"), ("diagnose", "logs/px4_sitl_jmavsim_1.csv", "--out", "report")):
+            done = subprocess.run([os.environ["GUSTLAB_PROGRAM"], *words], cwd=self.folder, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(done.stdout.startswith("my_vehicle: "))
+        # seven seconds beside the ground: at most a push, and never a number that the log itself gave
+        found = json.loads((self.folder / "report" / "diagnosis.json").read_text(encoding="utf-8"))
+        self.assertFalse({"mass", "thrust_scale", "thrust_curve"} & {effect["effect"] for effect in found["effects"]})
+        self.assertTrue((self.folder / "report" / "report.html").is_file())
+
+    def test_what_describes_a_vehicle_is_what_vehicle_new_takes(self):
+        from gustlab_import.new_vehicle import OPTIONS
+        said = subprocess.run([os.environ["GUSTLAB_PROGRAM"], "vehicle", "new", "--help"], check=True, capture_output=True, text=True).stdout
+        takes = set(re.findall(r"^ +--([a-z-]+)", said, re.MULTILINE)) - {"from-log", "out"}
+        self.assertEqual(takes, set(OPTIONS))
 
     def test_the_reasons_are_said_once_and_on_stderr_they_are_reasons(self):
         from gustlab_import.segments import reasons

@@ -1,4 +1,4 @@
-"""The recorded PX4 log whose truth is known, from the log to names in three commands; docs/LOGS.md says the same."""
+"""The recorded PX4 log whose truth is known, from the log to names in two commands; docs/LOGS.md says the same."""
 
 import json
 import os
@@ -16,9 +16,7 @@ class HardwareInTheLoop(unittest.TestCase):
     def test_the_push_is_named_and_the_right_mass_is_not(self):
         with tempfile.TemporaryDirectory() as folder:
             call = lambda *arguments: subprocess.run([PROGRAM, *arguments], cwd=folder, check=True, capture_output=True)
-            call("vehicle", "new", "--mass", "0.8kg", "--arm", "0.165m", "--thrust-to-weight", "2.04", "--throttle-curve", "0", "--from-log", str(LOG),
-                 "--out", "vehicle")
-            call("import", str(LOG), "--vehicle", "vehicle/vehicle.toml", "--out", "logs")
+            call("import", str(LOG), "--out", "logs", "--mass", "0.8kg", "--arm", "0.165m", "--thrust-to-weight", "2.04", "--throttle-curve", "0")
             call("diagnose", "logs/px4_hitl_jmavsim_1.csv", "--out", "diagnosis")
             found = json.loads(Path(folder, "diagnosis/diagnosis.json").read_text(encoding="utf-8"))
         # jMAVSim's wind changes at random: one push, which these flights do not tell from a tilt; nothing of mass or thrust

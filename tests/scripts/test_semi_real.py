@@ -293,6 +293,22 @@ def test_what_was_named_before_must_have_moved():
     assert outcome(diagnosis(finding("thrust_scale", delta=1.1 * 1.04 - 1)), base=[before], before={"delta": 0.10}) == "exact"
 
 
+def test_a_name_that_was_there_is_no_hit_for_a_wider_class():
+    vague = finding("rotor_drag", ["thrust_scale"], at_hover=0.02)
+    assert outcome(diagnosis(vague), base=[DRAG]) == "nothing" and outcome(diagnosis(vague), base=[]) == "exact"
+
+
+def test_a_late_thrust_is_missing_what_it_changes_by():
+    """Of a lag or a delay the wrench lacks the time times the rate of change, so its limit is five standard errors like any other's."""
+    motion, thrust = flight(2000)
+    thrust[:] = VEHICLE.weight / 4 * (1 + 0.2 * np.sin(2 * np.pi * 1.5 * motion.time_s)[:, None] * [1, -1, -1, 1])
+    late = {"delay": 0.01}
+    change = physics.signature(VEHICLE, motion, thrust, "actuation_delay", late)
+    earlier = physics.wrench(VEHICLE, motion, VEHICLE.weight / 4 * (1 + 0.2 * np.sin(2 * np.pi * 1.5 * (motion.time_s - 0.01))[:, None] * [1, -1, -1, 1]))
+    assert change[100:-100, 2] == pytest.approx((earlier - physics.wrench(VEHICLE, motion, thrust))[100:-100, 2], abs=0.06 * np.abs(change[:, 2]).max())
+    assert np.isfinite(physics.standard_error(VEHICLE, [(motion, thrust)], "motor_lag", {"time_constant": 0.01}))
+
+
 def test_reference_flights_ask_for_the_size():
     assert outcome(diagnosis(finding("thrust_scale", delta=0.05)), asked="reference") == "exact"
     assert outcome(diagnosis(finding("thrust_scale", delta=0.06)), asked="reference") == "size"

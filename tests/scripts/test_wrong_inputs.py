@@ -54,7 +54,7 @@ def files():
             "unit.toml": MAP.replace('"rad/s"', '"deg"'), "short.toml": MAP.replace('"qz", "qw"', '"qz"'), "lost.toml": MAP.replace('"gx"', '"roll_rate"'),
             "old.toml": MAP.replace("map/1", "map/9"), "less.toml": VEHICLE.split("[[rotor]]")[0],
             "site.toml": VEHICLE.replace('"a"', '"z"'), "hover.toml": VEHICLE.replace("0.5", "-0.5"), "key.toml": VEHICLE + "radius = 0.1\n",
-            "body.toml": VEHICLE.replace("body.xml", "words.csv"), "taken/vehicle.toml": b"", "theirs/import.json": b"[]",
+            "body.toml": VEHICLE.replace("body.xml", "words.csv"), "taken/vehicle.toml": b"", "before/my_vehicle/vehicle.toml": b"", "theirs/import.json": b"[]",
             "semicolons.csv": table.replace(",", ";"), "wide.csv": table.encode("utf-16"), "decimal.csv": table.replace(".", ","),
             "quote.csv": table.replace("t,x", '"t,x', 1), "one.csv": "\n".join(lines[:2]) + "\n", "line\nbreak.ulg": b"",
             "mm.toml": MAP.replace('"z"]', '"z"]\nunit = "mm"', 1), "nobody.toml": MAP.replace('vehicle = "crazyflie"\n', ""),
@@ -127,6 +127,16 @@ WRONG = (
     (["import", "good.ulg", "--out", "good.csv"], 2, "--out good.csv: good.csv is a file, not a folder (flight logs go into a folder); give a folder"),
     (log("good.ulg", "--vehicle", "numbers.toml"), 2, 'numbers.xml:1:1: --vehicle: pos="left" of site "b" (three numbers are needed)'),
     (["import", "good.csv", "--map", "good.toml", "--from", "100", "--out", "out"], 2, "good.csv: no sample after 100 s"),
+    # a vehicle beside its flights
+    (log("good.ulg", "--mass", "1.2"), 2, '--mass: "1.2" is not a number with a unit'),
+    (log("good.ulg", "--arm", "0.25m"), 2, "gustlab: --mass is required"),
+    (log("good.ulg", "--mass", "1.2kg", "--vehicle", "iris"), 2, "--mass: --vehicle iris says it already; leave one of them out"),
+    (["import", "good.ulg", "--mass", "1.2kg"], 2, "--mass: a vehicle is written only beside flight logs; give --out DIR"),
+    (log("good.ulg", "--mass", "1.2kg", "--layout", "hexa"), 2, '--layout: "hexa" has 6 rotors, and 4 flew in good.ulg'),
+    (log("disarmed.ulg", "--mass", "1.2kg", "--arm", "0.25m", "--hover", "0.5"), 3, "never armed"),
+    (["import", "good.ulg", "--out", "before", "--mass", "1.2kg", "--arm", "0.25m"], 2,
+     "is there already, and otherwise (a vehicle is never overwritten); leave --mass out to use it, or give another --out"),
+    (["import", "good.ulg", "--out", "before"], 2, "before/my_vehicle/vehicle.toml:1:1: --vehicle: not a vehicle file"),
     # which file
     (log("missing.ulg"), 3, "missing.ulg: cannot be read (No such file or directory)"),
     (log("bare"), 2, "bare: a folder without a log"),
@@ -157,7 +167,7 @@ WRONG = (
     (table("cut.csv.gz"), 3, "the gzip stream is broken"),
     (table("semicolons.csv"), 3, "semicolons.csv:1:1: cells are separated by semicolons; write commas"),
     (table("wide.csv"), 3, "wide.csv:1:1: not a text file (invalid start byte); it is UTF-16: save it as UTF-8"),
-    (table("good.ulg"), 3, "it is a flight computer's log, which needs no map: leave --map out"),
+    (table("good.ulg"), 3, "it is a flight computer's log; `gustlab import` without --map reads it"),
     (table("decimal.csv"), 3, "cells where the header has 22 (decimal commas?)"),
     (table("quote.csv"), 3, "quote.csv:1:1: a quotation mark in the header is never closed"),
     (table("one.csv"), 3, "one.csv: only 1 sample: too few"),
@@ -299,7 +309,7 @@ class WrongInputs(unittest.TestCase):
         cls.addClassCleanup(place.cleanup)
         cls.folder = Path(place.name)
         for name, contents in files().items():
-            (cls.folder / name).parent.mkdir(exist_ok=True)
+            (cls.folder / name).parent.mkdir(parents=True, exist_ok=True)
             (cls.folder / name).write_bytes(contents)
         os.mkfifo(cls.folder / "pipe.ulg")
         os.symlink("no_file", cls.folder / "dangling.ulg")

@@ -630,7 +630,7 @@ void Session::start_latency(Eigen::VectorXd& value) const {
   for (const Latency kind : {Latency::lag, Latency::delay}) {
     const int late = catalogue_.find(Place::actuation, kind);
     if (late < 0) continue;
-    for (const double later_s : {0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06, 0.08, 0.12}) {
+    for (const double later_s : latency_starts_s) {
       Eigen::VectorXd trial = prompt;
       for (const int c : columns_of(catalogue_, {late})) trial[c] += later_s;
       catalogue_.clamp(trial);

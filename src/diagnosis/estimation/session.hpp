@@ -1,6 +1,7 @@
 // One diagnosis in memory: flights of one vehicle, linearised and weighed together.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -13,6 +14,10 @@
 #include "diagnosis/estimation/surrogates.hpp"
 
 namespace gustlab::diagnosis {
+
+// Lags and delays at which a search may begin, beyond the vehicle file.
+inline constexpr std::array latency_starts_s{0.005, 0.01, 0.015, 0.02, 0.025, 0.03,
+                                             0.035, 0.04, 0.05,  0.06, 0.08,  0.12};
 
 class Session {
  public:
@@ -72,13 +77,14 @@ class Session {
   // Where rotor speeds are measured, the lag or the delay of the rotors starts from where commands predict them best: linearised at
   // none, commands that jitter say next to nothing of it.
   void start_latency(Eigen::VectorXd& value) const;
+  bool predicts_speeds() const { return !linear_.front().predicted.empty(); }
   // Whether a group was last linearised in how measured rotor speeds follow their commands.
   bool seen_in_speeds(int group) const;
 
   // Each flight on a thread of its own; what a body writes belongs to its flight.
   void for_each_flight(const std::function<void(std::size_t)>& body) const;
   // Changes against these numbers are looked for from now on; they are known only as surely as that.
-  void compare_with(Reference reference) { reference_ = std::move(reference), catalogue_.hide_built_in(); }
+  void compare_with(Reference reference) { reference_ = std::move(reference), catalogue_.compare_with_reference(); }
   const std::optional<Reference>& reference() const { return reference_; }
   void take_weights(const Session& other);
   bool shoots() const { return !shooting_flights_.empty(); }

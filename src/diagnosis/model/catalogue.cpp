@@ -188,7 +188,7 @@ Column Catalogue::column_of(const EffectRow& row, const Number& number) const {
   column.unit = number.info.unit;
   const double scale = scale_of(number.info.scale, vehicle_);
   column.natural = number.info.natural * scale;
-  column.tolerance = number.info.tolerance * scale;
+  column.tolerance = column.unfiltered_tolerance = number.info.tolerance * scale;
   column.estimate_tolerance = number.info.estimate_tolerance * scale;
   // how late and how smooth rotors answer, a filter looks like
   if (seen_.smoothing && row.place == Place::actuation && column.unit == "s")
@@ -301,9 +301,15 @@ void Catalogue::hide_torque_gains() {
     if (needs_torque_gain(*group.row)) group.candidate = false;
 }
 
-void Catalogue::hide_built_in() {
-  for (Group& group : groups_)
+void Catalogue::compare_with_reference() {
+  for (Group& group : groups_) {
     if (group.row->built_in) group.candidate = false;
+    if (group.row->corrects != Corrects::rate_scale) continue;
+    for (const int c : group.columns) {
+      Column& column = columns_[static_cast<std::size_t>(c)];
+      column.tolerance = column.unfiltered_tolerance;
+    }
+  }
 }
 
 void Catalogue::freeze(int column) {

@@ -35,6 +35,7 @@ struct Column {
   std::string unit;
   double natural = 1.0;                              // typical size in SI, the regression's unit
   double tolerance = 0.0, estimate_tolerance = 0.0;  // the latter where errors of the sensors last
+  double unfiltered_tolerance = 0.0;                 // without what a filter of the log may do to it
   double min = 0.0, max = 0.0;
   double nominal = 0.0;   // value in the vehicle file
   double known_to = 0.0;  // standard deviation of the vehicle file's value, SI; 0: nothing is known beforehand
@@ -130,8 +131,9 @@ class Catalogue {
   void set_speed_limit(double limit_radps);
   // The recorded loop answers what disturbs the vehicle: what only the torque per command shows is no candidate any more.
   void hide_torque_gains();
-  // Changes between flights are looked for: what is built in is no candidate any more.
-  void hide_built_in();
+  // Changes between flights are looked for: what is built in is no candidate any more, and what a filter does to a gyroscope's scale it
+  // does in all flights.
+  void compare_with_reference();
   // A number that ran away from what is known of it beforehand stays as the vehicle file has it, and leaves its group to the others.
   void freeze(int column);
   // Sensor effects and rate biases of one flight, as smoothing takes them out.

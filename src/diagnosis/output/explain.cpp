@@ -13,6 +13,7 @@
 
 #include "config/toml.hpp"
 #include "diagnosis/evidence/judge.hpp"
+#include "diagnosis/output/weak_points.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/subset_search.hpp"
@@ -262,7 +263,10 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
     const double score = added == scores.end()
                              ? record.delta_chi2 - selection.grams.price(group_of(session, record.group).columns.size())
                              : added->second;
-    reject(record.group, score, fmt::format("its own evidence makes it {:.0f} % likely", 100.0 * record.probability));
+    const std::string weak = in_one_clause(weak_points(record));
+    reject(record.group, score,
+           fmt::format("its own evidence makes it {:.0f} % likely{}{}", 100.0 * record.probability,
+                       weak.empty() ? "" : ": ", weak));
     scores.erase(record.group);
   }
   std::vector<std::pair<double, int>> others;
@@ -286,6 +290,9 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
 
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   describe_sensors(session, selection.noise_selected, out);
+  out.evidence = challenge.records;
+  out.evidence.insert(out.evidence.end(), challenge.withdrawn.begin(), challenge.withdrawn.end());
+  for (Evidence& record : out.evidence) record.weak_points = weak_points(record);
   for (std::size_t i = 0; i < selection.findings.size(); ++i) explain_finding(session, selection, challenge, i, out);
   note_tilted_frame(session, out);
   list_not_identifiable(session, selection, out);

@@ -61,8 +61,9 @@ struct Evidence {
   // as it was recorded
   std::vector<double> horizon_s, recovered, recovered_z;
   std::vector<std::pair<std::string_view, double>>
-      features;              // what the judge looked at, each from 0 (against) to 1 (for)
-  double probability = 0.0;  // that the name is right, by the judge
+      features;                               // what the judge looked at, each from 0 (against) to 1 (for)
+  double probability = 0.0;                   // that the name is right, by the judge
+  std::vector<std::string> weak_points = {};  // why it is not named, the heaviest first, in words; empty where it is
 
   // Δχ², alone or with its partner, in units that chance gives here: over the larger of both inflations.
   double robust_delta_chi2() const;

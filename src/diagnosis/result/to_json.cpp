@@ -87,6 +87,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"recovered", e.recovered},
                         {"recovered_z", e.recovered_z}};
     if (e.rotor > 0) one["rotor"] = e.rotor;
+    one["weak_points"] = e.weak_points;
     for (const auto& [name, value] : e.features) one["features"][std::string(name)] = number(value);
     one["flights"] = ordered_json::array();
     for (const FlightShare& f : e.flights)

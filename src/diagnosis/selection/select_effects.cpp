@@ -44,7 +44,8 @@ class Selector {
     result.nominal_from(s_);
     suspect_histories(s_, value, {});
     s_.start_latency(value);
-    if (value != s_.value()) s_.linearise(value, s_.all_columns());
+    value = likelier_start(value).second;
+    if (value != catalogue_.nominal()) s_.linearise(value, s_.all_columns());
     // what nothing explains yet is no noise to begin with
     s_.noise = calm;
 
@@ -111,6 +112,7 @@ class Selector {
   std::optional<Selection> with_more(const Selection& before, std::set<std::vector<int>>& tried) {
     improve_ = Improve::by_more;
     anew_ = true;
+    if (std::optional<Selection> later = with_latency(before, tried)) return later;
     Session::Learned kept = s_.learned();
     s_.learn_noise(4, s_.all_columns());
     const Grams grams = absolute(s_.value());
@@ -125,6 +127,19 @@ class Selector {
   }
 
  private:
+  // The same with a lag or a delay that the search lost: linearised at none, it seems not to pay.
+  std::optional<Selection> with_latency(const Selection& before, std::set<std::vector<int>>& tried) {
+    std::vector<int> more = before.groups();
+    const auto is_latency = [&](int g) { return std::ranges::count(latencies(), g) > 0; };
+    if (std::ranges::any_of(more, is_latency)) return std::nullopt;
+    const auto [late, start] = likelier_start(before.value);
+    if (late < 0 || left_out_.contains(late)) return std::nullopt;
+    more.push_back(late);
+    std::ranges::sort(more);
+    if (!tried.insert(more).second) return std::nullopt;
+    return finished_like(before, more, refine(more, start));
+  }
+
   // the set that winds took the place of, and the noise beside it
   struct WithoutWind {
     std::vector<int> chosen;
@@ -190,6 +205,35 @@ class Selector {
   }
 
   bool forces_alone() const { return !s_.shoots() && s_.flights().front().collective_only; }
+
+  double loss_of_biases_at(const Eigen::VectorXd& value) {
+    s_.predict_at(value);
+    return solve(s_.grams(s_.biases()).total(), s_.biases()).loss;
+  }
+
+  // Where no rotor was measured the motion itself says how late the vehicle answers: torques swing at several hertz, and from half a swing away a
+  // fit runs the wrong way. The search begins at the likeliest of some lags and delays.
+  std::pair<int, Eigen::VectorXd> likelier_start(const Eigen::VectorXd& prompt) {
+    if (s_.shoots() || s_.predicts_speeds() || forces_alone() || !catalogue_.observes(Need::torque) ||
+        catalogue_.commands_are_slow())
+      return {-1, prompt};
+    constexpr double hopeless = 1.5;
+    const double loss_prompt = loss_of_biases_at(prompt);
+    double least = decisions::latency_likelier * loss_prompt;
+    std::pair<int, Eigen::VectorXd> best{-1, prompt};
+    for (const int late : latencies())
+      for (const double later_s : latency_starts_s) {
+        if (late < 0) continue;
+        Eigen::VectorXd trial = prompt;
+        for (const int c : catalogue_.group(late).columns) trial[c] += later_s;
+        catalogue_.clamp(trial);
+        const double loss = loss_of_biases_at(trial);
+        if (loss > hopeless * loss_prompt) break;
+        if (loss < least) least = loss, best = {late, trial};
+      }
+    s_.predict_at(best.second);
+    return best;
+  }
 
   // Thrust swings at several hertz: from half a swing away a fit runs the wrong way. Torques say it by themselves; forces alone
   // are tried at some latencies, and the likeliest is where the fit begins.

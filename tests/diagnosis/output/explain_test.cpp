@@ -209,6 +209,17 @@ TEST_F(Explained, WithdrawnNamesComeFirstAmongTheRejected) {
   EXPECT_EQ(d.rejected[2].effect, "mass");
 }
 
+// the page said of what removed 66 % of the error that it is 1 % likely, and not why
+TEST_F(Explained, AWithdrawnNameSaysWhatSpeaksAgainstIt) {
+  withdrawn("gyro_scale", 12.0, 0.08);
+  challenge.withdrawn[0].features = {{"surrogate", 0.0}, {"gain", 1.0}};
+  challenge.withdrawn[0].surrogates.p_value = 0.9;
+  const Diagnosis d = explained();
+  EXPECT_EQ(d.rejected[0].why, "its own evidence makes it 8 % likely: moved along the flight it fits as well");
+  ASSERT_THAT(d.evidence, SizeIs(1));
+  EXPECT_THAT(d.evidence[0].weak_points, ElementsAre("moved along the flight it fits as well"));
+}
+
 // a page listed one force twice: with what it had gained, and with what it would gain now beyond what its numbers cost
 TEST_F(Explained, AWithdrawnNameIsSaidOnceWithTheScoreThatItHasNow) {
   withdrawn("constant_force", 12234.0, 0.01);
