@@ -132,7 +132,7 @@ class Selector {
     std::vector<int> more = before.groups();
     const auto is_latency = [&](int g) { return std::ranges::count(latencies(), g) > 0; };
     if (std::ranges::any_of(more, is_latency)) return std::nullopt;
-    const auto [late, start] = likelier_start(before.value);
+    const auto [late, start] = likelier_start(s_.value());
     if (late < 0 || left_out_.contains(late)) return std::nullopt;
     more.push_back(late);
     std::ranges::sort(more);
