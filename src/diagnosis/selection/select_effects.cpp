@@ -177,17 +177,10 @@ class Selector {
     }
   }
 
-  Eigen::VectorXd value_at(const std::vector<int>& columns, const Fit& fit) const {
-    Eigen::VectorXd value = catalogue_.nominal();
-    for (std::size_t i = 0; i < columns.size(); ++i)
-      value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] * natural_[columns[i]];
-    return value;
-  }
-
   // values of a fit on absolute Grams, SI
   Eigen::VectorXd coefficients(const Grams& grams, const std::vector<int>& groups) const {
     const std::vector<int> columns = s_.with_biases(groups);
-    Eigen::VectorXd value = value_at(columns, solve(grams.total(), columns));
+    Eigen::VectorXd value = value_at(catalogue_, columns, solve(grams.total(), columns));
     // a wind that was tried with a drag of natural size means more with a smaller one
     const int wind = catalogue_.find(Airflow::wind), drag = catalogue_.find(Airflow::drag);
     if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
@@ -197,11 +190,6 @@ class Selector {
     }
     catalogue_.clamp(value);
     return value;
-  }
-
-  bool possible(const Eigen::VectorXd& value, int group) const {
-    const std::vector<int> columns = columns_of(catalogue_, {group});
-    return std::all_of(columns.begin(), columns.end(), [&](int c) { return catalogue_.column(c).admits(value[c]); });
   }
 
   bool forces_alone() const { return !s_.shoots() && s_.flights().front().collective_only; }
@@ -473,7 +461,7 @@ class Selector {
     std::vector<int> predicted = columns;
     std::erase_if(predicted, [&](int c) { return catalogue_.column(c).of_command_innovation(); });
     result.unpredicted_delta_chi2 = solve(total, predicted).loss - fit.loss;
-    result.value = value_at(columns, fit);
+    result.value = value_at(catalogue_, columns, fit);
     result.deviation = Eigen::VectorXd::Zero(catalogue_.size());
     for (std::size_t i = 0; i < columns.size(); ++i)
       result.deviation[columns[i]] =
@@ -514,8 +502,8 @@ class Selector {
     if (std::find(chosen.begin(), chosen.end(), other) != chosen.end() || !search.allowed(e.groups))
       return std::nullopt;
     e.fit = solve(total, s_.with_biases(e.groups));
-    const Eigen::VectorXd value = value_at(s_.with_biases(e.groups), e.fit);
-    if (!possible(value, other)) return std::nullopt;
+    const Eigen::VectorXd value = value_at(catalogue_, s_.with_biases(e.groups), e.fit);
+    if (!possible(catalogue_, value, other)) return std::nullopt;
     e.trim = below_tolerance(s_, value, other);
     if (e.trim) e.kept.push_back(other);
     e.kept_fit = e.trim ? solve(total, s_.with_biases(e.kept)) : fit;
@@ -527,7 +515,7 @@ class Selector {
   std::vector<int> least_said(const Eigen::MatrixXd& total, const std::vector<int>& chosen) const {
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     const auto said = [&](const std::vector<int>& groups, const Fit& fit) {
-      const Eigen::VectorXd value = value_at(s_.with_biases(groups), fit);
+      const Eigen::VectorXd value = value_at(catalogue_, s_.with_biases(groups), fit);
       double sum = 0.0;
       for (const int g : groups) sum += std::min(1.0, std::pow(size_in_tolerances(s_, value, g), 2));
       return sum;
@@ -580,7 +568,7 @@ class Selector {
     while (!chosen.empty()) {
       const std::vector<int> columns = s_.with_biases(chosen);
       const Fit fit = solve(total, columns);
-      const Eigen::VectorXd value = value_at(columns, fit);
+      const Eigen::VectorXd value = value_at(catalogue_, columns, fit);
       const Eigen::MatrixXd covariance = clustered_covariance(grams, columns, fit.coefficient);
       const double needed = material(grams.rows, std::max(0.0, loss_none - fit.loss));
       int worst = -1;
@@ -588,8 +576,8 @@ class Selector {
       for (const int g : chosen) {
         const double without = solve(total, s_.with_biases(search.without(chosen, g))).loss;
         const double delta_chi2 = delta_chi2_of(g, without - fit.loss);
-        const bool is_possible =
-            s_.shoots() || possible(value, g) || without - search.loss_within_bounds(total, columns, fit, g) >= needed;
+        const bool is_possible = s_.shoots() || possible(catalogue_, value, g) ||
+                                 without - search.loss_within_bounds(total, columns, fit, g) >= needed;
         const std::vector<Eigen::Index> own = search.leaving(chosen, g);
         const Eigen::VectorXd b = fit.coefficient(own);
         Eigen::MatrixXd block = covariance(own, own);

@@ -1,5 +1,7 @@
 #include "diagnosis/selection/selection.hpp"
 
+#include <algorithm>
+
 namespace gustlab::diagnosis {
 
 std::vector<int> Selection::groups() const {
@@ -12,6 +14,18 @@ const Finding* Selection::find(int group) const {
   for (const Finding& finding : findings)
     if (finding.group == group) return &finding;
   return nullptr;
+}
+
+Eigen::VectorXd value_at(const Catalogue& catalogue, const std::vector<int>& columns, const Fit& fit) {
+  Eigen::VectorXd value = catalogue.nominal();
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] * catalogue.column(columns[i]).natural;
+  return value;
+}
+
+bool possible(const Catalogue& catalogue, const Eigen::VectorXd& value, int group) {
+  return std::ranges::all_of(catalogue.group(group).columns,
+                             [&](int c) { return catalogue.column(c).admits(value[c]); });
 }
 
 bool equal(const Rival& rival, const Finding& finding) {

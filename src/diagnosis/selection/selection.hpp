@@ -51,4 +51,9 @@ struct Selection {
   const Finding* find(int group) const;
 };
 
+// Values of all columns (SI) where a fit, counted from the nominal vehicle, has these columns; of the others the nominal ones.
+Eigen::VectorXd value_at(const Catalogue& catalogue, const std::vector<int>& columns, const Fit& fit);
+// Whether a group's values lie within their bounds.
+bool possible(const Catalogue& catalogue, const Eigen::VectorXd& value, int group);
+
 }  // namespace gustlab::diagnosis

@@ -12,13 +12,8 @@ namespace {
 
 // whether a fitted set gives a group a value that is possible and no trim
 bool may_be_named(const Session& session, const std::vector<int>& columns, const Fit& fit, int group) {
-  const Catalogue& catalogue = session.catalogue();
-  Eigen::VectorXd value = catalogue.nominal();
-  for (std::size_t i = 0; i < columns.size(); ++i)
-    value[columns[i]] += fit.coefficient[static_cast<Eigen::Index>(i)] * catalogue.column(columns[i]).natural;
-  return !below_tolerance(session, value, group) && std::ranges::all_of(catalogue.group(group).columns, [&](int c) {
-    return catalogue.column(c).admits(value[c]);
-  });
+  const Eigen::VectorXd value = value_at(session.catalogue(), columns, fit);
+  return !below_tolerance(session, value, group) && possible(session.catalogue(), value, group);
 }
 
 }  // namespace
