@@ -135,26 +135,15 @@ void report_progress(const DiagnoseOptions& options, std::string_view stage) {
   if (options.progress) options.progress(stage, {});
 }
 
-// estimate, select, challenge; `testing`: what the last of the three is called
-Fitted fit(const Aligned& aligned, bool forces_only, std::string_view testing, const DiagnoseOptions& options) {
+// estimate, select, challenge, with or beside what the reference flights show; `testing`: what the last of the three is called
+Fitted fit_beside(const ReferenceFit* normal, const Aligned& aligned, Reading reading, std::string_view testing,
+                  const DiagnoseOptions& options) {
   const int jobs = options.jobs;
-  Reading reading = settle_reading(aligned, forces_only, jobs);
-  VehicleModel vehicle = aligned.vehicle;
-  std::vector<EffectFinding> reference_effects;
-  std::optional<Reference> reference;
-  if (!aligned.reference.empty()) {
-    ReferenceFit normal = fit_reference(
-        prepare(aligned.reference, vehicle, reading.options),
-        aligned.was_filtered() ? prepare(aligned.reference, vehicle, reading.own_rate()) : std::vector<FlightData>{},
-        vehicle, jobs);
-    vehicle = std::move(normal.vehicle);
-    reference_effects = std::move(normal.effects);
-    reference = std::move(normal.known);
-  }
+  VehicleModel vehicle = normal ? normal->vehicle : aligned.vehicle;
   Prepared flights = prepare(aligned, vehicle, reading);
   std::vector<FlightUse> used = uses_of(aligned, flights);
   Session session(std::move(flights.fit), vehicle, jobs, std::move(flights.fit_own_rate));
-  if (reference) session.compare_with(std::move(*reference));
+  if (normal) session.compare_with(normal->known);
   if (session.catalogue().filter_looks_like_lag())
     reading.remarks.notes.push_back(
         fmt::format("lags and delays of the rotors that are some {:.0f} ms or less beyond the vehicle file's cannot be "
@@ -172,9 +161,33 @@ Fitted fit(const Aligned& aligned, bool forces_only, std::string_view testing, c
   Challenge challenged = challenge(
       session, selection, {flights.holdout, flights.holdout_own_rate, proof},
       [&] { return std::min(most_pose_latency_s(aligned.raw_fit), most_pose_latency_s(aligned.raw_holdout)); }, jobs);
-  return {std::move(vehicle),        std::move(reference_effects), std::move(used),      std::move(flights.holdout),
-          std::move(proof),          std::move(session),           std::move(selection), std::move(challenged),
+  return {std::move(vehicle),        normal ? normal->effects : std::vector<EffectFinding>{},
+          std::move(used),           std::move(flights.holdout),
+          std::move(proof),          std::move(session),
+          std::move(selection),      std::move(challenged),
           std::move(reading.remarks)};
+}
+
+// the groups that are named or suspected
+std::vector<int> changes(const Fitted& fitted) {
+  std::vector<int> groups;
+  for (std::size_t i = 0; i < fitted.challenged.records.size(); ++i)
+    if (!fitted.selection.findings[i].calibration) groups.push_back(fitted.challenged.records[i].group);
+  return groups;
+}
+
+Fitted fit(const Aligned& aligned, bool forces_only, std::string_view testing, const DiagnoseOptions& options) {
+  const Reading reading = settle_reading(aligned, forces_only, options.jobs);
+  if (aligned.reference.empty()) return fit_beside(nullptr, aligned, reading, testing, options);
+  ReferenceFlights reference(prepare(aligned.reference, aligned.vehicle, reading.options),
+                             aligned.was_filtered() ? prepare(aligned.reference, aligned.vehicle, reading.own_rate())
+                                                    : std::vector<FlightData>{},
+                             aligned.vehicle, options.jobs);
+  ReferenceFit normal = reference.fit();
+  Fitted fitted = fit_beside(&normal, aligned, reading, testing, options);
+  if (!reference.have(fitted.session.catalogue(), fitted.selection, changes(fitted))) return fitted;
+  normal = reference.fit();
+  return fit_beside(&normal, aligned, reading, testing, options);
 }
 
 // Moments that depend on the velocity are not identifiable without a pose, and would be charged to what can be.

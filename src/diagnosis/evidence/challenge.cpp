@@ -51,11 +51,11 @@ std::vector<std::size_t> failing(const Session& session, const Selection& select
                  [&](const std::vector<std::size_t>& some) { return delta_chi2_of_all(session, selection, some); });
 }
 
-// groups that are sure enough to be named, sorted
-std::vector<int> named(const std::vector<Evidence>& records) {
+// groups that are named or suspected, sorted
+std::vector<int> likely(const std::vector<Evidence>& records) {
   std::vector<int> groups;
   for (const Evidence& record : records)
-    if (record.probability >= named_from) groups.push_back(record.group);
+    if (record.probability >= decisions::suspected_from) groups.push_back(record.group);
   std::ranges::sort(groups);
   return groups;
 }
@@ -104,6 +104,7 @@ std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vect
                                  std::vector<std::size_t> doubtful,
                                  const std::function<double(const std::vector<std::size_t>&)>& delta_chi2_of_all) {
   std::vector<std::size_t> going = std::move(at_once);
+  const auto first = std::ssize(going);
   std::ranges::stable_sort(doubtful, {}, [&](std::size_t i) { return records[i].probability; });
   double sum = 0.0;
   for (const std::size_t i : going) sum += records[i].delta_chi2;
@@ -118,6 +119,13 @@ std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vect
       sum -= records[i].delta_chi2;
       going.pop_back();
     }
+  }
+  // what gains most may only stand beside a wrong partner
+  if (std::ssize(going) - first > 1) {
+    const auto most = std::ranges::max_element(going.begin() + first, going.end(), {}, [&](std::size_t i) {
+      return records[i].at_bound ? 0.0 : records[i].robust_delta_chi2();
+    });
+    going.erase(most);
   }
   return going;
 }
@@ -145,7 +153,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
         result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{}, stands_from);
     if (failed.empty()) {
       if (result.withdrawn.empty()) break;
-      std::optional<Selection> next = looks.next(session, selection, named(result.records), left_out);
+      std::optional<Selection> next = looks.next(session, selection, likely(result.records), left_out);
       if (!next) break;
       selection = std::move(*next);
       continue;

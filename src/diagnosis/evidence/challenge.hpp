@@ -27,8 +27,8 @@ struct Challenge {
 
 // Candidates that go now, as indices of `records`: those `at_once`, and of the `doubtful` the weakest, with it those that are as hopeless
 // and do not stand in for each other (`delta_chi2_of_all`: Δχ² of leaving some out together). Two names of one thing gain little each beside
-// the other, and much when the other goes. Of one effect of several rotors one goes at a time: they speak against each other, and the
-// last of them stands alone.
+// the other, and much when the other goes. Of several hopeless ones that which gains most stays, unless it ran into its bound. Of one
+// effect of several rotors one goes at a time: they speak against each other, and the last of them stands alone.
 std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vector<std::size_t> at_once,
                                  std::vector<std::size_t> doubtful,
                                  const std::function<double(const std::vector<std::size_t>&)>& delta_chi2_of_all);
@@ -37,7 +37,7 @@ std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vect
 // 6, 1978: a number costs the logarithm of the rows).
 bool explains_more(const Session& session, const Selection& one, const Selection& other);
 
-// What was withdrawn is looked at again at the end, beside noise that was learned beside all effects; where it costs a name and the new set
+// What was withdrawn is looked at again at the end, beside noise that was learned beside all effects; where it costs a name or a suspicion and the new set
 // explains no more, all is as it was before.
 // `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
 // `stands_from`: the probability from which a finding stands.

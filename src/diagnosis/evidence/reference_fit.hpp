@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "diagnosis/estimation/reference.hpp"
+#include "diagnosis/estimation/session.hpp"
 #include "diagnosis/result/findings.hpp"
 #include "diagnosis/selection/selection.hpp"
 
@@ -15,8 +16,21 @@ struct ReferenceFit {
   Reference known;
 };
 
-// `own_rate`: the same flights as they were logged, when the fit is by shooting.
-ReferenceFit fit_reference(const std::vector<FlightData>& flights, const std::vector<FlightData>& own_rate,
-                           const VehicleModel& vehicle, int jobs);
+// Normal flights, and what their search chose.
+class ReferenceFlights {
+ public:
+  // `own_rate`: the same flights as they were logged, when the fit is by shooting.
+  ReferenceFlights(std::vector<FlightData> flights, std::vector<FlightData> own_rate, const VehicleModel& vehicle,
+                   int jobs);
+
+  // Whether they show what other flights seem to have changed, so that their search had lost it: fitted from there, they are
+  // likelier. Two kinds of flights say it then, and it stands.
+  bool have(const Catalogue& catalogue, const Selection& found, const std::vector<int>& changed);
+  ReferenceFit fit() const;
+
+ private:
+  Session session_;
+  Selection selection_;
+};
 
 }  // namespace gustlab::diagnosis

@@ -126,6 +126,16 @@ class Selector {
     return finished_like(before, more, refine(more, coefficients(grams, more)));
   }
 
+  Selection with_also(const Selection& before, const std::vector<int>& groups, const Eigen::VectorXd& start) {
+    improve_ = Improve::by_more;
+    anew_ = true;
+    std::vector<int> more = before.groups();
+    more.insert(more.end(), groups.begin(), groups.end());
+    std::ranges::sort(more);
+    more.erase(std::ranges::unique(more).begin(), more.end());
+    return finished_like(before, more, refine(more, start));
+  }
+
  private:
   // The same with a lag or a delay that the search lost: linearised at none, it seems not to pay.
   std::optional<Selection> with_latency(const Selection& before, std::set<std::vector<int>>& tried) {
@@ -641,6 +651,11 @@ Selection select_effects(Session& session) { return Selector(session).run(); }
 Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups,
                    const std::set<int>& left_out) {
   return Selector(session, left_out).without(before, groups);
+}
+
+Selection with_also(Session& session, const Selection& before, const std::vector<int>& groups,
+                    const Eigen::VectorXd& start) {
+  return Selector(session).with_also(before, groups, start);
 }
 
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,

@@ -13,6 +13,9 @@ Selection select_effects(Session& session);
 // The same without some groups that did not prove themselves, fitted anew. Groups that are `left_out` are not asked from here on.
 Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups,
                    const std::set<int>& left_out = {});
+// The same with more groups, fitted anew from `start` (SI, all columns); what does not pay there goes again.
+Selection with_also(Session& session, const Selection& before, const std::vector<int>& groups,
+                    const Eigen::VectorXd& start);
 // The same with what pays beside it now, because others have gone since; nothing when nothing does. A set of groups that
 // was `tried` is not tried again.
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,

@@ -125,13 +125,29 @@ TEST_F(SelectEffects, WhatWasTriedIsNotTriedAgainAndTheNoiseIsPutBack) {
 }
 
 TEST_F(SelectEffects, AReferenceFlightMakesThemTheVehicles) {
-  const ReferenceFit normal = fit_reference(session.flights(), {}, recordings.vehicle, 1);
+  const ReferenceFit normal = ReferenceFlights(session.flights(), {}, recordings.vehicle, 1).fit();
   const auto mass = std::find_if(normal.effects.begin(), normal.effects.end(),
                                  [](const EffectFinding& e) { return e.effect == "mass"; });
   ASSERT_NE(mass, normal.effects.end());
   EXPECT_NEAR(mass->parameters.front().value, selection.value[column("mass")], 1e-6);
   const auto& effects = normal.vehicle.effects;
   EXPECT_TRUE(std::any_of(effects.begin(), effects.end(), [](const EffectSpec& e) { return e.type == "mass"; }));
+}
+
+TEST_F(SelectEffects, AGroupThatWasLostComesBackFromItsValue) {
+  const int mass = session.catalogue().find("mass");
+  const Selection rest = withdraw(session, selection, {mass});
+  ASSERT_EQ(rest.find(mass), nullptr);
+  const Selection again = with_also(session, rest, {mass}, selection.value);
+  EXPECT_NE(again.find(mass), nullptr);
+  EXPECT_NEAR(again.value[column("mass")], selection.value[column("mass")], 0.1 * selection.value[column("mass")]);
+}
+
+TEST_F(SelectEffects, ReferenceFlightsDoNotHaveWhatOnlyOthersShow) {
+  const Recordings good = test::short_flights("", {"multisine"});
+  ReferenceFlights reference(test::session_of(good).flights(), {}, good.vehicle, 1);
+  EXPECT_FALSE(reference.have(session.catalogue(), selection, {session.catalogue().find("mass")}));
+  EXPECT_TRUE(std::ranges::none_of(reference.fit().effects, [](const auto& e) { return e.effect == "mass"; }));
 }
 
 }  // namespace select_effects_test
