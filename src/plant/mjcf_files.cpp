@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using tinyxml2::XMLAttribute;
 using tinyxml2::XMLElement;
 
-constexpr double most_elements = 1e5;      // after <replicate> and <attach>
+constexpr double most_elements = 2000.0;   // after <replicate> and <attach>, whose time grows with the square
 constexpr std::size_t most_models = 100;   // MJCF files of one vehicle
 constexpr std::size_t deepest_models = 8;  // a model that attaches a model that …
 

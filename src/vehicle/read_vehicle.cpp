@@ -135,6 +135,8 @@ std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& 
   vehicle.rotor_count = static_cast<int>(tables.size());
   std::vector<std::string> names;
   for (const MjcfBody::Site& site : body.sites) names.push_back(site.name);
+  constexpr std::size_t most_said = 20;
+  const std::span said(names.data(), std::min(names.size(), most_said));
   for (std::size_t i = 0; i < tables.size(); ++i) {
     Table& table = tables[i];
     Rotor& rotor = vehicle.rotors[i];
@@ -143,7 +145,8 @@ std::vector<std::optional<double>> read_rotors(Table& document, const MjcfBody& 
     if (site == names.end())
       table.fail(
           "site", fmt::format("there is no site \"{}\" in {}", rotor.site, vehicle.mjcf_path),
-          fmt::format("sites on the vehicle: {}", names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))),
+          fmt::format("sites on the vehicle: {}{}", names.empty() ? "none" : fmt::format("{}", fmt::join(said, ", ")),
+                      names.size() > most_said ? fmt::format(" … ({} in all)", names.size()) : ""),
           config::suggest(rotor.site, names));
     for (std::size_t j = 0; j < i; ++j)
       if (vehicle.rotors[j].site == rotor.site)

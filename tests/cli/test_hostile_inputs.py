@@ -125,6 +125,7 @@ class Vehicles(Commands):
                 ('<asset><texture name="t" type="2d" builtin="flat" width="30000" height="30000"/></asset>', "", '"width" of <texture>'),
                 ("", '<replicate count="30000"><replicate count="30000"><site pos="0 0 0"/></replicate></replicate>', "elements"),
                 ("", "<geom size='0.1' mass='0'/>" * 120000, "elements"),
+                ("", '<replicate count="1400"><replicate count="2"><site pos="0 0 0"/></replicate></replicate>', "elements"),
                 ('<size memory="100G"/>', "", '"memory" of <size>'),
                 ('<size nuserdata="2000000000"/>', "", '"nuserdata" of <size>'),
                 ('<custom><numeric name="n" size="2000000000"/></custom>', "", '"size" of <numeric>'),
