@@ -135,7 +135,8 @@ ThrustAttitude IndiPosition::update(const Observation& observation, const Refere
   const Vector3 angles = angles_rad_.update({now.roll_rad, now.pitch_rad, last_yaw_rad_});
   const Vector3 felt = specific_force_.update(observation.specific_force_B_mps2);
   Matrix3 R;
-  rotation_of(from_euler({angles.x(), angles.y(), angles.z()}), R);
+  const HalfAngle heading(angles.z());
+  rotation_of(from_euler(HalfAngle(angles.x()), HalfAngle(angles.y()), heading), R);
   const Three missing = wanted_acceleration - (rotated(R, felt) - Three(0.0, 0.0, gravity_mps2_));
 
   // G = [g ∂(R e_z)/∂φ, g ∂(R e_z)/∂θ, R e_z]; turning by dφ about body x moves body z to −body y
@@ -152,8 +153,9 @@ ThrustAttitude IndiPosition::update(const Observation& observation, const Refere
   wanted_thrust_ = std::clamp(thrust_ + increment.z() / acceleration_per_thrust_, 0.0, most_thrust_);
 
   // roll and pitch are seen from the present heading
-  const Quaternion tilted = from_euler({limited(angles.x() + increment.x(), options_.tilt_limit_rad),
-                                        limited(angles.y() + increment.y(), options_.tilt_limit_rad), angles.z()});
+  const Quaternion tilted =
+      from_euler(HalfAngle(limited(angles.x() + increment.x(), options_.tilt_limit_rad)),
+                 HalfAngle(limited(angles.y() + increment.y(), options_.tilt_limit_rad)), heading);
   return {counts_ ? legacy_.total_thrust_of_pwm(wanted_thrust_) : wanted_thrust_,
           attitude_along(tilted * Vector3::UnitZ(), reference.yaw_rad)};
 }
