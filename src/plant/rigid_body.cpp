@@ -130,16 +130,20 @@ bool step_simple_body(const mjModel* model, mjData* data) {
   const BiasForce bias = bias_force({model->body_mass[1], Vector3(model->body_inertia + 3), -model->opt.gravity[2]},
                                     Vector3(q), R_WB, Vector3(v), Vector3(v + 3));
   // no force is passive, and none comes from an actuator
+  const auto at = [](const mjtNum* from) { return Three(from[0], from[1], from[2]); };
+  const auto put = [](const Three& from, mjtNum* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
   const mjtNum *applied = data->qfrc_applied, *inverse = data->qLDiagInv;
-  mjtNum* acceleration = data->qacc_warmstart;
-  for (int i = 0; i < 3; ++i) {
-    acceleration[i] = (0.0 - bias.force_W_N[i] + applied[i] + 0.0) * inverse[i];
-    acceleration[3 + i] = (0.0 - bias.torque_B_Nm[i] + applied[3 + i] + 0.0) * inverse[3 + i];
-  }
-  sound = sound && is_sound(acceleration, 6);
+  const Three none(0.0, 0.0, 0.0);
+  const Three pushed = times(none - bias.force_W_N + at(applied) + none, at(inverse));
+  const Three spun = times(none - bias.torque_B_Nm + at(applied + 3) + none, at(inverse + 3));
+  put(pushed, data->qacc_warmstart);
+  put(spun, data->qacc_warmstart + 3);
+  sound = sound && is_sound(data->qacc_warmstart, 6);
   const mjtNum step_s = model->opt.timestep;
-  for (int i = 0; i < 6; ++i) v[i] += step_s * acceleration[i];
-  for (int i = 0; i < 3; ++i) q[i] += step_s * v[i];
+  const Three velocity = at(v) + step_s * pushed;
+  put(velocity, v);
+  put(at(v + 3) + step_s * spun, v + 3);
+  put(at(q) + step_s * velocity, q);
   mju_quatIntegrate(q + 3, v + 3, step_s);
   return sound;
 }

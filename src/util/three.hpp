@@ -37,6 +37,11 @@ GUSTLAB_INLINE Three rotated(const Matrix3& R, const Three& v) {
 GUSTLAB_INLINE Three rotated_back(const Matrix3& R, const Three& v) {
   return {dot(Three(R.col(0)), v), dot(Three(R.col(1)), v), dot(Three(R.col(2)), v)};
 }
+// q v
+GUSTLAB_INLINE Three turned(const Quaternion& q, const Three& v) {
+  const Three axis(q.x(), q.y(), q.z()), half = cross(axis, v), twice = half + half;
+  return (v + q.w() * twice) + cross(axis, twice);
+}
 // as Quaternion::toRotationMatrix, written where it is wanted
 GUSTLAB_INLINE void rotation_of(const Quaternion& q, Matrix3& R) {
   const double tx = 2.0 * q.x(), ty = 2.0 * q.y(), tz = 2.0 * q.z();
