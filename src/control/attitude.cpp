@@ -29,9 +29,13 @@ double yaw_of(const Quaternion& q) {
 }
 
 Quaternion from_euler(const EulerAngles& angles) {
-  const double cr = std::cos(0.5 * angles.roll_rad), sr = std::sin(0.5 * angles.roll_rad);
-  const double cp = std::cos(0.5 * angles.pitch_rad), sp = std::sin(0.5 * angles.pitch_rad);
-  const double cy = std::cos(0.5 * angles.yaw_rad), sy = std::sin(0.5 * angles.yaw_rad);
+  return from_euler(HalfAngle(angles.roll_rad), HalfAngle(angles.pitch_rad), HalfAngle(angles.yaw_rad));
+}
+
+Quaternion from_euler(const HalfAngle& roll, const HalfAngle& pitch, const HalfAngle& yaw) {
+  const auto [cr, sr] = roll;
+  const auto [cp, sp] = pitch;
+  const auto [cy, sy] = yaw;
   // turns about z and y, and then about x
   const double w = cy * cp, x = sy * sp, y = cy * sp, z = sy * cp;
   return Quaternion(w * cr + x * sr, w * sr - x * cr, y * cr + z * sr, z * cr - y * sr);

@@ -1,6 +1,8 @@
 // Attitudes: from a force and a heading, to Euler angles, and the error between two.
 #pragma once
 
+#include <cmath>
+
 #include "gustlab/types.hpp"
 
 namespace gustlab {
@@ -15,6 +17,12 @@ struct EulerAngles {
 EulerAngles euler_angles(const Quaternion& attitude_WB);
 double yaw_of(const Quaternion& attitude_WB);  // rad
 Quaternion from_euler(const EulerAngles& angles);
+// the same from halves of the angles, for attitudes that share one
+struct HalfAngle {
+  explicit HalfAngle(double angle_rad) : cosine(std::cos(0.5 * angle_rad)), sine(std::sin(0.5 * angle_rad)) {}
+  double cosine, sine;
+};
+Quaternion from_euler(const HalfAngle& roll, const HalfAngle& pitch, const HalfAngle& yaw);
 
 // The attitude whose z axis points along a force and whose x axis lies in the vertical plane of the heading, which is its
 // ZYX yaw. A force shorter than 1e-9 N gives the level attitude.

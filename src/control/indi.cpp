@@ -1,6 +1,5 @@
 #include "control/indi.hpp"
 
-#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -21,16 +20,22 @@ constexpr double firmware_torque_limit = 32000.0;
 constexpr double firmware_k_thrust = 0.00024730;  // m/s² per count
 constexpr double firmware_most_thrust = 60000.0;
 
-// pinv(G) y. On its side, a vehicle's thrust is not turned by pitch, or by roll: there it is left as it is.
-Vector3 times_pseudo_inverse(const Matrix3& G, const Vector3& y) {
+// pinv([a b c]) y. On its side, a vehicle's thrust is not turned by pitch, or by roll: there it is left as it is.
+// The inverse is in the order of Matrix3::computeInverseWithCheck.
+Three times_pseudo_inverse(const Three& a, const Three& b, const Three& c, const Three& y) {
   constexpr double least_share = 1e-3;  // a column of what the three span
-  Matrix3 inverse;
-  bool invertible = false;
-  G.computeInverseWithCheck(inverse, invertible, least_share * G.col(0).norm() * G.col(0).norm());
-  if (invertible) return rotated(inverse, y);
+  const Three across = cross(b, c);
+  const double determinant = dot(across, a), most = length(a);
+  if (std::abs(determinant) > least_share * most * most) {
+    const double inverse = 1.0 / determinant;
+    const Three x = inverse * across, other = inverse * cross(c, a), last = inverse * cross(a, b);
+    return {dot(x, y), dot(other, y), last.x * y.x + (last.y * y.y + last.z * y.z)};
+  }
+  Matrix3 G;
+  G << Vector3(a), Vector3(b), Vector3(c);
   Eigen::CompleteOrthogonalDecomposition<Matrix3> decomposition;
   decomposition.setThreshold(least_share);
-  return decomposition.compute(G).solve(y);
+  return Vector3(decomposition.compute(G).solve(Vector3(y)));
 }
 
 double follows(double lag_s, double period_s) { return lag_s > 0.0 ? 1.0 - std::exp(-period_s / lag_s) : 1.0; }
@@ -132,30 +137,28 @@ ThrustAttitude IndiPosition::update(const Observation& observation, const Refere
   // sensors through one filter; yaw is unwound so that it passes too
   const EulerAngles now = euler_angles(observation.attitude_WB);
   last_yaw_rad_ += wrapped(now.yaw_rad - last_yaw_rad_);
-  const Vector3 angles = angles_rad_.update({now.roll_rad, now.pitch_rad, last_yaw_rad_});
-  const Vector3 felt = specific_force_.update(observation.specific_force_B_mps2);
+  const Three angles = angles_rad_.update({now.roll_rad, now.pitch_rad, last_yaw_rad_});
+  const Three felt = specific_force_.update(observation.specific_force_B_mps2);
   Matrix3 R;
-  rotation_of(from_euler({angles.x(), angles.y(), angles.z()}), R);
+  const HalfAngle heading(angles.z);
+  rotation_of(from_euler(HalfAngle(angles.x), HalfAngle(angles.y), heading), R);
   const Three missing = wanted_acceleration - (rotated(R, felt) - Three(0.0, 0.0, gravity_mps2_));
 
   // G = [g ∂(R e_z)/∂φ, g ∂(R e_z)/∂θ, R e_z]; turning by dφ about body x moves body z to −body y
-  const Three level_y(-std::sin(angles.z()), std::cos(angles.z()), 0.0), up = Vector3(R.col(2));
-  const Three by_roll = -gravity_mps2_ * Three(R.col(1)), by_pitch = gravity_mps2_ * cross(level_y, up);
-  Matrix3 G;
-  G(0, 0) = by_roll.x, G(0, 1) = by_pitch.x, G(0, 2) = up.x;
-  G(1, 0) = by_roll.y, G(1, 1) = by_pitch.y, G(1, 2) = up.y;
-  G(2, 0) = by_roll.z, G(2, 1) = by_pitch.z, G(2, 2) = up.z;
-  const Vector3 increment = times_pseudo_inverse(G, missing);
+  const Three level_y(-std::sin(angles.z), std::cos(angles.z), 0.0), up(R(0, 2), R(1, 2), R(2, 2));
+  const Three by_roll = -gravity_mps2_ * Three(R(0, 1), R(1, 1), R(2, 1)),
+              by_pitch = gravity_mps2_ * cross(level_y, up);
+  const Three increment = times_pseudo_inverse(by_roll, by_pitch, up, missing);
 
   // thrust: what was asked for, through filter and actuator, plus the increment
   thrust_ += actuator_follows_ * (thrust_filter_.update(wanted_thrust_) - thrust_);
-  wanted_thrust_ = std::clamp(thrust_ + increment.z() / acceleration_per_thrust_, 0.0, most_thrust_);
+  wanted_thrust_ = std::clamp(thrust_ + increment.z / acceleration_per_thrust_, 0.0, most_thrust_);
 
   // roll and pitch are seen from the present heading
-  const Quaternion tilted = from_euler({limited(angles.x() + increment.x(), options_.tilt_limit_rad),
-                                        limited(angles.y() + increment.y(), options_.tilt_limit_rad), angles.z()});
+  const Quaternion tilted = from_euler(HalfAngle(limited(angles.x + increment.x, options_.tilt_limit_rad)),
+                                       HalfAngle(limited(angles.y + increment.y, options_.tilt_limit_rad)), heading);
   return {counts_ ? legacy_.total_thrust_of_pwm(wanted_thrust_) : wanted_thrust_,
-          attitude_along(tilted * Vector3::UnitZ(), reference.yaw_rad)};
+          attitude_along(turned(tilted, Three(0.0, 0.0, 1.0)), reference.yaw_rad)};
 }
 
 IndiForce::IndiForce(const VehicleModel& vehicle, const IndiOptions& options, double bandwidth_radps, double damping,

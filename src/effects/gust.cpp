@@ -12,6 +12,7 @@
 
 #include "effects/effects.hpp"
 #include "gustlab/errors.hpp"
+#include "util/three.hpp"
 
 namespace gustlab {
 
@@ -109,7 +110,7 @@ class Gust final : public Effect {
 
   void wrench(const Flow& flow, const RotorSet&, std::span<const double> state, Wrench& total) const override {
     const Vector3 force_W_N = part(state, applied_force), torque_B_Nm = part(state, applied_torque);
-    if (!force_W_N.isZero(0.0)) total.force_B_N += flow.R_WB.transpose() * force_W_N;
+    if (!force_W_N.isZero(0.0)) total.force_B_N = Three(total.force_B_N) + rotated_back(flow.R_WB, force_W_N);
     if (!torque_B_Nm.isZero(0.0)) total.torque_B_Nm += torque_B_Nm;
   }
 

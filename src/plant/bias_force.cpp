@@ -17,11 +17,11 @@ struct SpatialInertia {
 };
 
 // the columns of three vectors with these weights
-Three mixed(const Three& a, const Three& b, const Three& c, const Three& weight) {
+GUSTLAB_INLINE Three mixed(const Three& a, const Three& b, const Three& c, const Three& weight) {
   return (weight.x * a + weight.y * b) + weight.z * c;
 }
 
-SpatialInertia inertia_in_world(const FreeBody& body, const Matrix3& R, const Three& off) {
+GUSTLAB_INLINE SpatialInertia inertia_in_world(const FreeBody& body, const Matrix3& R, const Three& off) {
   const double m = body.mass_kg;
   const Vector3& I = body.inertia_kgm2;
   const auto product = [&](int row, int column) {
@@ -37,7 +37,7 @@ SpatialInertia inertia_in_world(const FreeBody& body, const Matrix3& R, const Th
           m};
 }
 
-Spatial operator*(const SpatialInertia& i, const Spatial& v) {
+GUSTLAB_INLINE Spatial operator*(const SpatialInertia& i, const Spatial& v) {
   const auto& [t, s] = v;
   const Three& l = i.lever;
   return {{i.xx * t.x + i.xy * t.y + i.xz * t.z - l.z * s.y + l.y * s.z,
@@ -48,12 +48,12 @@ Spatial operator*(const SpatialInertia& i, const Spatial& v) {
 }
 
 // how a momentum changes that moves along
-Spatial cross_momentum(const Spatial& v, const Spatial& h) {
+GUSTLAB_INLINE Spatial cross_momentum(const Spatial& v, const Spatial& h) {
   return {cross(v.turn, h.turn) + cross(v.move, h.move), cross(v.turn, h.move)};
 }
 
 // in the order of MuJoCo's product of six numbers
-double along(const Three& axis, const Three& beside, const Spatial& f) {
+GUSTLAB_INLINE double along(const Three& axis, const Three& beside, const Spatial& f) {
   return ((axis.x * f.turn.x + axis.z * f.turn.z) + (axis.y * f.turn.y + beside.x * f.move.x)) +
          (beside.y * f.move.y + beside.z * f.move.z);
 }

@@ -33,6 +33,8 @@ void ForceModel::prepare(double step_s, std::uint64_t seed, std::uint32_t replic
   vehicle_ = nominal_;
   for (const NamedEffect& named : effects_) named.effect->on_body(vehicle_);
   inverse_inertia_ = vehicle_.inertia_B_kgm2.inverse();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(vehicle_.rotor_count); ++i)
+    hub_B_m_[i] = vehicle_.rotors[i].position_B_m - vehicle_.center_of_mass_B_m;
 
   actuation_.clear(), rotor_.clear(), measurement_.clear(), wrench_.clear(), stateful_.clear();
   state_size_ = 0;
@@ -103,7 +105,7 @@ void ForceModel::rotors(const RotorArray& speed_radps, const RotorArray& acceler
   set.acceleration_radps2 = acceleration_radps2;
   for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
     const Rotor& rotor = vehicle_.rotors[i];
-    set.hub_B_m[i] = rotor.position_B_m - vehicle_.center_of_mass_B_m;
+    set.hub_B_m[i] = hub_B_m_[i];
     set.axis_B[i] = rotor.axis_B;
     set.direction[i] = rotor.direction;
     set.thrust_N[i] = rotor.thrust_coefficient_Ns2 * speed_radps[i] * speed_radps[i];

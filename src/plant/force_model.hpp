@@ -60,6 +60,7 @@ class ForceModel {
   VehicleModel nominal_;
   VehicleModel vehicle_;
   Matrix3 inverse_inertia_ = Matrix3::Identity();
+  std::array<Vector3, max_rotors> hub_B_m_;  // from the centre of mass
   std::vector<NamedEffect> effects_;
   // effects by hook, so that the loop calls only those that act there
   std::vector<const Effect*> actuation_, rotor_, measurement_;

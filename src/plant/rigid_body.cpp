@@ -90,18 +90,9 @@ struct World {
 
 // as mj_checkPos and its like see it
 bool is_sound(const mjtNum* values, int count) {
-  return std::all_of(values, values + count, [](mjtNum value) { return std::abs(value) <= mjMAXVAL; });
-}
-
-// Along the axes of its inertia a body's mass matrix is the same in every attitude, and what resists without acceleration has a short form.
-void resist_simply(const mjModel* model, mjData* data) {
-  Matrix3 R_WB;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) R_WB(row, column) = data->xmat[9 + 3 * row + column];
-  const BiasForce bias = bias_force({model->body_mass[1], Vector3(model->body_inertia + 3), -model->opt.gravity[2]},
-                                    Vector3(data->xipos + 3), R_WB, Vector3(data->qvel), Vector3(data->qvel + 3));
-  mju_copy3(data->qfrc_bias, bias.force_W_N.data());
-  mju_copy3(data->qfrc_bias + 3, bias.torque_B_Nm.data());
+  bool sound = true;
+  for (int i = 0; i < count; ++i) sound &= std::abs(values[i]) <= mjMAXVAL;
+  return sound;
 }
 
 void resist(const mjModel* model, mjData* data) {
@@ -117,13 +108,43 @@ void resist(const mjModel* model, mjData* data) {
 bool step_free_body(const mjModel* model, mjData* data) {
   bool sound = is_sound(data->qpos, 7) && is_sound(data->qvel, 6);
   mj_kinematics(model, data);
-  if (model->body_simple[1] != 0) resist_simply(model, data);
-  else resist(model, data);
+  resist(model, data);
   mj_fwdAcceleration(model, data);
   sound = sound && is_sound(data->qacc_smooth, 6);
   mju_copy(data->qacc_warmstart, data->qacc_smooth, 6);
   mju_addToScl(data->qvel, data->qacc_smooth, model->opt.timestep, 6);
   mj_integratePos(model, data->qpos, data->qvel, model->opt.timestep);
+  return sound;
+}
+
+// The same of a body along the axes of its inertia. Its mass matrix is diagonal and the same in every attitude, and what resists without
+// acceleration has a short form, so that MuJoCo's functions of a quaternion are all that is left of its passes over a tree of bodies.
+bool step_simple_body(const mjModel* model, mjData* data) {
+  mjtNum *q = data->qpos, *v = data->qvel, attitude[4], R[9];
+  bool sound = is_sound(q, 7) && is_sound(v, 6);
+  std::copy_n(q + 3, 4, attitude);
+  mju_normalize4(attitude);
+  mju_quat2Mat(R, attitude);
+  Matrix3 R_WB;
+  for (int i = 0; i < 3; ++i) R_WB(0, i) = R[i], R_WB(1, i) = R[3 + i], R_WB(2, i) = R[6 + i];
+  const BiasForce bias = bias_force({model->body_mass[1], Vector3(model->body_inertia + 3), -model->opt.gravity[2]},
+                                    Vector3(q), R_WB, Vector3(v), Vector3(v + 3));
+  // no force is passive, and none comes from an actuator
+  const auto at = [](const mjtNum* from) { return Three(from[0], from[1], from[2]); };
+  const auto put = [](const Three& from, mjtNum* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
+  const mjtNum *applied = data->qfrc_applied, *inverse = data->qLDiagInv;
+  const Three none(0.0, 0.0, 0.0);
+  const Three pushed = times(none - bias.force_W_N + at(applied) + none, at(inverse));
+  const Three spun = times(none - bias.torque_B_Nm + at(applied + 3) + none, at(inverse + 3));
+  put(pushed, data->qacc_warmstart);
+  put(spun, data->qacc_warmstart + 3);
+  sound = sound && is_sound(data->qacc_warmstart, 6);
+  const mjtNum step_s = model->opt.timestep;
+  const Three velocity = at(v) + step_s * pushed;
+  put(velocity, v);
+  put(at(v + 3) + step_s * spun, v + 3);
+  put(at(q) + step_s * velocity, q);
+  mju_quatIntegrate(q + 3, v + 3, step_s);
   return sound;
 }
 
@@ -210,7 +231,9 @@ bool RigidBody::step(const Flow& flow, const Wrench& wrench, VehicleState& state
   Eigen::Map<Vector3>(data->qfrc_applied) = Vector3(rotated(flow.R_WB, wrench.force_B_N));
   Eigen::Map<Vector3>(data->qfrc_applied + 3) = wrench.torque_B_Nm;
   const mjModel* model = impl_->flying->model.get();
-  const bool sound = impl_->flying == &impl_->air ? step_free_body(model, data) : step_with_contacts(model, data);
+  const bool sound = impl_->flying != &impl_->air ? step_with_contacts(model, data)
+                     : model->body_simple[1] != 0 ? step_simple_body(model, data)
+                                                  : step_free_body(model, data);
 
   state.attitude_WB = Quaternion(data->qpos[3], data->qpos[4], data->qpos[5], data->qpos[6]);
   state.body_rate_B_radps = Eigen::Map<const Vector3>(data->qvel + 3);

@@ -107,7 +107,7 @@ TEST(Ground, ChangesNoBitOfAFlightThatStaysAway) {
   EXPECT_EQ(seen(a), seen(b));
 }
 
-// near the ground mj_step flies the body's twin; away from it the step is made of MuJoCo's own parts
+// near the ground mj_step flies the body's twin; away from it the step is made of MuJoCo's own parts, or of sums in their order
 TEST(Ground, StepInTheAirIsThatOfMuJoCoToTheBit) {
   for (const double product_kgm2 : {0.0, 2e-6}) {
     VehicleModel low = over_ground(), high = read_vehicle("crazyflie");
