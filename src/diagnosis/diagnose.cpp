@@ -171,8 +171,8 @@ Fitted fit_beside(const ReferenceFit* normal, const Aligned& aligned, Reading re
 // the groups that are named or suspected
 std::vector<int> changes(const Fitted& fitted) {
   std::vector<int> groups;
-  for (std::size_t i = 0; i < fitted.challenged.records.size(); ++i)
-    if (!fitted.selection.findings[i].calibration) groups.push_back(fitted.challenged.records[i].group);
+  for (const Finding& finding : fitted.selection.findings)
+    if (!finding.calibration) groups.push_back(finding.group);
   return groups;
 }
 

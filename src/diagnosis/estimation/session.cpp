@@ -616,28 +616,37 @@ double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& c
 
 void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const {
   const int delay = catalogue_.find(Place::actuation, Latency::delay);
-  if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || linear_.front().predicted.empty())
-    return;
+  if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || !predicts_speeds()) return;
   const int c = catalogue_.group(delay).columns.front();
   const double start_s = value_[c] + speed_latency_s(flights_, linear_);
   if (std::abs(value[c] - start_s) > sample_s()) value[c] = start_s;
 }
 
-void Session::start_latency(Eigen::VectorXd& value) const {
-  if (linear_.front().predicted.empty()) return;
-  double least_radps = decisions::latency_shows * speeds_left_radps(flights_, catalogue_, value);
-  const Eigen::VectorXd prompt = value;
+LatencyStart least_left_at(const Catalogue& catalogue, const Eigen::VectorXd& prompt, double share,
+                           const std::function<double(const Eigen::VectorXd&)>& left, double hopeless) {
+  const double left_prompt = left(prompt);
+  double least = share * left_prompt;
+  LatencyStart best{-1, prompt};
   for (const Latency kind : {Latency::lag, Latency::delay}) {
-    const int late = catalogue_.find(Place::actuation, kind);
+    const int late = catalogue.find(Place::actuation, kind);
     if (late < 0) continue;
-    for (const double later_s : latency_starts_s) {
+    for (const double later_s : {0.005, 0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.05, 0.06, 0.08, 0.12}) {
       Eigen::VectorXd trial = prompt;
-      for (const int c : columns_of(catalogue_, {late})) trial[c] += later_s;
-      catalogue_.clamp(trial);
-      const double left_radps = speeds_left_radps(flights_, catalogue_, trial);
-      if (left_radps < least_radps) least_radps = left_radps, value = trial;
+      for (const int c : catalogue.group(late).columns) trial[c] += later_s;
+      catalogue.clamp(trial);
+      const double left_trial = left(trial);
+      if (left_trial > hopeless * left_prompt) break;
+      if (left_trial < least) least = left_trial, best = {late, trial};
     }
   }
+  return best;
+}
+
+void Session::start_latency(Eigen::VectorXd& value) const {
+  if (!predicts_speeds()) return;
+  value = least_left_at(catalogue_, value, decisions::latency_shows, [&](const Eigen::VectorXd& at) {
+            return speeds_left_radps(flights_, catalogue_, at);
+          }).value;
 }
 
 bool Session::seen_in_speeds(int group) const {

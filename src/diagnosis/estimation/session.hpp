@@ -1,8 +1,8 @@
 // One diagnosis in memory: flights of one vehicle, linearised and weighed together.
 #pragma once
 
-#include <array>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -15,9 +15,16 @@
 
 namespace gustlab::diagnosis {
 
-// Lags and delays at which a search may begin, beyond the vehicle file.
-inline constexpr std::array latency_starts_s{0.005, 0.01, 0.015, 0.02, 0.025, 0.03,
-                                             0.035, 0.04, 0.05,  0.06, 0.08,  0.12};
+// Where a search begins: at a lag or a delay of the rotors (`group`), or at none (-1).
+struct LatencyStart {
+  int group = -1;
+  Eigen::VectorXd value;  // SI, all columns
+};
+// Of some lags and delays beyond `prompt` the one that leaves least, if that is less than `share` of what `prompt` leaves. Longer ones are not
+// tried once one leaves `hopeless` times as much.
+LatencyStart least_left_at(const Catalogue& catalogue, const Eigen::VectorXd& prompt, double share,
+                           const std::function<double(const Eigen::VectorXd&)>& left,
+                           double hopeless = std::numeric_limits<double>::infinity());
 
 class Session {
  public:

@@ -26,6 +26,13 @@ constexpr std::size_t most_changes = 8;  // of a set that was found, before it i
 // What may happen to a set that was fitted: nothing more is tried, a group more, or one for another as well.
 enum class Improve { no, by_more, freely };
 
+std::vector<int> joined(std::vector<int> groups, const std::vector<int>& further) {
+  groups.insert(groups.end(), further.begin(), further.end());
+  std::ranges::sort(groups);
+  groups.erase(std::ranges::unique(groups).begin(), groups.end());
+  return groups;
+}
+
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
 class Selector {
  public:
@@ -44,7 +51,7 @@ class Selector {
     result.nominal_from(s_);
     suspect_histories(s_, value, {});
     s_.start_latency(value);
-    value = likelier_start(value).second;
+    value = likelier_start(value).value;
     if (value != catalogue_.nominal()) s_.linearise(value, s_.all_columns());
     // what nothing explains yet is no noise to begin with
     s_.noise = calm;
@@ -129,25 +136,19 @@ class Selector {
   Selection with_also(const Selection& before, const std::vector<int>& groups, const Eigen::VectorXd& start) {
     improve_ = Improve::by_more;
     anew_ = true;
-    std::vector<int> more = before.groups();
-    more.insert(more.end(), groups.begin(), groups.end());
-    std::ranges::sort(more);
-    more.erase(std::ranges::unique(more).begin(), more.end());
+    const std::vector<int> more = joined(before.groups(), groups);
     return finished_like(before, more, refine(more, start));
   }
 
  private:
   // The same with a lag or a delay that the search lost: linearised at none, it seems not to pay.
   std::optional<Selection> with_latency(const Selection& before, std::set<std::vector<int>>& tried) {
-    std::vector<int> more = before.groups();
     const auto is_latency = [&](int g) { return std::ranges::count(latencies(), g) > 0; };
-    if (std::ranges::any_of(more, is_latency)) return std::nullopt;
+    if (std::ranges::any_of(before.groups(), is_latency)) return std::nullopt;
     const auto [late, start] = likelier_start(s_.value());
     if (late < 0 || left_out_.contains(late)) return std::nullopt;
-    more.push_back(late);
-    std::ranges::sort(more);
-    if (!tried.insert(more).second) return std::nullopt;
-    return finished_like(before, more, refine(more, start));
+    if (!tried.insert(joined(before.groups(), {late})).second) return std::nullopt;
+    return with_also(before, {late}, start);
   }
 
   // the set that winds took the place of, and the noise beside it
@@ -211,25 +212,15 @@ class Selector {
 
   // Where no rotor was measured the motion itself says how late the vehicle answers: torques swing at several hertz, and from half a swing away a
   // fit runs the wrong way. The search begins at the likeliest of some lags and delays.
-  std::pair<int, Eigen::VectorXd> likelier_start(const Eigen::VectorXd& prompt) {
+  LatencyStart likelier_start(const Eigen::VectorXd& prompt) {
     if (s_.shoots() || s_.predicts_speeds() || forces_alone() || !catalogue_.observes(Need::torque) ||
         catalogue_.commands_are_slow())
       return {-1, prompt};
     constexpr double hopeless = 1.5;
-    const double loss_prompt = loss_of_biases_at(prompt);
-    double least = decisions::latency_likelier * loss_prompt;
-    std::pair<int, Eigen::VectorXd> best{-1, prompt};
-    for (const int late : latencies())
-      for (const double later_s : latency_starts_s) {
-        if (late < 0) continue;
-        Eigen::VectorXd trial = prompt;
-        for (const int c : catalogue_.group(late).columns) trial[c] += later_s;
-        catalogue_.clamp(trial);
-        const double loss = loss_of_biases_at(trial);
-        if (loss > hopeless * loss_prompt) break;
-        if (loss < least) least = loss, best = {late, trial};
-      }
-    s_.predict_at(best.second);
+    LatencyStart best = least_left_at(
+        catalogue_, prompt, decisions::latency_likelier,
+        [&](const Eigen::VectorXd& value) { return loss_of_biases_at(value); }, hopeless);
+    s_.predict_at(best.value);
     return best;
   }
 
