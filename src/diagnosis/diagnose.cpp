@@ -155,7 +155,7 @@ Fitted fit_beside(const ReferenceFit* normal, const Aligned& aligned, Reading re
         "between them is estimated with all else, and what roll and pitch alone would show (inertia, damping) is not "
         "told");
   report_progress(options, "choosing effects");
-  Selection selection = select_effects(session);
+  Selection selection = select_within_bounds(session);
   report_progress(options, testing);
   std::vector<FlightLog> proof = proof_flights(aligned);
   Challenge challenged = challenge(
@@ -183,11 +183,13 @@ Fitted fit(const Aligned& aligned, bool forces_only, std::string_view testing, c
                              aligned.was_filtered() ? prepare(aligned.reference, aligned.vehicle, reading.own_rate())
                                                     : std::vector<FlightData>{},
                              aligned.vehicle, options.jobs);
-  ReferenceFit normal = reference.fit();
-  Fitted fitted = fit_beside(&normal, aligned, reading, testing, options);
-  if (!reference.have(fitted.session.catalogue(), fitted.selection, changes(fitted))) return fitted;
-  normal = reference.fit();
-  return fit_beside(&normal, aligned, reading, testing, options);
+  constexpr int most_times = 3;
+  for (int times = 1;; ++times) {
+    const ReferenceFit normal = reference.fit();
+    Fitted fitted = fit_beside(&normal, aligned, reading, testing, options);
+    if (times == most_times || !reference.have(fitted.session.catalogue(), fitted.selection, changes(fitted)))
+      return fitted;
+  }
 }
 
 // Moments that depend on the velocity are not identifiable without a pose, and would be charged to what can be.

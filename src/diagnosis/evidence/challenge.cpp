@@ -81,7 +81,7 @@ class Looks {
   std::set<std::vector<int>> tried_;
   std::optional<Selection> before_;  // the last look, and which of its names
   std::vector<int> names_;
-  std::set<int> left_out_;  // withdrawn twice
+  std::set<int> left_out_;  // not asked any more
   bool over_ = false;
 };
 
@@ -135,7 +135,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
   Challenge result;
   const std::vector<Recording> to_fly = recordings_to_fly(held.logs, session.vehicle());
   Looks looks;
-  std::set<int> went, left_out;  // withdrawn once, and again
+  std::set<int> went, left_out;  // withdrawn once; again, or at its bound
   bool without_forces_per_flight = false;
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
@@ -161,7 +161,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     std::vector<int> groups;
     for (const std::size_t i : failed) {
       groups.push_back(result.records[i].group);
-      if (!went.insert(groups.back()).second) left_out.insert(groups.back());
+      if (!went.insert(groups.back()).second || result.records[i].at_bound) left_out.insert(groups.back());
       without_forces_per_flight |= session.catalogue().group(groups.back()).row->per_flight;
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);

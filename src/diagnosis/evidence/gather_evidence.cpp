@@ -205,15 +205,6 @@ bool headings_are_kept(const Session& session) {
   });
 }
 
-bool at_its_bound(const Catalogue& catalogue, const Selection& selection, int group) {
-  const auto& columns = catalogue.group(group).columns;
-  return std::any_of(columns.begin(), columns.end(), [&](int c) {
-    const Column& column = catalogue.column(c);
-    const double value = selection.value[c];
-    return value != column.nominal && value != 0.0 && (value <= column.min || value >= column.max);
-  });
-}
-
 // Other findings of the same effect, of another rotor. By means of torques alone a rotor is distinguished from the one across, and from a centre
 // of mass, by the total thrust, which reference flights know and no file.
 int alike(const Session& session, const Selection& selection, const Finding& finding) {
@@ -309,7 +300,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
           selection.unpredicted_delta_chi2 * share_of_innovations(session, selection, total, finding);
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
     record.unexplained_delta_chi2 = rest.omnibus_delta_chi2;
-    record.at_bound = at_its_bound(catalogue, selection, finding.group);
+    record.at_bound = at_its_bound(catalogue, selection.value, finding.group);
     record.undone = taken_back[i];
     record.alike = alike(session, selection, finding);
   });

@@ -281,8 +281,10 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
         blows_unfelt(session, selection, g)
             ? "without a drag, in the vehicle file or among what was found, no wind is felt: a steady one looks like a "
               "constant force"
-        : score > 0.0 ? "makes the predictions too little better to be one more name"
-                      : "does not make the predictions better");
+        : selection.at_bounds.contains(g) ? "its likeliest value is the largest or smallest that is allowed: it was "
+                                            "fitted to something that it does not describe"
+        : score > 0.0                     ? "makes the predictions too little better to be one more name"
+                                          : "does not make the predictions better");
   }
 }
 

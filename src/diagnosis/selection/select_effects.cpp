@@ -173,9 +173,15 @@ class Selector {
                     anew_ && !s_.shoots() ? std::min(relative, decisions::most_materiality * rows) : relative);
   }
 
+  SubsetSearch asked(double penalty) const {
+    SubsetSearch search(catalogue_, s_.vehicle(), penalty);
+    std::erase_if(search.candidates, [&](int g) { return left_out_.contains(g); });
+    return search;
+  }
+
   std::vector<int> search(const Grams& grams) const {
     const Eigen::MatrixXd projected = project_out(grams.total(), s_.biases());
-    const SubsetSearch search(catalogue_, s_.vehicle(), std::log(grams.rows));
+    const SubsetSearch search = asked(std::log(grams.rows));
     for (int most = most_effects;; most += 3) {
       const auto by_size = search.run(projected, most, kept_of_each_size);
       double least = by_size[0].front().loss;
@@ -213,8 +219,7 @@ class Selector {
   // Where no rotor was measured the motion itself says how late the vehicle answers: torques swing at several hertz, and from half a swing away a
   // fit runs the wrong way. The search begins at the likeliest of some lags and delays.
   LatencyStart likelier_start(const Eigen::VectorXd& prompt) {
-    if (s_.shoots() || s_.predicts_speeds() || forces_alone() || !catalogue_.observes(Need::torque) ||
-        catalogue_.commands_are_slow())
+    if (s_.predicts_speeds() || forces_alone() || !catalogue_.observes(Need::torque) || catalogue_.commands_are_slow())
       return {-1, prompt};
     constexpr double hopeless = 1.5;
     LatencyStart best = least_left_at(
@@ -360,6 +365,7 @@ class Selector {
     Selection result;
     result.noise_nominal = before.noise_nominal;
     result.smoothed_nominal = before.smoothed_nominal;
+    result.at_bounds = before.at_bounds;
     finish(result, chosen, value);
     return result;
   }
@@ -369,7 +375,7 @@ class Selector {
                                const std::set<std::vector<int>>& visited, const std::set<int>& left_out = {}) const {
     const Eigen::MatrixXd total = grams.total();
     const double loss = solve(total, s_.with_biases(chosen)).loss;
-    SubsetSearch search(catalogue_, s_.vehicle(), std::log(grams.rows));
+    SubsetSearch search = asked(std::log(grams.rows));
     std::erase_if(search.candidates, [&](int g) { return left_out.contains(g); });
     return search.improved(project_out(total, s_.biases()), chosen, visited, material(grams.rows, loss_nominal - loss),
                            improve_ == Improve::freely);
@@ -635,23 +641,48 @@ class Selector {
   Improve improve_ = Improve::freely;
 };
 
+std::set<int> with_bounds(std::set<int> left_out, const Selection& before) {
+  left_out.insert(before.at_bounds.begin(), before.at_bounds.end());
+  return left_out;
+}
+
+// What `select` finds, begun anew without the groups that have a value at its bound, until there are none.
+template <typename Select>
+Selection within_bounds(Session& session, std::set<int> at_bounds, Select select) {
+  const Session::Learned fresh = session.learned();
+  while (true) {
+    Selection selection = select(Selector(session, at_bounds));
+    selection.at_bounds = at_bounds;
+    for (const Finding& finding : selection.findings)
+      if (!finding.calibration && at_its_bound(session.catalogue(), selection.value, finding.group))
+        at_bounds.insert(finding.group);
+    if (at_bounds == selection.at_bounds) return selection;
+    session.put_back(fresh);
+  }
+}
+
 }  // namespace
 
 Selection select_effects(Session& session) { return Selector(session).run(); }
 
+Selection select_within_bounds(Session& session) {
+  return within_bounds(session, {}, [&](Selector selector) { return selector.run(); });
+}
+
 Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups,
                    const std::set<int>& left_out) {
-  return Selector(session, left_out).without(before, groups);
+  return Selector(session, with_bounds(left_out, before)).without(before, groups);
 }
 
 Selection with_also(Session& session, const Selection& before, const std::vector<int>& groups,
                     const Eigen::VectorXd& start) {
-  return Selector(session).with_also(before, groups, start);
+  return within_bounds(session, before.at_bounds,
+                       [&](Selector selector) { return selector.with_also(before, groups, start); });
 }
 
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
                                     const std::set<int>& left_out) {
-  return Selector(session, left_out).with_more(before, tried);
+  return Selector(session, with_bounds(left_out, before)).with_more(before, tried);
 }
 
 }  // namespace gustlab::diagnosis

@@ -10,6 +10,9 @@
 namespace gustlab::diagnosis {
 
 Selection select_effects(Session& session);
+// The same, begun anew without the groups that have a value at its bound, until there are none (`at_bounds`): what they took is some other
+// effect's, and a set that was found beside them is not near that.
+Selection select_within_bounds(Session& session);
 // The same without some groups that did not prove themselves, fitted anew. Groups that are `left_out` are not asked from here on.
 Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups,
                    const std::set<int>& left_out = {});

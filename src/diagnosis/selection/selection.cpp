@@ -28,6 +28,13 @@ bool possible(const Catalogue& catalogue, const Eigen::VectorXd& value, int grou
                              [&](int c) { return catalogue.column(c).admits(value[c]); });
 }
 
+bool at_its_bound(const Catalogue& catalogue, const Eigen::VectorXd& value, int group) {
+  return std::ranges::any_of(catalogue.group(group).columns, [&](int c) {
+    const Column& column = catalogue.column(c);
+    return value[c] != column.nominal && value[c] != 0.0 && (value[c] <= column.min || value[c] >= column.max);
+  });
+}
+
 bool equal(const Rival& rival, const Finding& finding) {
   return rival.z < decisions::equivalent_z && rival.delta_chi2 < decisions::most_lost_to_rival * finding.delta_chi2;
 }

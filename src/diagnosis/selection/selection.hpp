@@ -1,6 +1,7 @@
 // Which effects were chosen, at what values, and how surely.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,7 @@ struct Selection {
   Grams grams;                          // at the end, coefficients counted from the nominal vehicle
   std::vector<Smoothed> smoothed_nominal, smoothed_selected;
   std::vector<std::pair<int, double>> alone;  // every group: gain when it is added to the selection
+  std::set<int> at_bounds;                    // groups that are not asked: they had a value that ran into its bound
   void nominal_from(const Session& session) { noise_nominal = session.noise, smoothed_nominal = session.smoothed; }
   std::vector<int> groups() const;
   const Finding* find(int group) const;
@@ -55,5 +57,7 @@ struct Selection {
 Eigen::VectorXd value_at(const Catalogue& catalogue, const std::vector<int>& columns, const Fit& fit);
 // Whether a group's values lie within their bounds.
 bool possible(const Catalogue& catalogue, const Eigen::VectorXd& value, int group);
+// Whether one of them ran into its bound: the group is fitted to something that it does not describe.
+bool at_its_bound(const Catalogue& catalogue, const Eigen::VectorXd& value, int group);
 
 }  // namespace gustlab::diagnosis

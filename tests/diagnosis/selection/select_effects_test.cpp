@@ -93,6 +93,36 @@ TEST_F(SelectEffects, WhatIsLeftOutIsNotAskedAgain) {
   }
 }
 
+TEST_F(SelectEffects, WithinBoundsNothingIsLeftOut) {
+  Session fresh = test::session_of(recordings);
+  const Selection within = select_within_bounds(fresh);
+  EXPECT_TRUE(within.at_bounds.empty());
+  EXPECT_EQ(within.groups(), selection.groups());
+  EXPECT_EQ(within.value, selection.value);
+}
+
+// a moment of inertia that is larger than any file is wrong by: whatever it stands for is looked for without it
+TEST(SelectWithinBounds, AGroupAtItsBoundIsNotAsked) {
+  const Recordings flown = test::short_flights(
+      R"({type = "inertia", delta_x = 1.1, delta_y = 1.1, delta_z = 1.1}, {type = "center_of_mass", x = 6e-4, y = -4e-4})",
+      {"multisine"});
+  Session session = test::session_of(flown);
+  const int inertia = session.catalogue().find("inertia");
+  Session other = session;
+  const Selection bent = select_effects(other);
+  ASSERT_NE(bent.find(inertia), nullptr);
+  ASSERT_TRUE(at_its_bound(session.catalogue(), bent.value, inertia));
+  const Selection within = select_within_bounds(session);
+  EXPECT_THAT(within.at_bounds, ::testing::Contains(inertia));
+  EXPECT_EQ(within.find(inertia), nullptr);
+  const Selection rest = withdraw(session, within, within.groups());
+  EXPECT_EQ(rest.at_bounds, within.at_bounds);
+  std::set<std::vector<int>> tried;
+  if (const std::optional<Selection> again = look_again(session, rest, tried)) {
+    EXPECT_EQ(again->find(inertia), nullptr);
+  }
+}
+
 // what nobody names any more is no noise of the predictions: it would gain as much as before
 TEST(SelectEffectsOfFilteredLogs, WhatWasWithdrawnIsNoNoise) {
   const Recordings flown = test::short_flights(R"({type = "mass", delta = 0.1})", {"multisine"}, 12.0, 100.0);
