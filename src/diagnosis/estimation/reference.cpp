@@ -19,15 +19,12 @@ std::pair<std::string, int> name_of(const Catalogue& catalogue, const Column& co
   return {catalogue.group(column.group).label, column.parameter};
 }
 
-bool has_one_flight(const Grams& grams) {
-  return std::ranges::all_of(grams.flight, [](int flight) { return flight == 0; });
-}
+int flights_of(const Grams& grams) { return 1 + std::ranges::max(grams.flight); }
 
 // Gram matrices of each flight; of one alone, of its thirds
 std::vector<Eigen::MatrixXd> parts_of(const Grams& grams) {
-  const bool one = has_one_flight(grams);
-  const std::size_t count = one ? 3 : static_cast<std::size_t>(std::ranges::max(grams.flight)) + 1,
-                    size = grams.block.size();
+  const bool one = flights_of(grams) == 1;
+  const std::size_t count = one ? 3 : static_cast<std::size_t>(flights_of(grams)), size = grams.block.size();
   std::vector<Eigen::MatrixXd> parts(count, Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1));
   for (std::size_t b = 0; b < size; ++b)
     parts[!one ? static_cast<std::size_t>(grams.flight[b]) : grams.known[b] ? 0 : 3 * b / size] += grams.block[b];
@@ -59,6 +56,7 @@ Eigen::MatrixXd score_covariance(const Grams& grams, const std::vector<int>& fre
 Reference reference_of(const Catalogue& catalogue, const Grams& grams, const std::vector<int>& free) {
   std::vector<int> shared;
   Reference reference;
+  reference.flights = flights_of(grams);
   for (int c = 0; c < catalogue.size(); ++c) {
     const Column& column = catalogue.column(c);
     if (!is_shared(catalogue, column)) continue;

@@ -15,6 +15,7 @@ namespace gustlab::diagnosis {
 // Information about columns that all flights share (label of the group, parameter), in their natural units, and what those flights say
 // of each beyond the nominal vehicle, when all are free: a set of effects that explains them leaves some out that are there.
 struct Reference {
+  int flights = 0;
   std::vector<std::pair<std::string, int>> column;
   Eigen::MatrixXd information;
   Eigen::VectorXd estimate;

@@ -395,9 +395,17 @@ void Session::learn_noise(int iterations, const std::vector<int>& columns) {
     noise = update(noise, smoothed, sample_s());
     if (largest_change(before.back(), noise) < least_change) return;
     // two steps and a leap, and a step at the end
-    if (before.size() == 2 && iteration + 1 < iterations)
-      noise = extrapolated(before[0], before[1], noise), before.clear();
+    if (before.size() == 2 && iteration + 1 < iterations) leap(std::exchange(before, {}), rest);
   }
+}
+
+void Session::leap(const std::vector<NoiseModel>& before, const std::vector<LinearFlight>& rest) {
+  const NoiseModel far = extrapolated(before[0], before[1], noise);
+  std::vector<double> further(rest.size());
+  for_each_flight([&](std::size_t f) {
+    further[f] = gustlab::diagnosis::misfit(rest[f], far) - gustlab::diagnosis::misfit(rest[f], noise);
+  });
+  if (std::accumulate(further.begin(), further.end(), 0.0) < 0.0) noise = far;
 }
 
 void Session::put_back(Learned before) {

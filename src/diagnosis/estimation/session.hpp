@@ -110,6 +110,8 @@ class Session {
 
  private:
   double window_spacing_s() const;
+  // From two steps of EM further on in their direction, where that makes what is left of the flights likelier.
+  void leap(const std::vector<NoiseModel>& before, const std::vector<LinearFlight>& rest);
   // the linearisation's value with some columns further by so much in their natural units
   Eigen::VectorXd value_with(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
   // the parts of a linearisation for one flight: its motion and speeds at a value, and y without the biases

@@ -95,6 +95,10 @@ constexpr Words words[] = {
      [](const Evidence&) -> std::string {
        return "the same effect, or one like it, was found beside it, and two at once are rare";
      }},
+    {"latency",
+     [](const Evidence&) -> std::string {
+       return "one reference flight alone does not tell surely how late its rotors answered";
+     }},
     {"undone",
      [](const Evidence& e) {
        return fmt::format("the other names take back {:.0f} % of what it does", 100.0 * e.undone);

@@ -55,6 +55,8 @@ struct Evidence {
   double undone = 0.0;
   // a force of a flight's own over what an attitude a little off leaves of gravity; infinite where that would show as well
   double force_over_tilt = std::numeric_limits<double>::infinity();
+  bool lone_latency =
+      false;  // a lag or a delay beside one reference flight: where torques swing, one flight alone may fit another one
   int alike = 0;  // other findings of the same effect, of another rotor, or what these logs hardly distinguish from it
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
   // over its standard error; per horizon, the best of (position, velocity), (attitude, body rate) and (position, velocity) with the attitude

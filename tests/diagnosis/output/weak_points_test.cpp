@@ -54,6 +54,7 @@ TEST(WeakPoints, OneThatSpeaksAgainstItIsTheFirst) {
   EXPECT_THAT(first([](Evidence& e) { e.sensors_share = 0.0; }), HasSubstr("leave no room for it"));
   EXPECT_THAT(first([](Evidence& e) { e.at_bound = true; }), HasSubstr("limit of what is allowed"));
   EXPECT_THAT(first([](Evidence& e) { e.alike = 1; }), HasSubstr("two at once are rare"));
+  EXPECT_THAT(first([](Evidence& e) { e.lone_latency = true; }), HasSubstr("one reference flight alone"));
   EXPECT_THAT(first([](Evidence& e) { e.undone = 0.97; }), "the other names take back 97 % of what it does");
   EXPECT_THAT(first([](Evidence& e) { e.force_excess = -0.63; }), "its push is 63 % smaller than its turn says");
   EXPECT_THAT(first([](Evidence& e) { e.force_over_tilt = 0.2; }), HasSubstr("an attitude that is a little off"));
