@@ -550,6 +550,21 @@ def sizes_before(base, case, recordings):
     return {name: 0.01 * value * float(np.average(size, weights=weight)) for name, value in case.parameters.items() if name != "rotor"}
 
 
+def over_stated(case, untouched):
+    """What is concealed over the size from which on it would show in these flights, as their own diagnosis says without it (`would_show`; of what it
+    names or trims, five standard errors); of several numbers the largest. 0 where it says that these logs do not tell it."""
+    stated = {}
+    for rejected in untouched.get("rejected", []):
+        name, _, rotor = rejected["effect"].partition(" (rotor ")
+        # a rotor that is not listed would show from where another one does
+        if name == case.effect and (not stated or rotor.rstrip(")") == str(case.rotor)):
+            stated = {key: number["value"] for key, number in rejected.get("would_show", {}).items()}
+    for found in sum((untouched.get(key, []) for key in ("effects", "suspected", "calibration")), []):
+        if found["effect"] == case.effect and rotor_of(found) in (None, case.rotor):
+            stated = {key: 5 * number["std"] for key, number in found["parameters"].items() if number.get("std")}
+    return max((abs(size) / stated[key] for key, size in case.parameters.items() if key in stated), default=0.0)
+
+
 def judge(case, found, base=None, before=None, reported=()):
     """One row. Against the file: what is named beyond `base`; against reference flights: all that is named but values of every flight's
     own (a wind) that `base` names too, which are no change of the vehicle. What the flights are known to have (`reported`) is not wrong.
@@ -621,6 +636,14 @@ def summary(rows):
         tally = Counter(r["outcome"] for r in rows if chosen(r) and (r["times"] == 2 or not r["truth"]))
         if total := sum(tally.values()):
             lines.append(f"| {text} | {total} | " + " | ".join(share(tally[o], total) for o in named) + " |")
+    stated = [r for r in rows if r["times"] == 2 and r.get("over_stated") is not None]
+    if stated:
+        lines += ["", "The same cases by what the diagnosis of the untouched flights says beforehand: the size from which on the effect would show there (`would_show`).", "",
+                  "| concealed, over what would show | N | " + " | ".join(named.values()) + " |", "|" + " --- |" + " ---: |" * (len(named) + 1)]
+        for text, least, most in (("said to be not identifiable", 0.0, 1e-12), ("below 1", 1e-12, 1.0), ("1 to 2", 1.0, 2.0), ("2 to 4", 2.0, 4.0), ("4 and more", 4.0, np.inf)):
+            tally = Counter(r["outcome"] for r in stated if least <= r["over_stated"] < most)
+            if total := sum(tally.values()):
+                lines.append(f"| {text} | {total} | " + " | ".join(share(tally[o], total) for o in named) + " |")
     return "\n".join(lines) + "\n"
 
 
@@ -681,7 +704,11 @@ class Bench:
             return {"case": case.name, "set": case.set, "way": case.way, "asked": case.asked, "truth": case.truth, "times": case.times, "outcome": "failed"}
         from_file = base and case.effect and shown is None and case.asked == "file"
         before = sizes_before(base, case, self.of(case.set)) if from_file else {}
-        return judge(case, found, base, before, SETS[case.set].reported)
+        row = judge(case, found, base, before, SETS[case.set].reported)
+        untouched = base if from_file else self.diagnosis(Case("untouched_reference", case.set, "nothing", "reference"))
+        if case.truth and shown is None and untouched:
+            row["over_stated"] = over_stated(case, untouched)
+        return row
 
 
 def run(flights, out, gustlab, jobs, chosen, seconds=600, removals=True):

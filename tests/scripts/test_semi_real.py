@@ -18,7 +18,7 @@ import conceal_inputs as physics  # noqa: E402
 from falsify import VehicleFolder  # noqa: E402
 from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
 from flight_files import Log, read_vehicle  # noqa: E402
-from semi_real import Case, change_inputs, change_recording, combined, falsify_file, hover_difference, in_range, judge, seen_away, sizes_before, summary  # noqa: E402
+from semi_real import Case, change_inputs, change_recording, combined, falsify_file, hover_difference, in_range, judge, over_stated, seen_away, sizes_before, summary  # noqa: E402
 
 FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
 VEHICLE = read_vehicle(FILE)
@@ -287,6 +287,19 @@ def test_what_logs_do_not_tell_is_counted_apart():
     assert outcome(says_so) == "not_told" and outcome({**says_so, "not_identifiable": [{"effect": "mass", "why": ""}]}) == "nothing"
 
 
+def test_a_size_is_compared_with_what_the_untouched_flights_say_would_show():
+    would_show = lambda effect, **sizes: {"effect": effect, "why": "", "would_show": {key: {"value": size} for key, size in sizes.items()}}
+    case = lambda effect, **parameters: Case("c", "s", "input", "file", effect, parameters, parameters.get("rotor"), 2.0)
+    untouched = {**diagnosis(), "rejected": [would_show("center_of_mass", x=0.002, y=0.004), would_show("rotor_loss (rotor 1)", loss=0.02),
+                                             would_show("rotor_loss (rotor 3)", loss=0.05)]}
+    assert over_stated(case("center_of_mass", x=-0.003, y=0.004), untouched) == pytest.approx(1.5)
+    assert over_stated(case("rotor_loss", loss=0.1, rotor=3), untouched) == pytest.approx(2.0)
+    assert over_stated(case("rotor_loss", loss=0.1, rotor=2), untouched) == pytest.approx(5.0)
+    assert over_stated(case("mass", delta=0.1), untouched) == 0.0
+    named = {**diagnosis(), "effects": [{**DRAG, "parameters": {"at_hover": {"value": 0.02, "std": 0.001}}}]}
+    assert over_stated(case("rotor_drag", at_hover=0.01), named) == pytest.approx(2.0)
+
+
 def test_what_was_named_before_must_have_moved():
     before = finding("thrust_scale", delta=0.10)
     assert outcome(diagnosis(before), base=[before], before={"delta": 0.10}) == "nothing"
@@ -354,3 +367,5 @@ def test_the_summary_counts_twice_the_limit_and_nothing_concealed():
                          "| beside reference flights | 1 | 0 | 0 | 0 | 0 | 1 (100 %) | 0 | 0 |",
                          "| both | 3 | 1 (33 %) | 1 (33 %) | 0 | 0 | 1 (33 %) | 0 | 0 |",
                          "| nothing concealed | 1 | 1 (100 %) | 0 | 0 | 0 | 0 | 0 | 0 |"]
+    lines = summary([{**row("exact"), "over_stated": 4.0}, {**row("nothing"), "over_stated": 0.0}, {**row("wrong"), "over_stated": 5.0}]).splitlines()
+    assert lines[-2:] == ["| said to be not identifiable | 1 | 0 | 0 | 0 | 0 | 1 (100 %) | 0 | 0 |", "| 4 and more | 2 | 1 (50 %) | 1 (50 %) | 0 | 0 | 0 | 0 | 0 |"]

@@ -44,6 +44,7 @@ TEST(Reference, ChangesAreThoseOfTheJointSolution) {
   const Eigen::MatrixXd here = rows_of(400, size + 1, 1), there = rows_of(300, size + 1, 2);
   const Grams normal = one_block(there);
   const Reference reference = reference_of(catalogue, normal, {});
+  EXPECT_EQ(reference.flights, 1);
   const Grams changed = beside_reference(catalogue, all_of(catalogue), reference, one_block(here));
 
   // the columns that both share, each with an error of its own, which the information of the reference (and a prior of one) holds
