@@ -165,6 +165,19 @@ TEST_F(ExplainedFiltered, AMassMayHang) {
   EXPECT_THAT(explained().effects[0].classmates, ::testing::Not(Contains("slung_load")));
 }
 
+TEST_F(Explained, WhatEndedAtItsBoundIsRejectedForThat) {
+  const int inertia = session.catalogue().find("inertia"), mass = session.catalogue().find("mass");
+  selection.alone = {{inertia, 300.0}, {mass, 20.0}};
+  selection.at_bounds = {inertia};
+  const Diagnosis d = explained();
+  const auto why = [&](const std::string& effect) {
+    const auto at = std::ranges::find(d.rejected, effect, &Rejected::effect);
+    return at == d.rejected.end() ? std::string() : at->why;
+  };
+  EXPECT_THAT(why("inertia"), HasSubstr("the largest or smallest that is allowed"));
+  EXPECT_THAT(why("mass"), HasSubstr("too little better"));
+}
+
 TEST_F(Explained, WhatFlightsDoNotExciteIsSaidOnce) {
   for (int rotor = 1; rotor <= 4; ++rotor) {
     const int c = column(("rotor_loss#" + std::to_string(rotor)).c_str());
