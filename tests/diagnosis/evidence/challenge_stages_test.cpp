@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "diagnosis/evidence/judge.hpp"
+#include "diagnosis/evidence/reference_fit.hpp"
 #include "diagnosis/selection/select_effects.hpp"
 #include "support/sessions.hpp"
 
@@ -49,6 +50,31 @@ TEST(Challenge, WhatItHasNotIsNotNamed) {
   ASSERT_NE(record, nullptr);
   EXPECT_LT(record->probability, named_from);
   EXPECT_LT(record->held_out_delta_chi2, 0.0);
+}
+
+// where torques swing, a single reference flight may itself have been fitted by another latency
+TEST(Challenge, BesideOneReferenceFlightNoDelayIsNamed) {
+  const Recordings late = test::short_flights(R"({type = "actuation_delay", delay = 0.015})", {"multisine"});
+  for (const std::vector<std::string>& flights : {std::vector<std::string>{"multisine"}, {"multisine", "lemniscate"}}) {
+    const Recordings good = test::short_flights("", flights);
+    const ReferenceFit normal = ReferenceFlights(test::session_of(good).flights(), {}, good.vehicle, 1).fit();
+    Session session(prepare(late.fit, normal.vehicle, {}), normal.vehicle, 1);
+    session.compare_with(normal.known);
+    Selection selection = select_effects(session);
+    const Challenge result = challenge(
+        session, selection, {prepare(late.holdout, normal.vehicle, {}), {}, late.holdout}, [] { return std::nullopt; },
+        1);
+    std::vector<Evidence> all = result.records;
+    all.insert(all.end(), result.withdrawn.begin(), result.withdrawn.end());
+    const auto delay = std::ranges::find(all, "actuation_delay", &Evidence::effect);
+    ASSERT_NE(delay, all.end());
+    EXPECT_EQ(delay->lone_latency, flights.size() == 1);
+    Evidence known = *delay;
+    known.lone_latency = false;
+    judge(known);
+    if (flights.size() == 1) EXPECT_LT(delay->probability, std::min(named_from, 0.9 * known.probability));
+    else EXPECT_EQ(delay->probability, known.probability);
+  }
 }
 
 TEST(ExplainsMore, IsTheSetWithWhatWasConcealed) {
