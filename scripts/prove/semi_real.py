@@ -684,8 +684,8 @@ class Bench:
                 build(case, self.of(case.set), folder, found)
             return ask(folder, self.gustlab, self.seconds)
 
-    def base(self, name):
-        return self.diagnosis(Case("untouched_file", name, "nothing", "file"))
+    def base(self, name, asked="file"):
+        return self.diagnosis(Case(f"untouched_{asked}", name, "nothing", asked))
 
     def removals(self, name):
         """One case for each effect that the untouched flights show and a vehicle file can hold."""
@@ -705,8 +705,7 @@ class Bench:
         from_file = base and case.effect and shown is None and case.asked == "file"
         before = sizes_before(base, case, self.of(case.set)) if from_file else {}
         row = judge(case, found, base, before, SETS[case.set].reported)
-        untouched = base if from_file else self.diagnosis(Case("untouched_reference", case.set, "nothing", "reference"))
-        if case.truth and shown is None and untouched:
+        if case.truth and shown is None and (untouched := base if case.asked == "file" else self.base(case.set, case.asked)):
             row["over_stated"] = over_stated(case, untouched)
         return row
 
