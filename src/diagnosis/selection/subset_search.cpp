@@ -128,7 +128,8 @@ std::vector<int> SubsetSearch::improved(const Eigen::MatrixXd& gram, const std::
   const auto try_groups = [&](std::vector<int> changed) {
     std::sort(changed.begin(), changed.end());
     if (visited.contains(changed) || !allowed(changed)) return;
-    const double score = evaluate(gram, changed).score;
+    const double saved = changed.size() < groups.size() ? material : 0.0;
+    const double score = evaluate(gram, changed).score - saved;
     if (score < best) best = score, better = std::move(changed);
   };
   for (const int g : candidates) {
@@ -141,6 +142,12 @@ std::vector<int> SubsetSearch::improved(const Eigen::MatrixXd& gram, const std::
       std::vector<int> changed = groups;
       changed[i] = g;
       try_groups(changed);
+      // two effects for one that does what they do
+      for (std::size_t j = 0; j < i; ++j) {
+        std::vector<int> fewer = changed;
+        fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(j));
+        try_groups(std::move(fewer));
+      }
     }
   }
   return better;

@@ -24,7 +24,8 @@ struct SubsetSearch {
   static Subset choose(const std::vector<std::vector<Subset>>& by_size, double material);
   // Loss of one subset; infinite when a coefficient leaves its bounds or a group needs another that is missing.
   Subset evaluate(const Eigen::MatrixXd& gram, const std::vector<int>& groups) const;
-  // One group more, or (`exchange`) one for another, where that pays most: at least what a further effect must gain. Empty: nothing does.
+  // One group more, or (`exchange`) one for another or for two, where that pays most: at least what a further effect must gain, of which one effect
+  // less is worth as much. Empty: nothing does.
   std::vector<int> improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups,
                             const std::set<std::vector<int>>& visited, double material, bool exchange) const;
   bool allowed(const std::vector<int>& groups) const;

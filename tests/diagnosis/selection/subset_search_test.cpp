@@ -119,6 +119,29 @@ TEST(SubsetSearch, ImprovesASetByWhatPaysMost) {
   EXPECT_TRUE(std::includes(more.begin(), more.end(), start.begin(), start.end()));
 }
 
+TEST(SubsetSearch, OneEffectTakesThePlaceOfTwoThatDoTogetherWhatItDoes) {
+  const SubsetSearch by = search();
+  const RandomStream random(7, 0, "subset_search_test");
+  const auto one = [](const char* name) { return catalogue().group(catalogue().find(name)).columns.front(); };
+  Eigen::MatrixXd rows(300, catalogue().size() + 1);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    for (Eigen::Index j = 0; j < rows.cols(); ++j)
+      rows(i, j) = random.normal4(static_cast<std::uint64_t>(i * rows.cols() + j))[0];
+  rows.col(one("thrust_curve")) =
+      rows.col(one("rotor_drag")) + rows.col(one("translational_lift")) + 0.1 * rows.col(one("thrust_curve"));
+  rows.col(catalogue().size()) += rows.col(one("thrust_curve"));
+  const Eigen::MatrixXd gram = rows.transpose() * rows;
+  std::vector<int> two = {catalogue().find("rotor_drag"), catalogue().find("translational_lift")};
+  std::sort(two.begin(), two.end());
+  constexpr double material = 20.0;
+  EXPECT_THAT(by.improved(gram, two, {}, material, true), ElementsAre(catalogue().find("thrust_curve")));
+  // what is only added to replaces nothing
+  EXPECT_THAT(by.improved(gram, two, {}, material, false), ElementsAre());
+  // and where it does less than the two, they stay
+  rows.col(catalogue().size()) += rows.col(one("rotor_drag"));
+  EXPECT_THAT(by.improved(rows.transpose() * rows, two, {}, material, true), ElementsAre());
+}
+
 TEST(SubsetSearch, KnowsWhatNeedsAnotherAndWhatExcludesIt) {
   const SubsetSearch by = search();
   const int wind = catalogue().find("steady_wind"), mass = catalogue().find("mass"),
