@@ -78,7 +78,12 @@ class Installed(unittest.TestCase):
 
     def test_an_own_program_builds_on_it(self):
         build = Path(self.folder.name, "hover")
-        output("cmake", "-S", ROOT / "examples" / "hover", "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.tree}", "-DCMAKE_BUILD_TYPE=Release")
+        # a library that was built with sanitizers needs them in every program
+        cache = (PROGRAM.parent / "CMakeCache.txt").read_text(encoding="utf-8")
+        kind = re.search(r"(?m)^CMAKE_BUILD_TYPE:\w+=(\w+)$", cache)[1].upper()
+        sanitizers = re.findall(r"-f(?:no-)?sanitize\S+", re.search(rf"(?m)^CMAKE_CXX_FLAGS_{kind}:\w+=(.*)$", cache)[1])
+        output("cmake", "-S", ROOT / "examples" / "hover", "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.tree}", "-DCMAKE_BUILD_TYPE=Release",
+               f"-DCMAKE_CXX_FLAGS={' '.join(sanitizers)}")
         output("cmake", "--build", build)
         said = output(build / "hover", "crazyflie", env=os.environ | {"GUSTLAB_HOME": str(self.tree / "share/gustlab")})
         where = re.match(r"crazyflie is at \((\S+), (\S+), (\S+)\) m after 5.0 s", said)

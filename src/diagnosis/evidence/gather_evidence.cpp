@@ -272,6 +272,8 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.group = finding.group;
     record.rotor = group.rotor;
     record.per_flight = group.row->per_flight;
+    record.constant =
+        group.row->per_flight || (group.row->in_hover == InHover::weight && group.row->place == Place::body);
     record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
     record.delta_chi2 = finding.delta_chi2;
     record.delta_chi2_with_partner = finding.delta_chi2_with_partner;
@@ -284,6 +286,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
       record.flights.push_back({"held out", true, 0.5 * (1.0 + record.held_out_delta_chi2 / record.held_out_expected),
                                 std::sqrt(std::max(1.0, record.clustered_inflation) / record.held_out_expected)});
     record.spread_regimes = most_astray(regimes[i]);
+    record.uneven = surely_astray(regimes[i]);
     // a force that every flight has for itself is at least as large as what a frame that is not level leaves
     record.size_in_tolerances = size_in_tolerances(session, selection.value, finding.group);
     if (group.row->per_flight) {

@@ -103,6 +103,8 @@ constexpr Words words[] = {
      [](const Evidence& e) {
        return fmt::format("the other names take back {:.0f} % of what it does", 100.0 * e.undone);
      }},
+    {"constant",
+     [](const Evidence&) -> std::string { return "it should be the same all along a flight, and surely is not"; }},
     {"tilt",
      [](const Evidence&) -> std::string { return "an attitude that is a little off would push the vehicle just so"; }}};
 

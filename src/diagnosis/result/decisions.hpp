@@ -157,6 +157,10 @@ inline constexpr double level_share = 0.01;
 // as it stood when it was defined (NanoBench, indoors: 1.0 and 3.1 degrees); no derivation for four degrees. Costs: where the heading stays, winds below some
 // five hundredths of the weight are only suspected.
 inline constexpr double kept_heading = 0.97, tilt_share = 0.07;
+// A size differs along a variable.
+// Statistic: probability by chance, of as many variables as there are. From: four tethers that were named constant forces, 4e-5 to 4e-9; of 79 other
+// constant forces and winds a dozen are below it, which differ by a tenth at most. Costs: what is less sure is not doubted.
+inline constexpr double uneven_p = 0.005;
 // Force against moment: a force that would be seen.
 // Statistic: χ² of the force, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), whose moment
 // has between a fiftieth and a twentieth of its Δχ²; an inflow of the simulator, whose air turns nothing: 0.027 and 0.059. Costs: what is not

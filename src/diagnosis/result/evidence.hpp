@@ -28,6 +28,7 @@ struct Evidence {
   int group = -1;
   int rotor = 0;            // of a rotor's own effect: 1 to N
   bool per_flight = false;  // its values are each flight's own, fitted to the held-out ones as well
+  bool constant = false;    // nothing in flight changes it: a mass, a force of every flight's own
   int parameters = 1;       // free numbers
   double delta_chi2 = 0.0;  // Δχ² when it is left out and all else is fitted anew
   double delta_chi2_with_partner =
@@ -40,6 +41,7 @@ struct Evidence {
   std::vector<FlightShare> flights;  // fit flights, then the held-out ones together
   double spread_flights = 0.0;       // standard deviation of the shares beyond their errors
   double spread_regimes = 0.0;  // the same between low, middling and high speed, height, thrust …; 1: cannot be said
+  double uneven = 0.0;          // standard deviation between regimes beyond its errors, along what it surely depends on
   double size_in_tolerances = 0.0;  // largest parameter over its reporting tolerance; infinite where none is declared
   double inclusion = 0.0;           // share of half samples that select it
   double rival_delta_chi2 = 0.0,

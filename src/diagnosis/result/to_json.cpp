@@ -70,6 +70,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"flights_against", e.flights_against()},
                         {"spread_flights", number(e.spread_flights)},
                         {"spread_regimes", number(e.spread_regimes)},
+                        {"uneven", number(e.uneven)},
                         {"size_in_tolerances", number(e.size_in_tolerances)},
                         {"inclusion", number(e.inclusion)},
                         {"rival_delta_chi2", number(e.rival_delta_chi2)},

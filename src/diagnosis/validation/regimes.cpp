@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numeric>
 
@@ -164,6 +165,15 @@ double most_astray(const std::vector<Regimes>& regimes) {
     most = std::max(most, std::sqrt(r.spread * r.spread + 2.0 * expected * std::sqrt(2.0 / (thirds - 1))));
   }
   return 2 * known > regimes.size() ? most : not_known;
+}
+
+double surely_astray(const std::vector<Regimes>& regimes) {
+  const double chance = decisions::uneven_p / static_cast<double>(std::max<std::size_t>(1, regimes.size()));
+  const double least = boost::math::quantile(boost::math::complement(boost::math::chi_squared(thirds - 1.0), chance));
+  double most = 0.0;
+  for (const Regimes& r : regimes)
+    if (std::ranges::count(r.deviation, not_known) == 0 && r.chi_squared > least) most = std::max(most, r.spread);
+  return most;
 }
 
 }  // namespace gustlab::diagnosis

@@ -16,4 +16,7 @@ std::vector<std::vector<Regimes>> regimes(const Session& session, const Selectio
 // regimes are known by more than a few clusters; 1 when those are not most.
 double most_astray(const std::vector<Regimes>& regimes);
 
+// Of the variables along which a finding's size differs by more than chance, the widest spread; 0 when there is none.
+double surely_astray(const std::vector<Regimes>& regimes);
+
 }  // namespace gustlab::diagnosis

@@ -65,6 +65,22 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
   }
 }
 
+// a tether pulls harder the higher the vehicle is, and is neither a constant force nor a mass
+TEST(Judge, WhatNothingInFlightChangesIsTheSameAllAlongIt) {
+  Evidence e = strong();
+  e.constant = true;
+  const double even = probability(e);
+  e.uneven = 0.1;
+  EXPECT_EQ(probability(e), even);
+  e.uneven = 0.25;
+  EXPECT_LT(probability(e), even);
+  // of other effects it is no sure sign
+  e.constant = false;
+  const double shared = probability(e);
+  e.uneven = 0.0;
+  EXPECT_EQ(probability(e), shared);
+}
+
 // it lowers the verdict
 TEST(Judge, WhatRemainsUnexplainedTakesNoName) {
   Evidence e = strong();

@@ -69,6 +69,7 @@ TEST_F(RegimesOf, AreItsSizesWhereAVariableIsLowMiddlingAndHigh) {
   }
   EXPECT_NEAR(height.spread, std::sqrt(0.25 - 0.06 * 0.06 / 20.0), 1e-6);
   EXPECT_GT(most_astray(all), 0.49);
+  EXPECT_EQ(surely_astray(all), all.front().spread);
   // the widest comes first
   for (std::size_t i = 1; i < all.size(); ++i) EXPECT_GE(all[i - 1].spread, all[i].spread);
 }
@@ -79,6 +80,13 @@ TEST_F(RegimesOf, OfAnEvenEffectSpreadNowhere) {
   EXPECT_LT(most_astray(all), 0.05);
 }
 
+// half as large and half again as large, but every block says something else by four times as much
+TEST_F(RegimesOf, WhatMayBeChanceIsNotSurelyAstray) {
+  const auto all = along([](int b) { return 0.5 + 0.5 * (b / 20) + (b % 2 == 0 ? 2.0 : -2.0); });
+  EXPECT_GT(most_astray(all), 0.2);
+  EXPECT_EQ(surely_astray(all), 0.0);
+}
+
 // variables of which few clusters say anything do not count, and where most are such nothing is known
 TEST(MostAstray, IsUnknownWhereMostRegimesAre) {
   const Regimes even{"height", {1.0, 1.0, 1.0}, {0.05, 0.05, 0.05}, 0.0, 0.0},
@@ -86,6 +94,7 @@ TEST(MostAstray, IsUnknownWhereMostRegimesAre) {
   EXPECT_LT(most_astray({even, even, unknown}), 0.1);
   EXPECT_EQ(most_astray({even, unknown}), 1.0);
   EXPECT_EQ(most_astray({even, unknown, unknown}), 1.0);
+  EXPECT_EQ(surely_astray({even, unknown}), 0.0);
 }
 
 // χ² of `size` unknowns has that mean and twice that variance; a thousandth of the rows is nothing to speak of
