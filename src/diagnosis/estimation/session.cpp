@@ -622,6 +622,14 @@ double Session::misfit(const std::vector<int>& columns, const Eigen::VectorXd& c
   return std::accumulate(of.begin(), of.end(), 0.0);
 }
 
+double Session::minus_two_log_likelihood(const std::vector<int>& columns, const Fit& fit) const {
+  if (!shoots()) return misfit(columns, fit.coefficient);
+  double windows = 0.0;
+  for (const ShotFlight& flight : shot_aside_) windows += static_cast<double>(flight.window.size());
+  return fit.loss -
+         2.0 * windows * Eigen::PartialPivLU<Eigen::MatrixXd>(weights_).matrixLU().diagonal().array().abs().log().sum();
+}
+
 void Session::start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const {
   const int delay = catalogue_.find(Place::actuation, Latency::delay);
   if (delay < 0 || std::find(groups.begin(), groups.end(), delay) == groups.end() || !predicts_speeds()) return;

@@ -78,6 +78,9 @@ class Session {
   RowSeries row_series(const std::vector<int>& columns) const;
   // −2 log likelihood of the innovations above.
   double misfit(const std::vector<int>& columns, const Eigen::VectorXd& coefficient) const;
+  // The same of a fit, and where predictions half a second ahead are judged, of these: the noise that was learned counts, so that sets beside
+  // which other noise was learned can be compared.
+  double minus_two_log_likelihood(const std::vector<int>& columns, const Fit& fit) const;
 
   // Where rotor speeds are measured and a delay is among the groups, it starts from where speeds and commands match.
   void start_delay(const std::vector<int>& groups, Eigen::VectorXd& value) const;

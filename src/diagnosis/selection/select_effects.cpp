@@ -418,11 +418,27 @@ class Selector {
     }
   }
 
+  // a set that settled, and how unlikely the flights are with it: −2 log likelihood and what its numbers cost
+  struct Stand {
+    std::vector<int> groups;
+    Eigen::VectorXd value;
+    Session::Learned learned;
+    double how_unlikely;
+  };
+  double how_unlikely(const std::vector<int>& chosen, const Grams& grams, const Eigen::MatrixXd& total) const {
+    const std::vector<int> columns = s_.with_biases(chosen);
+    Fit fit = solve(total, columns);
+    // from where the flights were linearised
+    fit.coefficient -= (s_.value() - catalogue_.nominal()).cwiseQuotient(natural_)(columns);
+    return s_.minus_two_log_likelihood(columns, fit) + grams.price(columns.size());
+  }
+
   // Linearised anew about a set, with noise learned anew, until it stays as it is; returns the sum of its Gram matrices.
   Eigen::MatrixXd settle(Selection& result, std::vector<int>& chosen, Eigen::VectorXd value) {
     Eigen::MatrixXd total;
     std::set<std::vector<int>> visited;
     std::set<int> went = left_out_;  // pruned once: not tried again in this set
+    std::optional<Stand> stand;
     bool simplified = false;
     int noise_steps = 6;
     anew_ = true;
@@ -442,6 +458,20 @@ class Selector {
       std::ranges::set_difference(before, chosen, std::inserter(went, went.end()));
       // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
       // tried again, whatever it was pruned to
+      if (settled) {
+        const double unlikely = how_unlikely(chosen, result.grams, total);
+        if (stand && unlikely > stand->how_unlikely + decisions::trim_cost) {
+          // fitted anew, and noise learned beside it, the change does not pay
+          chosen = stand->groups, value = stand->value;
+          s_.put_back(stand->learned);
+          s_.linearise(value, s_.all_columns());
+          result.grams = absolute(value);
+          total = result.grams.total();
+          result.loss_nominal = solve(total, s_.biases()).loss;
+        } else {
+          stand = Stand{chosen, value, s_.learned(), unlikely};
+        }
+      }
       if (settled && improve_ != Improve::no && visited.size() < 2 * most_changes) {
         visited.insert(chosen);
         const std::vector<int> better = lasting(chosen, result.grams, result.loss_nominal, visited, went);
