@@ -137,6 +137,36 @@ TEST(SelectEffectsOfFilteredLogs, WhatWasWithdrawnIsNoNoise) {
   EXPECT_GT(std::ranges::max(rest.alone, {}, &std::pair<int, double>::second).second, 0.1 * gained);
 }
 
+// −2 log likelihood with a selection, under the noise that was learned beside it; the session is the one that made it
+double how_unlikely(const Session& session, const Selection& selection) {
+  const std::vector<int> columns = session.with_biases(selection.groups());
+  Fit fit = solve(selection.grams.total(), columns);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Column& column = session.catalogue().column(columns[i]);
+    fit.coefficient[static_cast<Eigen::Index>(i)] -= (session.value()[columns[i]] - column.nominal) / column.natural;
+  }
+  return session.minus_two_log_likelihood(columns, fit);
+}
+
+// whitened by noise that was learned without an effect, flights lose hardly more without it: only the noise itself says how unlikely they are
+TEST_F(SelectEffects, FlightsAreLikelierWithWhatTheyHaveWhateverNoiseWasLearned) {
+  const double with = how_unlikely(session, selection);
+  const Selection rest = withdraw(session, selection, selection.groups());
+  ASSERT_TRUE(rest.findings.empty());
+  EXPECT_LT(with, how_unlikely(session, rest) - 100.0);
+}
+
+TEST(SelectEffectsOfFilteredLogs, FlightsAreLikelierWithWhatTheyHaveWhateverNoiseWasLearned) {
+  const Recordings flown = test::short_flights(R"({type = "mass", delta = 0.1})", {"multisine"}, 12.0, 100.0);
+  const std::vector<FlightData> flights = prepare(flown.fit, flown.vehicle, {});
+  Session session(flights, flown.vehicle, 1, flights);
+  const Selection found = select_effects(session);
+  const double with = how_unlikely(session, found);
+  const Selection rest = withdraw(session, found, found.groups());
+  ASSERT_TRUE(rest.findings.empty());
+  EXPECT_LT(with, how_unlikely(session, rest) - 100.0);
+}
+
 TEST_F(SelectEffects, WhatWasTriedIsNotTriedAgainAndTheNoiseIsPutBack) {
   const Selection rest = withdraw(session, selection, {session.catalogue().find("mass")});
   std::set<std::vector<int>> tried;
