@@ -443,35 +443,39 @@ class Selector {
     int noise_steps = 6;
     anew_ = true;
     latency_delta_chi2_.clear();
-    for (bool settled = false; !settled;) {
+    const auto linearise = [&] {
       measure_latency(chosen, value);
       s_.linearise(value, s_.all_columns());
-      // predictions half a second ahead count what nobody named as noise: it is learned beside all
-      s_.learn_noise(noise_steps, s_.shoots() ? s_.all_columns() : s_.with_biases(chosen));
-      noise_steps = 2;  // one effect more or less changes it little
+    };
+    const auto compare = [&] {
       result.grams = absolute(value);
       total = result.grams.total();
       result.loss_nominal = solve(total, s_.biases()).loss;
+    };
+    for (bool settled = false; !settled;) {
+      linearise();
+      // predictions half a second ahead count what nobody named as noise: it is learned beside all
+      s_.learn_noise(noise_steps, s_.shoots() ? s_.all_columns() : s_.with_biases(chosen));
+      noise_steps = 2;  // one effect more or less changes it little
+      compare();
       const std::vector<int> before = chosen;
       prune(result.grams, chosen, total, result.loss_nominal);
       settled = chosen == before || chosen.empty();  // what stays takes over what went
       std::ranges::set_difference(before, chosen, std::inserter(went, went.end()));
-      // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
-      // tried again, whatever it was pruned to
       if (settled) {
         const double unlikely = how_unlikely(chosen, result.grams, total);
         if (stand && unlikely > stand->how_unlikely + decisions::trim_cost) {
           // fitted anew, and noise learned beside it, the change does not pay
           chosen = stand->groups, value = stand->value;
           s_.put_back(stand->learned);
-          s_.linearise(value, s_.all_columns());
-          result.grams = absolute(value);
-          total = result.grams.total();
-          result.loss_nominal = solve(total, s_.biases()).loss;
+          linearise();
+          compare();
         } else {
           stand = Stand{chosen, value, s_.learned(), unlikely};
         }
       }
+      // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
+      // tried again, whatever it was pruned to
       if (settled && improve_ != Improve::no && visited.size() < 2 * most_changes) {
         visited.insert(chosen);
         const std::vector<int> better = lasting(chosen, result.grams, result.loss_nominal, visited, went);
