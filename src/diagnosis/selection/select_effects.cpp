@@ -418,6 +418,12 @@ class Selector {
     }
   }
 
+  // fall of the loss when a group is added to the others
+  double gain_of(const Eigen::MatrixXd& total, const std::vector<int>& chosen, int group) const {
+    const std::vector<int> rest = SubsetSearch(catalogue_, s_.vehicle(), 0.0).without(chosen, group);
+    return solve(total, s_.with_biases(rest)).loss - solve(total, s_.with_biases(chosen)).loss;
+  }
+
   // a set that settled, and how unlikely the flights are with it: −2 log likelihood and what its numbers cost
   struct Stand {
     std::vector<int> groups;
@@ -439,6 +445,7 @@ class Selector {
     std::set<std::vector<int>> visited;
     std::set<int> went = left_out_;  // pruned once: not tried again in this set
     std::optional<Stand> stand;
+    double may_lose = decisions::trim_cost;
     bool simplified = false;
     int noise_steps = 6;
     anew_ = true;
@@ -464,7 +471,7 @@ class Selector {
       std::ranges::set_difference(before, chosen, std::inserter(went, went.end()));
       if (settled) {
         const double unlikely = how_unlikely(chosen, result.grams, total);
-        if (stand && unlikely > stand->how_unlikely + decisions::trim_cost) {
+        if (stand && unlikely > stand->how_unlikely + may_lose) {
           // fitted anew, and noise learned beside it, the change does not pay
           chosen = stand->groups, value = stand->value;
           s_.put_back(stand->learned);
@@ -486,6 +493,10 @@ class Selector {
         simplified = true;
         const std::vector<int> simpler = shared_instead(s_, result.grams, least_said(total, chosen), left_out_);
         settled = simpler == chosen;
+        // as much as the fewer numbers of what takes a force's place may cost
+        for (const int g : chosen)
+          if (catalogue_.group(g).row->per_flight && std::ranges::count(simpler, g) == 0)
+            may_lose += decisions::nearly_all * gain_of(total, chosen, g);
         chosen = simpler;
       }
       if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
