@@ -418,10 +418,16 @@ class Selector {
     }
   }
 
-  // fall of the loss when a group is added to the others
-  double gain_of(const Eigen::MatrixXd& total, const std::vector<int>& chosen, int group) const {
-    const std::vector<int> rest = SubsetSearch(catalogue_, s_.vehicle(), 0.0).without(chosen, group);
-    return solve(total, s_.with_biases(rest)).loss - solve(total, s_.with_biases(chosen)).loss;
+  // how much less likely the flights may be with another set: a number of the vehicle may do a little less than a force of every flight
+  double may_cost(const Eigen::MatrixXd& total, const std::vector<int>& before, const std::vector<int>& after) const {
+    double cost = decisions::trim_cost;
+    for (const int g : before) {
+      if (!catalogue_.group(g).row->per_flight || std::ranges::count(after, g) > 0) continue;
+      const std::vector<int> rest = SubsetSearch(catalogue_, s_.vehicle(), 0.0).without(before, g);
+      cost +=
+          decisions::nearly_all * (solve(total, s_.with_biases(rest)).loss - solve(total, s_.with_biases(before)).loss);
+    }
+    return cost;
   }
 
   // a set that settled, and how unlikely the flights are with it: −2 log likelihood and what its numbers cost
@@ -493,10 +499,7 @@ class Selector {
         simplified = true;
         const std::vector<int> simpler = shared_instead(s_, result.grams, least_said(total, chosen), left_out_);
         settled = simpler == chosen;
-        // as much as the fewer numbers of what takes a force's place may cost
-        for (const int g : chosen)
-          if (catalogue_.group(g).row->per_flight && std::ranges::count(simpler, g) == 0)
-            may_lose += decisions::nearly_all * gain_of(total, chosen, g);
+        may_lose = may_cost(total, chosen, simpler);
         chosen = simpler;
       }
       if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
