@@ -159,7 +159,7 @@ inline constexpr double level_share = 0.01;
 inline constexpr double kept_heading = 0.97, tilt_share = 0.07;
 // A size differs along a variable.
 // Statistic: probability by chance, of as many variables as there are. From: four tethers that were named constant forces, 4e-5 to 4e-9; of 79 other
-// constant forces and winds a dozen are below it, which differ by a tenth at most. Costs: what is less sure is not doubted.
+// constant forces and winds a dozen are below it, which differ by .12 at most. Costs: what is less sure is not doubted.
 inline constexpr double uneven_p = 0.005;
 // Force against moment: a force that would be seen.
 // Statistic: χ² of the force, and its share of what the effect gains. From: five standard deviations; rotor drag of a Crazyflie (imrc, brushless), whose moment

@@ -420,13 +420,12 @@ class Selector {
 
   // how much less likely the flights may be with another set: a number of the vehicle may do a little less than a force of every flight
   double may_cost(const Eigen::MatrixXd& total, const std::vector<int>& before, const std::vector<int>& after) const {
+    const double loss = solve(total, s_.with_biases(before)).loss;
+    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
     double cost = decisions::trim_cost;
-    for (const int g : before) {
-      if (!catalogue_.group(g).row->per_flight || std::ranges::count(after, g) > 0) continue;
-      const std::vector<int> rest = SubsetSearch(catalogue_, s_.vehicle(), 0.0).without(before, g);
-      cost +=
-          decisions::nearly_all * (solve(total, s_.with_biases(rest)).loss - solve(total, s_.with_biases(before)).loss);
-    }
+    for (const int g : before)
+      if (catalogue_.group(g).row->per_flight && std::ranges::count(after, g) == 0)
+        cost += decisions::nearly_all * (solve(total, s_.with_biases(search.without(before, g))).loss - loss);
     return cost;
   }
 
