@@ -195,6 +195,17 @@ KNOWN = {
 }
 
 
+def tunnel_wind(diagnosis):
+    """Neural-Fly's fan at its full speed against the flight in still air, which an offset of the attitude shifts alike."""
+    wind = diagnosis and next((e["per_flight"] for e in diagnosis["effects"] if e["effect"] == "steady_wind"), None)
+    speed_mps = wind and wind["fit_NF_nowind.csv"]["x"]["value"] - wind["fit_NF-T_100wind.csv"]["x"]["value"]
+    result = row("neuralfly/tunnel", "wind of 100wind 12.1 m/s more than of nowind, within 30 %", diagnosis,
+                 lambda d: speed_mps is not None and abs(speed_mps / 12.1 - 1) <= 0.3)
+    if speed_mps is not None:
+        result["found"] += f" ({speed_mps:.1f} m/s)"
+    return result
+
+
 def families(bench, folder):
     rows = []
     for place, known in KNOWN.items():
@@ -205,6 +216,8 @@ def families(bench, folder):
             def good(d, wanted=wanted, size=size):
                 return among(d, wanted) and (size is None or (v := value(d, wanted, size[0])) is None or abs(v / size[1] - 1) <= 0.3)
             rows.append(row(f"{place} ({figures['cpu_seconds']:.0f} s of CPU)", wanted + (f", {size[0]} {size[1]:g} within 30 %" if size else ""), diagnosis, good))
+        if place == "neuralfly/tunnel":
+            rows.append(tunnel_wind(diagnosis))
     return rows
 
 

@@ -476,7 +476,7 @@ class Selector {
       std::ranges::set_difference(before, chosen, std::inserter(went, went.end()));
       if (settled) {
         const double unlikely = how_unlikely(chosen, result.grams, total);
-        if (stand && unlikely > stand->how_unlikely + may_lose) {
+        if (stand && unlikely > stand->how_unlikely + std::exchange(may_lose, decisions::trim_cost)) {
           // fitted anew, and noise learned beside it, the change does not pay
           chosen = stand->groups, value = stand->value;
           s_.put_back(stand->learned);
@@ -567,7 +567,7 @@ class Selector {
   // Of sets that fit alike, one effect exchanged, the one with the least to say: mass with a trimmed inertia is thrust with a
   // wrong one.
   std::vector<int> least_said(const Eigen::MatrixXd& total, const std::vector<int>& chosen) const {
-    const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
+    const SubsetSearch search = asked(0.0);
     const auto said = [&](const std::vector<int>& groups, const Fit& fit) {
       const Eigen::VectorXd value = value_at(catalogue_, s_.with_biases(groups), fit);
       double sum = 0.0;
