@@ -123,6 +123,30 @@ TEST(SelectWithinBounds, AGroupAtItsBoundIsNotAsked) {
   }
 }
 
+// what imitates an effect that is not asked is as good with that effect in its place, which says less
+class LeftOut : public ::testing::TestWithParam<const char*> {};
+TEST_P(LeftOut, DoesNotComeBackInPlaceOfWhatImitatesIt) {
+  const Recordings flown = test::short_flights(GetParam(), {"multisine"});
+  Session session = test::session_of(flown);
+  const Selection found = select_effects(session);
+  ASSERT_FALSE(found.findings.empty());
+  for (const int group : found.groups()) {
+    Session again = session;
+    std::set<std::vector<int>> tried;
+    const Selection rest = withdraw(again, found, {group}, {group});
+    EXPECT_EQ(rest.find(group), nullptr) << session.catalogue().group(group).label;
+    if (const std::optional<Selection> more = look_again(again, rest, tried, {group})) {
+      EXPECT_EQ(more->find(group), nullptr) << session.catalogue().group(group).label;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    Effects, LeftOut,
+    ::testing::Values(
+        R"({type = "thrust_curve", curvature = 0.25}, {type = "mass", delta = 0.1})",
+        R"({type = "inertia", delta_x = 0.3, delta_y = 0.3, delta_z = 0.3}, {type = "mass", delta = 0.1})",
+        R"({type = "thrust_scale", delta = -0.1}, {type = "quadratic_drag", area_xy = 0.01, area_z = 0.01})"));
+
 // what nobody names any more is no noise of the predictions: it would gain as much as before
 TEST(SelectEffectsOfFilteredLogs, WhatWasWithdrawnIsNoNoise) {
   const Recordings flown = test::short_flights(R"({type = "mass", delta = 0.1})", {"multisine"}, 12.0, 100.0);
