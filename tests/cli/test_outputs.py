@@ -226,21 +226,18 @@ class Signals(Commands):
 
 
 class Searches(Commands):
-    """tune and calibrate, in the middle of flights of an hour, which take less than a second each (under sanitizers ten)"""
+    """tune and calibrate, in the middle of a flight of an hour"""
 
-    JOBS = 2
-
-    def test_a_search_ends_with_the_flights_in_hand(self):
+    def test_a_search_ends_within_a_second_of_work(self):
         (self.folder / "long.toml").write_text(experiment_toml("circle", duration_s=3600.0, more=CIRCLE + GUST))
         (self.folder / "c.toml").write_text(calibration_toml(replicates=4, evaluations=100))
         (self.folder / "s.toml").write_text(TUNING)
-        flight_s = self.work_of_one_flight_s()
         for command in (["tune", "long.toml", "--tuning", "s.toml"], ["calibrate", "long.toml", "--calibration", "c.toml"]):
             for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
                 with self.subTest(command=command[0], signal=number):
-                    process = subprocess.Popen([PROGRAM, *command, "--out", "out", "--jobs", str(self.JOBS)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                    process = subprocess.Popen([PROGRAM, *command, "--out", "out", "--jobs", "2"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
                     until = time.monotonic() + 120.0
-                    while process.poll() is None and work_s(process.pid) < flight_s and time.monotonic() < until:
+                    while process.poll() is None and work_s(process.pid) < 1.0 and time.monotonic() < until:
                         time.sleep(0.01)
                     before = work_s(process.pid)
                     process.send_signal(number)
@@ -250,15 +247,8 @@ class Searches(Commands):
                     _, status, usage = os.wait4(process.pid, 0)
                     process.returncode = os.waitstatus_to_exitcode(status)
                     self.assertEqual(process.returncode, 130, err)
-                    self.assertLess(usage.ru_utime + usage.ru_stime - before, 1.5 * self.JOBS * flight_s)
+                    self.assertLess(usage.ru_utime + usage.ru_stime - before, 1.0)
                     shutil.rmtree(self.folder / "out", ignore_errors=True)
-
-    def work_of_one_flight_s(self):
-        process = subprocess.Popen([PROGRAM, "sweep", "long.toml", "--out", "one", "--jobs", "1"], cwd=self.folder, stderr=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertEqual(process.returncode, 0)
-        return usage.ru_utime + usage.ru_stime
 
 
 def work_s(pid):
