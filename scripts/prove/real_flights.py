@@ -102,10 +102,11 @@ def findings(diagnosis, kind):
     return [finding for finding in diagnosis["log_findings"] if finding["kind"] == kind]
 
 
-def value(diagnosis, effect, parameter):
+def value(diagnosis, effect, parameter, flight=None):
+    """A parameter of a name, or what it is in one flight; None: not named."""
     for found in diagnosis["effects"]:
         if found["effect"] == effect:
-            return found["parameters"][parameter]["value"]
+            return (found["per_flight"][flight] if flight else found["parameters"])[parameter]["value"]
     return None
 
 
@@ -197,8 +198,8 @@ KNOWN = {
 
 def tunnel_wind(diagnosis):
     """Neural-Fly's fan at its full speed against the flight in still air, which an offset of the attitude shifts alike."""
-    wind = diagnosis and next((e["per_flight"] for e in diagnosis["effects"] if e["effect"] == "steady_wind"), None)
-    speed_mps = wind and wind["fit_NF_nowind.csv"]["x"]["value"] - wind["fit_NF-T_100wind.csv"]["x"]["value"]
+    still, full = (diagnosis and value(diagnosis, "steady_wind", "x", f"fit_{flight}.csv") for flight in ("NF_nowind", "NF-T_100wind"))
+    speed_mps = None if still is None else still - full
     result = row("neuralfly/tunnel", "wind of 100wind 12.1 m/s more than of nowind, within 30 %", diagnosis,
                  lambda d: speed_mps is not None and abs(speed_mps / 12.1 - 1) <= 0.3)
     if speed_mps is not None:
