@@ -11,6 +11,7 @@
 #include "gustlab/errors.hpp"
 #include "simulation/make_effects.hpp"
 #include "simulation/recorder.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 
@@ -224,6 +225,7 @@ FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder, Ef
   OffboardLink link(flight);
 
   for (std::int64_t tick = 0; tick < flight.ticks; ++tick) {
+    if (flight.at_interrupt == AtInterrupt::end) throw_if_interrupted();
     const VehicleState& truth = plant.state();
     const Reference here = flight.reference_at(truth.time_s);
     error.add(truth.time_s, truth.position_W_m, here.position_W_m);
@@ -249,8 +251,9 @@ FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder, Ef
   return {Outcome::completed, plant.state().time_s};
 }
 
-RunRecord run(const Experiment& experiment, const RunSpec& spec) {
+RunRecord run(const Experiment& experiment, const RunSpec& spec, AtInterrupt at_interrupt) {
   Flight flight(experiment, spec);
+  flight.at_interrupt = at_interrupt;
   TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
   Effort effort(flight.options.settle_s, flight.tick_s);
   const FlightEnd end = fly(flight, error, nullptr, &effort);

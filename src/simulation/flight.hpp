@@ -37,6 +37,9 @@ struct LinkMessage {
   Vector3 position_W_m = Vector3::Zero(), velocity_W_mps = Vector3::Zero();
 };
 
+// What a flight in hand does at an interrupt: it is finished, or ends at its next tick by throwing Interrupted.
+enum class AtInterrupt { finish, end };
+
 // Everything that one run owns; no two runs share anything that changes.
 struct Flight {
   // Throws ConfigError when the parts do not fit together, ParameterError when it is for a key of the experiment.
@@ -57,6 +60,7 @@ struct Flight {
   std::int64_t ticks_per_offboard = 1;  // between two messages of the offboard link
   double tick_s = 0.0;                  // between two updates of the controller
   std::size_t rotors = 0;
+  AtInterrupt at_interrupt = AtInterrupt::finish;
   RandomStream link_stream;                // which messages of the link are lost, and how late the others are
   std::vector<LinkMessage> link_messages;  // ring of those that are under way
 };
@@ -71,6 +75,6 @@ struct FlightEnd {
 FlightEnd fly(Flight& flight, TrackingError& error, FlightRecorder* recorder, Effort* effort = nullptr);
 
 // A planned run from start to figures.
-RunRecord run(const Experiment& experiment, const RunSpec& spec);
+RunRecord run(const Experiment& experiment, const RunSpec& spec, AtInterrupt at_interrupt = AtInterrupt::finish);
 
 }  // namespace gustlab

@@ -184,7 +184,7 @@ Results read_store(const std::string& folder) {
 std::vector<RunRecord> fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs) {
   std::vector<RunRecord> records(runs.size());
   parallel_for(static_cast<std::int64_t>(runs.size()), jobs, [&](std::int64_t i) {
-    records[static_cast<std::size_t>(i)] = run(experiment, runs[static_cast<std::size_t>(i)]);
+    records[static_cast<std::size_t>(i)] = run(experiment, runs[static_cast<std::size_t>(i)], AtInterrupt::end);
   });
   return records;
 }

@@ -11,7 +11,8 @@
 
 namespace gustlab {
 
-// Flies runs on at most `jobs` threads: the records in the order of the runs, the same for any number of threads.
+// Flies runs on at most `jobs` threads: the records in the order of the runs, the same for any number of threads. At an
+// interrupt the flights in hand are not finished, and it throws Interrupted.
 std::vector<RunRecord> fly_all(const Experiment& experiment, std::span<const RunSpec> runs, int jobs);
 
 struct SweepOptions {
