@@ -240,15 +240,38 @@ double share_done_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& effect,
   return 1.0 - solve(target, all).loss / std::max(1e-12, solve(target, known).loss);
 }
 
-std::vector<double> undone_shares(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects) {
-  std::vector<double> shares;
+std::vector<Eigen::VectorXd> weights_added_up(const Catalogue& catalogue, const Selection& selection) {
+  double filed = 1.0;
+  for (const Finding& finding : selection.findings) {
+    const Group& group = catalogue.group(finding.group);
+    const int size = group.columns.front();
+    if (group.row->air == Airflow::drag && selection.value[size] > 0.0)
+      filed = std::min(filed, catalogue.column(size).nominal / selection.value[size]);
+  }
+  std::vector<Eigen::VectorXd> weights;
+  for (const Finding& finding : selection.findings) {
+    const bool is_wind = catalogue.group(finding.group).row->air == Airflow::wind;
+    weights.push_back((is_wind ? filed : 1.0) * own_weights(catalogue, selection, finding));
+  }
+  return weights;
+}
+
+std::vector<Undoing> undoings(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(gram.cols());
   for (const Eigen::VectorXd& effect : effects) all += effect;
+  std::vector<Undoing> found;
   for (const Eigen::VectorXd& effect : effects) {
     const Eigen::VectorXd seen = gram * effect;
-    shares.push_back(std::max(0.0, -seen.dot(all - effect) / std::max(1e-12, seen.dot(effect))));
+    const double own = std::max(1e-12, seen.dot(effect));
+    const auto share = [&](const Eigen::VectorXd& others) {
+      return std::max(0.0, -seen.dot(others) / std::sqrt(own * std::max(own, others.dot(gram * others))));
+    };
+    const Eigen::VectorXd others = all - effect;
+    Undoing& undoing = found.emplace_back(share(others), std::max(0.0, -seen.dot(others) / own));
+    for (const Eigen::VectorXd& other : effects)
+      if (&other != &effect) undoing.share = std::max(undoing.share, share(other));
   }
-  return shares;
+  return found;
 }
 
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
@@ -257,9 +280,8 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
   const Eigen::MatrixXd total = selection.grams.total();
   const std::vector<int> cluster = clusters_of(session, selection.grams);
   const std::vector<Parts> both = parts(session, selection);
-  std::vector<Eigen::VectorXd> found;
-  for (const Finding& finding : selection.findings) found.push_back(own_weights(catalogue, selection, finding));
-  const std::vector<double> taken_back = undone_shares(project_out(total, session.biases()), found);
+  const std::vector<Undoing> undone =
+      undoings(project_out(total, session.biases()), weights_added_up(catalogue, selection));
   const FittedRows rows = fitted_rows(session, selection);
   const bool headings_kept = headings_are_kept(session);
   std::vector<Evidence> records(selection.findings.size());
@@ -304,7 +326,8 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
     record.unexplained_delta_chi2 = rest.omnibus_delta_chi2;
     record.at_bound = at_its_bound(catalogue, selection.value, finding.group);
-    record.undone = taken_back[i];
+    record.undone = undone[i].share;
+    record.outweighed = undone[i].outweighed;
     record.lone_latency = session.reference() && session.reference()->flights == 1 &&
                           group.row->place == Place::actuation && group.row->latency != Latency::none;
     record.alike = alike(session, selection, finding);

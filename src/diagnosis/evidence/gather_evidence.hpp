@@ -16,9 +16,18 @@ namespace gustlab::diagnosis {
 double share_done_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& effect, const std::vector<int>& known,
                      const std::vector<int>& further);
 
-// Of what each effect does to the predictions, the share that all others together take back: 0 where they add to it or have nothing in
-// common, 1 where they undo it. `gram`: of the columns; one vector of coefficients an effect.
-std::vector<double> undone_shares(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects);
+// What each finding does to the predictions (weights of all columns, zero for z), linearised at what was found, so that all together are what was
+// found. There a drag does what the wind does through it; left to the wind is its share of the drag that the vehicle file holds.
+std::vector<Eigen::VectorXd> weights_added_up(const Catalogue& catalogue, const Selection& selection);
+
+// What others do against an effect, in what both do to the predictions; 0 where they add to it or have nothing in common.
+struct Undoing {
+  double
+      share;  // of the larger of the two, that another effect or all others together take back: 1 where they undo each other
+  double outweighed;  // by all others together, over what the effect does: many times where they are far larger
+};
+// `gram`: of the columns; one vector of coefficients an effect.
+std::vector<Undoing> undoings(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects);
 
 // Root mean square, over all samples of the fit flights, of the linear acceleration by a finding's own values, m/s². The session is
 // linearised there.

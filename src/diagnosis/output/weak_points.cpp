@@ -103,6 +103,10 @@ constexpr Words words[] = {
      [](const Evidence& e) {
        return fmt::format("the other names take back {:.0f} % of what it does", 100.0 * e.undone);
      }},
+    {"outweighed",
+     [](const Evidence& e) {
+       return fmt::format("the other names do {:.1f} times as much against it as it does", e.outweighed);
+     }},
     {"constant",
      [](const Evidence&) -> std::string { return "it should be the same all along a flight, and surely is not"; }},
     {"tilt",

@@ -53,8 +53,10 @@ struct Evidence {
       1.0;  // of a late pose, the share of its delay that gyro and attitudes by themselves leave possible
   double unexplained_delta_chi2 = 0.0;  // Δχ² of the generic family that still finds most
   bool at_bound = false;                // a value ran into its bound
-  // share of what it does to the predictions that the other findings take back; 0 where they add to it
+  // share of what it does to the predictions that another finding of like size, or all of them, take back; 0 where they add to it
   double undone = 0.0;
+  // what all other findings do against it, over what it does
+  double outweighed = 0.0;
   // a force of a flight's own over what an attitude a little off leaves of gravity; infinite where that would show as well
   double force_over_tilt = std::numeric_limits<double>::infinity();
   bool lone_latency =

@@ -82,6 +82,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"sensors_share", number(e.sensors_share)},
                         {"at_bound", e.at_bound},
                         {"undone_share", number(e.undone)},
+                        {"outweighed", number(e.outweighed)},
                         {"push_over_tilt", number(e.force_over_tilt)},
                         {"lone_latency", e.lone_latency},
                         {"alike", e.alike},

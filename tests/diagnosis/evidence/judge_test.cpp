@@ -57,6 +57,7 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
       [](Evidence& e) { e.alike = 1; },
       [](Evidence& e) { e.lone_latency = true; },
       [](Evidence& e) { e.undone = 0.8; },
+      [](Evidence& e) { e.outweighed = 1.3; },
       [](Evidence& e) { e.force_over_tilt = 0.5; }};
   for (std::size_t i = 0; i < worse.size(); ++i) {
     Evidence e = strong();
