@@ -101,8 +101,8 @@ class Selector {
   }
 
   // fewer groups, fitted anew
-  Selection without(const Selection& before, const std::vector<int>& failed) {
-    improve_ = Improve::no;
+  Selection without(const Selection& before, const std::vector<int>& failed, Improve improve = Improve::no) {
+    improve_ = improve;
     std::vector<int> chosen = before.groups();
     std::erase_if(chosen, [&](int g) { return std::ranges::find(failed, g) != failed.end(); });
     chosen = SubsetSearch(catalogue_, s_.vehicle(), 0.0).without(chosen, -1);
@@ -503,6 +503,7 @@ class Selector {
       }
       if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
     }
+    result.how_unlikely = stand->how_unlikely;
     return total;
   }
 
@@ -693,17 +694,42 @@ std::set<int> with_bounds(std::set<int> left_out, const Selection& before) {
   return left_out;
 }
 
-// What `select` finds, begun anew without the groups that have a value at its bound, until there are none.
+std::vector<int> groups_at_bounds(const Session& session, const Selection& selection) {
+  std::vector<int> groups;
+  for (const Finding& finding : selection.findings)
+    if (!finding.calibration && at_its_bound(session.catalogue(), selection.value, finding.group))
+      groups.push_back(finding.group);
+  return groups;
+}
+
+// What `select` finds, begun anew without the groups that have a value at its bound, until there are none; or what is left of the selection
+// before without them, if the flights are likelier with it.
 template <typename Select>
 Selection within_bounds(Session& session, std::set<int> at_bounds, Select select) {
   const Session::Learned fresh = session.learned();
+  struct Left {
+    Selection selection;
+    Session::Learned learned;
+    Eigen::VectorXd value;
+  };
+  std::optional<Left> left;
   while (true) {
     Selection selection = select(Selector(session, at_bounds));
     selection.at_bounds = at_bounds;
-    for (const Finding& finding : selection.findings)
-      if (!finding.calibration && at_its_bound(session.catalogue(), selection.value, finding.group))
-        at_bounds.insert(finding.group);
-    if (at_bounds == selection.at_bounds) return selection;
+    const std::vector<int> ran_away = groups_at_bounds(session, selection);
+    if (ran_away.empty()) {
+      if (!left || selection.how_unlikely <= left->selection.how_unlikely) return selection;
+      session.put_back(left->learned);
+      session.linearise(left->value, session.all_columns());
+      left->selection.at_bounds = at_bounds;
+      return left->selection;
+    }
+    at_bounds.insert(ran_away.begin(), ran_away.end());
+    if (left && std::ranges::any_of(left->selection.groups(), [&](int g) { return at_bounds.contains(g); }))
+      left.reset();
+    Selection rest = Selector(session, at_bounds).without(selection, ran_away, Improve::freely);
+    if (groups_at_bounds(session, rest).empty() && (!left || rest.how_unlikely < left->selection.how_unlikely))
+      left = Left{std::move(rest), session.learned(), session.value()};
     session.put_back(fresh);
   }
 }

@@ -43,6 +43,7 @@ struct Selection {
   NoiseModel noise_nominal, noise_selected;
   double degrees_of_freedom = 0.0;
   double loss_nominal = 0.0, loss_selected = 0.0;
+  double how_unlikely = 0.0;            // −2 log likelihood, and what its numbers cost
   double unpredicted_delta_chi2 = 0.0;  // of the coefficients of unpredicted commands
   Grams grams;                          // at the end, coefficients counted from the nominal vehicle
   std::vector<Smoothed> smoothed_nominal, smoothed_selected;
