@@ -452,7 +452,7 @@ class Selector {
     std::optional<Stand> stand;
     double may_lose = decisions::trim_cost;
     bool simplified = false;
-    int noise_steps = 6;
+    int noise_steps = 6;  // then 2: one effect more or less changes it little
     anew_ = true;
     latency_delta_chi2_.clear();
     const auto linearise = [&] {
@@ -467,8 +467,7 @@ class Selector {
     for (bool settled = false; !settled;) {
       linearise();
       // predictions half a second ahead count what nobody named as noise: it is learned beside all
-      s_.learn_noise(noise_steps, s_.shoots() ? s_.all_columns() : s_.with_biases(chosen));
-      noise_steps = 2;  // one effect more or less changes it little
+      s_.learn_noise(std::exchange(noise_steps, 2), s_.shoots() ? s_.all_columns() : s_.with_biases(chosen));
       compare();
       const std::vector<int> before = chosen;
       prune(result.grams, chosen, total, result.loss_nominal);
