@@ -134,7 +134,8 @@ TEST(SelectWithinBounds, KeepsWhatIsLeftWhereTheFlightsAreLikelierWithIt) {
   for (const int group : within.at_bounds)
     for (const int c : without.catalogue().group(group).columns) without.freeze(c);
   const Selection anew = select_effects(without);
-  EXPECT_LT(within.how_unlikely, anew.how_unlikely);
+  // 250; the search begun anew alone comes to 150
+  EXPECT_LT(within.how_unlikely, anew.how_unlikely - 200.0);
 
   // the session is as that set left it
   const std::vector<int> columns = session.with_biases(within.groups());
