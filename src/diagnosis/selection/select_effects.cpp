@@ -716,14 +716,15 @@ Selection within_bounds(Session& session, std::set<int> at_bounds, Select select
     Selection selection = select(Selector(session, at_bounds));
     selection.at_bounds = at_bounds;
     const std::vector<int> ran_away = groups_at_bounds(session, selection);
-    if (ran_away.empty()) {
+    at_bounds.insert(ran_away.begin(), ran_away.end());
+    // what was asked for stays, wherever it ran to
+    if (at_bounds == selection.at_bounds) {
       if (!left || selection.how_unlikely <= left->selection.how_unlikely) return selection;
       session.put_back(left->learned);
       session.linearise(left->value, session.all_columns());
       left->selection.at_bounds = at_bounds;
       return left->selection;
     }
-    at_bounds.insert(ran_away.begin(), ran_away.end());
     if (left && std::ranges::any_of(left->selection.groups(), [&](int g) { return at_bounds.contains(g); }))
       left.reset();
     Selection rest = Selector(session, at_bounds).without(selection, ran_away, Improve::freely);
