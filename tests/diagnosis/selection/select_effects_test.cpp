@@ -121,6 +121,8 @@ TEST(SelectWithinBounds, AGroupAtItsBoundIsNotAsked) {
   if (const std::optional<Selection> again = look_again(session, rest, tried)) {
     EXPECT_EQ(again->find(inertia), nullptr);
   }
+  // asked for all the same, it runs to its bound once more, and the search ends
+  EXPECT_THAT(with_also(other, bent, {inertia}, bent.value).at_bounds, ::testing::Contains(inertia));
 }
 
 // beside a lag of 60 ms: the search begun anew ends in a set that is less likely than what is left of the one before
