@@ -22,9 +22,10 @@ std::vector<Eigen::VectorXd> weights_added_up(const Catalogue& catalogue, const 
 
 // What others do against an effect, in what both do to the predictions; 0 where they add to it or have nothing in common.
 struct Undoing {
-  double
-      share;  // of the larger of the two, that another effect or all others together take back: 1 where they undo each other
-  double outweighed;  // by all others together, over what the effect does: many times where they are far larger
+  // of the larger of the two, what another effect or all others together take back: 1 where they undo each other
+  double share;
+  // by all others together, over what the effect does: many times where they are far larger
+  double outweighed;
 };
 // `gram`: of the columns; one vector of coefficients an effect.
 std::vector<Undoing> undoings(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects);

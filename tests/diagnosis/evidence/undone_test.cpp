@@ -62,7 +62,7 @@ TEST(WeightsAddedUp, CountTheForceOfAWindOnce) {
                         vehicle, 2.0, 0.01, [](double) { return Motion{}; }, [&](double) { return hovering; })},
                     vehicle, 1);
     const Catalogue& catalogue = session.catalogue();
-    const int drag = catalogue.find("rotor_drag"), wind = catalogue.find("steady_wind");
+    const int drag = catalogue.find(Airflow::drag), wind = catalogue.find(Airflow::wind);
     Selection selection;
     selection.value = catalogue.nominal();
     for (const int g : {drag, wind}) {

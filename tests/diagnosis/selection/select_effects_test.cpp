@@ -125,6 +125,17 @@ TEST(SelectWithinBounds, AGroupAtItsBoundIsNotAsked) {
   EXPECT_THAT(with_also(other, bent, {inertia}, bent.value).at_bounds, ::testing::Contains(inertia));
 }
 
+// −2 log likelihood with a selection, under the noise that was learned beside it; the session is the one that made it
+double how_unlikely(const Session& session, const Selection& selection) {
+  const std::vector<int> columns = session.with_biases(selection.groups());
+  Fit fit = solve(selection.grams.total(), columns);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Column& column = session.catalogue().column(columns[i]);
+    fit.coefficient[static_cast<Eigen::Index>(i)] -= (session.value()[columns[i]] - column.nominal) / column.natural;
+  }
+  return session.minus_two_log_likelihood(columns, fit);
+}
+
 // beside a lag of 60 ms: the search begun anew ends in a set that is less likely than what is left of the one before
 TEST(SelectWithinBounds, KeepsWhatIsLeftWhereTheFlightsAreLikelierWithIt) {
   const Recordings flown = test::short_flights(
@@ -139,16 +150,10 @@ TEST(SelectWithinBounds, KeepsWhatIsLeftWhereTheFlightsAreLikelierWithIt) {
   // 250; the search begun anew alone comes to 150
   EXPECT_LT(within.how_unlikely, anew.how_unlikely - 200.0);
 
-  // the session is as that set left it
-  const std::vector<int> columns = session.with_biases(within.groups());
-  Fit fit = solve(within.grams.total(), columns);
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const Column& column = session.catalogue().column(columns[i]);
-    fit.coefficient[static_cast<Eigen::Index>(i)] -= (session.value()[columns[i]] - column.nominal) / column.natural;
-  }
-  // transitions are kept while they hardly change
-  const double said = session.minus_two_log_likelihood(columns, fit) + within.grams.price(columns.size());
-  EXPECT_NEAR(said, within.how_unlikely, 0.1 * (anew.how_unlikely - within.how_unlikely));
+  // the session is as that set left it; transitions are kept while they hardly change
+  const double price = within.grams.price(session.with_biases(within.groups()).size());
+  EXPECT_NEAR(how_unlikely(session, within) + price, within.how_unlikely,
+              0.1 * (anew.how_unlikely - within.how_unlikely));
 }
 
 // what imitates an effect that is not asked is as good with that effect in its place, which says less
@@ -187,17 +192,6 @@ TEST(SelectEffectsOfFilteredLogs, WhatWasWithdrawnIsNoNoise) {
   const Selection rest = withdraw(session, found, found.groups());
   ASSERT_TRUE(rest.findings.empty());
   EXPECT_GT(std::ranges::max(rest.alone, {}, &std::pair<int, double>::second).second, 0.1 * gained);
-}
-
-// −2 log likelihood with a selection, under the noise that was learned beside it; the session is the one that made it
-double how_unlikely(const Session& session, const Selection& selection) {
-  const std::vector<int> columns = session.with_biases(selection.groups());
-  Fit fit = solve(selection.grams.total(), columns);
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const Column& column = session.catalogue().column(columns[i]);
-    fit.coefficient[static_cast<Eigen::Index>(i)] -= (session.value()[columns[i]] - column.nominal) / column.natural;
-  }
-  return session.minus_two_log_likelihood(columns, fit);
 }
 
 // whitened by noise that was learned without an effect, flights lose hardly more without it: only the noise itself says how unlikely they are
