@@ -497,6 +497,7 @@ class Selector {
         simplified = true;
         const std::vector<int> simpler = shared_instead(s_, result.grams, least_said(total, chosen), left_out_);
         settled = simpler == chosen;
+        std::ranges::set_difference(chosen, simpler, std::inserter(went, went.end()));
         may_lose = may_cost(total, chosen, simpler);
         chosen = simpler;
       }
