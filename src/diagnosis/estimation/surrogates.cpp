@@ -15,53 +15,18 @@ constexpr int draws = 199;       // p ≥ 0.005
 constexpr int places = 60;       // moved signatures of one flight, each also mirrored
 constexpr double nearest = 0.1;  // of a flight, to which a signature is not moved
 
-// the candidate's signature beside what is known, and what the whole model leaves
-struct Part {
-  Eigen::MatrixXd signature;
-  Eigen::VectorXd left;
-};
-
-Eigen::MatrixXd pick(const Eigen::MatrixXd& rows, const std::vector<int>& columns) { return rows(Eigen::all, columns); }
-
-std::vector<std::vector<Part>> beside_known(const RowSeries& series, const std::vector<int>& known,
-                                            const std::vector<int>& own, const Eigen::VectorXd& coefficient) {
-  const auto k = static_cast<Eigen::Index>(known.size()), o = static_cast<Eigen::Index>(own.size());
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(k, k), cross = Eigen::MatrixXd::Zero(k, o);
-  for (const auto& flight : series)
-    for (const Eigen::MatrixXd& rows : flight) {
-      const Eigen::MatrixXd free = pick(rows, known);
-      gram += free.transpose() * free;
-      cross += free.transpose() * pick(rows, own);
-    }
-  Eigen::MatrixXd on_known(k, o);
-  if (k > 0) {
-    gram.diagonal().array() += 1e-10 * (gram.diagonal().maxCoeff() + 1e-300);
-    on_known = gram.ldlt().solve(cross);
-  }
-  std::vector<std::vector<Part>> parts;
-  for (const auto& flight : series) {
-    auto& of_flight = parts.emplace_back();
-    for (const Eigen::MatrixXd& rows : flight) {
-      const Eigen::MatrixXd free = pick(rows, known), mine = pick(rows, own);
-      of_flight.push_back({mine - free * on_known,
-                           rows.col(rows.cols() - 1) - free * coefficient.head(k) - mine * coefficient.tail(o)});
-    }
-  }
-  return parts;
-}
-
 // Σ over channels of (moved signature)ᵀ with: row i of a channel of n rows meets row (i + i₀) mod n of the signature; mirrored: row
 // (−1 − i − i₀) mod n.
-Eigen::MatrixXd moved_product(const std::vector<Part>& channels, double share, bool mirrored,
-                              Eigen::MatrixXd (*with)(const Part&)) {
+Eigen::MatrixXd moved_product(const std::vector<Signature>& channels, double share, bool mirrored,
+                              Eigen::MatrixXd (*with)(const Signature&)) {
   Eigen::MatrixXd sum;
-  for (const Part& part : channels) {
-    const Eigen::Index n = part.signature.rows(), by = static_cast<Eigen::Index>(share * static_cast<double>(n));
+  for (const Signature& part : channels) {
+    const Eigen::Index n = part.by.rows(), by = static_cast<Eigen::Index>(share * static_cast<double>(n));
     Eigen::MatrixXd other = with(part);
     if (mirrored) other = other.colwise().reverse().eval();
     const Eigen::Index first = mirrored ? by : n - by;  // rows of the other before the signature begins anew
-    const Eigen::MatrixXd product = part.signature.bottomRows(first).transpose() * other.topRows(first) +
-                                    part.signature.topRows(n - first).transpose() * other.bottomRows(n - first);
+    const Eigen::MatrixXd product = part.by.bottomRows(first).transpose() * other.topRows(first) +
+                                    part.by.topRows(n - first).transpose() * other.bottomRows(n - first);
     if (sum.size() == 0) sum = product;
     else sum += product;
   }
@@ -70,17 +35,14 @@ Eigen::MatrixXd moved_product(const std::vector<Part>& channels, double share, b
 
 }  // namespace
 
-SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& known, const std::vector<int>& own,
-                             const Eigen::VectorXd& coefficient) {
+SurrogateTest surrogate_test(const SignatureSeries& parts, const Eigen::VectorXd& fitted) {
   SurrogateTest test;
-  const auto parts = beside_known(series, known, own, coefficient);
-  const auto width = static_cast<Eigen::Index>(own.size());
+  const Eigen::Index width = fitted.size();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(width, width);
   for (const auto& flight : parts)
-    for (const Part& part : flight) information += part.signature.transpose() * part.signature;
+    for (const Signature& part : flight) information += part.by.transpose() * part.by;
   information.diagonal().array() += 1e-12 * (information.diagonal().maxCoeff() + 1e-300);
   const Eigen::LDLT<Eigen::MatrixXd> solver(information);
-  const Eigen::VectorXd fitted = coefficient.tail(width);
   const double delta_chi2 = fitted.dot(information * fitted);
   if (!(delta_chi2 > 0.0)) return test;
 
@@ -92,9 +54,9 @@ SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& kn
     for (int place = 0; place < 2 * places; ++place) {
       const double share = nearest + (1.0 - 2.0 * nearest) * (place / 2 + 0.5) / places;
       of_flight.col(place) =
-          moved_product(flight, share, place % 2 == 1, [](const Part& p) -> Eigen::MatrixXd { return p.left; });
+          moved_product(flight, share, place % 2 == 1, [](const Signature& p) -> Eigen::MatrixXd { return p.left; });
       if (place % 20 != 0) continue;
-      const auto itself = [](const Part& p) { return p.signature; };
+      const auto itself = [](const Signature& p) { return p.by; };
       const Eigen::MatrixXd moved = moved_product(flight, share, false, itself),
                             whole = moved_product(flight, 0.0, false, itself);
       alike += std::pow(fitted.dot(moved * fitted) / (fitted.dot(whole * fitted) + 1e-300), 2), alikes += 1.0;

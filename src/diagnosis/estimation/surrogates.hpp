@@ -6,17 +6,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
+#include "diagnosis/estimation/signature.hpp"
 #include "diagnosis/result/evidence.hpp"
 
 namespace gustlab::diagnosis {
 
-// Whitened rows as they follow each other in time: [flight][channel], samples × (columns, z).
-using RowSeries = std::vector<std::vector<Eigen::MatrixXd>>;
-
-// `own`: columns of the candidate; `known`: columns that are free beside it; `coefficient`: of (known, own), fitted together.
-SurrogateTest surrogate_test(const RowSeries& series, const std::vector<int>& known, const std::vector<int>& own,
-                             const Eigen::VectorXd& coefficient);
+// `fitted`: per parameter of the signature
+SurrogateTest surrogate_test(const SignatureSeries& parts, const Eigen::VectorXd& fitted);
 
 }  // namespace gustlab::diagnosis

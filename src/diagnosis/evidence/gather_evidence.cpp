@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/estimation/indices.hpp"
+#include "diagnosis/estimation/slow_and_fast.hpp"
 #include "diagnosis/estimation/surrogates.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/trims.hpp"
@@ -186,14 +187,18 @@ FittedRows fitted_rows(const Session& session, const Selection& selection) {
   return rows;
 }
 
-SurrogateTest moved_signatures(const Session& session, const Selection& selection, const FittedRows& rows,
-                               const Finding& finding) {
+// moved along its flights, and told apart into slow and fast changes
+void measure_signature(const Session& session, const Selection& selection, const FittedRows& rows,
+                       const Finding& finding, Evidence& out) {
   const std::vector<int> known = indices_of(session.with_biases(groups_beside(selection, finding)), rows.columns),
                          own = indices_of(own_columns(session.catalogue(), selection.groups(), finding.group),
                                           rows.columns);
   std::vector<int> both = known;
   both.insert(both.end(), own.begin(), own.end());
-  return surrogate_test(rows.series, known, own, rows.coefficient(both));
+  const SignatureSeries parts = signature_series(rows.series, known, own, rows.coefficient(both));
+  const Eigen::VectorXd fitted = rows.coefficient(own);
+  out.surrogates = surrogate_test(parts, fitted);
+  out.slow_fast = slow_fast_difference(parts, fitted);
 }
 
 // Whether no flight turns: what stays in the world stays in the body then.
@@ -302,7 +307,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.delta_chi2_alone = finding.delta_chi2_alone;
     record.held_out_delta_chi2 = tested.delta_chi2[i];
     record.held_out_expected = tested.expected[i];
-    record.surrogates = moved_signatures(session, selection, rows, finding);
+    measure_signature(session, selection, rows, finding, record);
     measure_flights(session, selection, weights_of(session, selection, total, finding), cluster, record);
     if (record.held_out_expected > 0.0)
       record.flights.push_back({"held out", true, 0.5 * (1.0 + record.held_out_delta_chi2 / record.held_out_expected),

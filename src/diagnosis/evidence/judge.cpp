@@ -62,7 +62,7 @@ struct Feature {
 //   wrong ones .18 to .32. Other effects' sizes do differ so much in recordings (the drag of nanodrone by .65), as their formulas are none too exact.
 // * "latency": beside the one reference flight of imrc (brushed), whose torques swing at 10 to 15 Hz, flights in which nothing was changed had a lag
 //   or a delay of 12 to 30 ms with a Δχ² of 2,000 to 20,000 (.95): the reference flight alone was fitted by another one.
-constexpr double intercept = -59.3;
+constexpr double intercept = -63.3;
 constexpr Feature features[] = {
     // 10 to 200
     {"gain", 4.8, [](const Evidence& e) { return std::log10(std::max(e.robust_delta_chi2(), 10.0) / 10.0) / 1.3; }},
@@ -90,6 +90,7 @@ constexpr Feature features[] = {
      }},
     {"regimes_alike", 0.3,
      [](const Evidence& e) { return e.spread_regimes == 1.0 ? unsaid(e) : 1.0 - e.spread_regimes; }},
+    {"slow_fast", 4.0, [](const Evidence& e) { return 1.0 - (e.slow_fast - 0.35) / 0.35; }},
     {"rollout_100ms", 0.65,
      [](const Evidence& e) { return e.recovered_z.empty() ? unsaid(e) : 0.5 + e.recovered_z[0] / 8.0; }},
     // nothing gained is nothing said, a loss speaks against it

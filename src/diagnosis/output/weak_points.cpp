@@ -75,6 +75,8 @@ constexpr Words words[] = {
      [](const Evidence& e) -> std::string { return e.per_flight ? own_values : "its size differs between flights"; }},
     {"held_out", of_held_out},
     {"regimes_alike", of_regimes},
+    {"slow_fast",
+     [](const Evidence&) -> std::string { return "it is of another size in fast changes than in slow ones"; }},
     {"rollout_100ms", [](const Evidence& e) { return of_rollout(e, 0, "0.1 s"); }},
     {"rollout_500ms", [](const Evidence& e) { return of_rollout(e, 1, "0.5 s"); }},
     {"rival", [](const Evidence&) -> std::string { return "another name explains nearly the same"; }},

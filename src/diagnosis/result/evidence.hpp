@@ -42,6 +42,7 @@ struct Evidence {
   double spread_flights = 0.0;       // standard deviation of the shares beyond their errors
   double spread_regimes = 0.0;  // the same between low, middling and high speed, height, thrust …; 1: cannot be said
   double uneven = 0.0;          // standard deviation between regimes beyond its errors, along what it surely depends on
+  double slow_fast = 0.0;  // by how much its share differs between slow and fast changes (estimation/slow_and_fast.hpp)
   double size_in_tolerances = 0.0;  // largest parameter over its reporting tolerance; infinite where none is declared
   double inclusion = 0.0;           // share of half samples that select it
   double rival_delta_chi2 = 0.0,

@@ -71,6 +71,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"spread_flights", number(e.spread_flights)},
                         {"spread_regimes", number(e.spread_regimes)},
                         {"uneven", number(e.uneven)},
+                        {"slow_fast", number(e.slow_fast)},
                         {"size_in_tolerances", number(e.size_in_tolerances)},
                         {"inclusion", number(e.inclusion)},
                         {"rival_delta_chi2", number(e.rival_delta_chi2)},

@@ -27,7 +27,8 @@ SurrogateTest test_of(const Eigen::VectorXd& signature, const Eigen::VectorXd& l
   Eigen::MatrixXd rows(samples, 2);
   rows << signature, size * signature + left;
   const double fitted = signature.dot(rows.col(1)) / signature.squaredNorm();
-  return surrogate_test({{rows}}, {}, {0}, Eigen::VectorXd::Constant(1, fitted));
+  const Eigen::VectorXd coefficient = Eigen::VectorXd::Constant(1, fitted);
+  return surrogate_test(signature_series({{rows}}, {}, {0}, coefficient), coefficient);
 }
 
 TEST(Surrogates, WhiteResidualsAreNotInflated) {

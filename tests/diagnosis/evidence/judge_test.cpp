@@ -44,6 +44,7 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
       },
       [](Evidence& e) { e.spread_flights = 0.8; },
       [](Evidence& e) { e.spread_regimes = 0.9; },
+      [](Evidence& e) { e.slow_fast = 0.6; },
       [](Evidence& e) { e.held_out_delta_chi2 = -300.0; },
       [](Evidence& e) {
         e.recovered_z = {-3.0, -3.0, -3.0};
