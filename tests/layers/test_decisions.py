@@ -25,6 +25,7 @@ METHOD = {
     "estimation/sensor_windows.cpp": "turn_s way_s longest_share longest_gap_s clustered",  # what a window is
     "estimation/session.cpp": "fastest_sample_s most_windows least_change slow_s",
     "estimation/shooting.cpp": "rows_per_horizon loose_prior clearly_lost own_share",
+    "estimation/slow_and_fast.cpp": "least_share errors",  # what a difference is
     "estimation/surrogates.cpp": "draws places nearest",
     "estimation/torque_trims.cpp": "steps least_share",
     "evidence/challenge.cpp": "most_looks",

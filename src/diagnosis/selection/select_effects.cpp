@@ -485,8 +485,7 @@ class Selector {
           stand = Stand{chosen, value, s_.learned(), unlikely};
         }
       }
-      // what seemed not to pay beside the others may do so once they, and the noise, are right; a set that was tried is not
-      // tried again, whatever it was pruned to
+      // what seemed not to pay may do so once the others, and the noise, are right; no set is tried twice
       if (settled && improve_ != Improve::no && visited.size() < 2 * most_changes) {
         visited.insert(chosen);
         const std::vector<int> better = lasting(chosen, result.grams, result.loss_nominal, visited, went);
