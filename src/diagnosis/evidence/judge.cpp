@@ -92,7 +92,7 @@ constexpr Feature features[] = {
      }},
     {"regimes_alike", 0.3,
      [](const Evidence& e) { return e.spread_regimes == 1.0 ? unsaid(e) : 1.0 - e.spread_regimes; }},
-    {"slow_fast", 4.0, [](const Evidence& e) { return 1.0 - (e.slow_fast - 0.35) / 0.35; }},
+    {"slow_fast", 4.0, [](const Evidence& e) { return 1.0 - (e.slow_fast - 0.45) / 0.35; }},
     {"rollout_100ms", 0.65,
      [](const Evidence& e) { return e.recovered_z.empty() ? unsaid(e) : 0.5 + e.recovered_z[0] / 8.0; }},
     // nothing gained is nothing said, a loss speaks against it
