@@ -187,7 +187,7 @@ FittedRows fitted_rows(const Session& session, const Selection& selection) {
   return rows;
 }
 
-// moved along its flights, and told apart into slow and fast changes
+// its surrogate test, and by how much its size differs between low and high frequencies
 void measure_signature(const Session& session, const Selection& selection, const FittedRows& rows,
                        const Finding& finding, Evidence& out) {
   const std::vector<int> known = indices_of(session.with_biases(groups_beside(selection, finding)), rows.columns),
