@@ -329,6 +329,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
       record.unpredicted_commands =
           selection.unpredicted_delta_chi2 * share_of_innovations(session, selection, total, finding);
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
+    record.part_lacking = both[i].lacking;
     record.unexplained_delta_chi2 = rest.omnibus_delta_chi2;
     record.at_bound = at_its_bound(catalogue, selection.value, finding.group);
     record.undone = undone[i].share;

@@ -102,7 +102,7 @@ constexpr Feature features[] = {
      [](const Evidence& e) { return e.rival_z == 0.0 ? 1.0 : std::log10(1.0 + e.rival_delta_chi2) / 3.0; }},
     {"commands", 3.0, [](const Evidence& e) { return 1.25 - e.unpredicted_commands / std::max(e.delta_chi2, 1.0); }},
     {"force_and_moment", 3.2,
-     [](const Evidence& e) { return 1.0 - std::max(0.0, std::abs(e.force_excess) - 2.0 * e.force_excess_sd) / 0.4; }},
+     [](const Evidence& e) { return 1.0 - std::max(0.0, e.part_lacking - 2.0 * e.force_excess_sd) / 0.4; }},
     {"stable", 1.3, [](const Evidence& e) { return e.inclusion; }},
     {"sensors", 6.0, [](const Evidence& e) { return 2.0 * e.sensors_share; }},
     {"bounds", 4.0, [](const Evidence& e) { return e.at_bound ? 0.0 : 1.0; }},

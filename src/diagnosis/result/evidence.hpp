@@ -49,7 +49,8 @@ struct Evidence {
          rival_z = 0.0;  // of the nearest rival that is distinguished from it: how much worse (Δχ²), in standard errors
   double unpredicted_commands =
       0.0;  // Δχ² of what the log does not hold of the commands, where only they can show the effect
-  double force_excess = 0.0, force_excess_sd = 0.0;  // its force over what its moment predicts, less one
+  // its force less its moment, in its sizes, and how much the smaller one lacks of one size (parts.hpp)
+  double force_excess = 0.0, force_excess_sd = 0.0, part_lacking = 0.0;
   double sensors_share =
       1.0;  // of a late pose, the share of its delay that gyro and attitudes by themselves leave possible
   double unexplained_delta_chi2 = 0.0;  // Δχ² of the generic family that still finds most

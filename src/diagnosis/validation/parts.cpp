@@ -95,6 +95,21 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
     weights[column] = 1.0;
     return weights;
   };
+  // how much of what a finding does its force does: what the finding's own columns take of it
+  const auto force_share = [&](int group, const Eigen::VectorXd& pattern) {
+    std::vector<Eigen::Index> at;
+    std::vector<double> size, of_force;
+    for (std::size_t k = 0; k < own; ++k) {
+      const Column& column = session.catalogue().column(beside[k]);
+      if (column.group != group) continue;
+      at.push_back(static_cast<Eigen::Index>(k));
+      size.push_back((selection.value[beside[k]] - column.nominal) / column.natural);
+      of_force.push_back(-pattern[at.back()]);
+    }
+    const Eigen::Map<const Eigen::VectorXd> b(size.data(), std::ssize(size)), f(of_force.data(), std::ssize(of_force));
+    const Eigen::VectorXd weighted = gram(at, at) * b;
+    return std::clamp(f.dot(weighted) / b.dot(weighted), 0.0, 1.0);
+  };
   const Eigen::VectorXd unexplained = left_of(gram.cols() - 1);
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(beside.size() + i);
@@ -104,8 +119,10 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
       continue;
     const Eigen::VectorXd pattern = left_of(at);
     const double excess = projected(at, projected.cols() - 1) / seen;
+    const double share = force_share(selection.findings[i].group, pattern);
     result[i] = {excess,
-                 std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern)))};
+                 std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern))),
+                 excess > 0.0 ? excess * share : -excess * (1.0 - share)};
   }
   return result;
 }

@@ -52,7 +52,7 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
       [](Evidence& e) { e.size_in_tolerances = 1.3; },
       [](Evidence& e) { e.inclusion = 0.2; },
       [](Evidence& e) { e.unpredicted_commands = 5000.0; },
-      [](Evidence& e) { e.force_excess = 0.9, e.force_excess_sd = 0.1; },
+      [](Evidence& e) { e.part_lacking = 0.9, e.force_excess_sd = 0.1; },
       [](Evidence& e) { e.sensors_share = 0.0; },
       [](Evidence& e) { e.at_bound = true; },
       [](Evidence& e) { e.alike = 1; },

@@ -70,6 +70,18 @@ TEST(Parts, OfAnInflowAreOfOneSizeAndThoseOfADampingAloneAreNot) {
   ASSERT_GT(damping.deviation, 0.0);
   EXPECT_LT(damping.excess, -0.5);
   EXPECT_LT(damping.excess, -3.0 * damping.deviation);
+  EXPECT_GT(damping.lacking, 0.4);
+  EXPECT_GT(damping.lacking, 3.0 * damping.deviation);
+}
+
+// the moment says how large the inflow is, and its force is there: what pushes as well is something else
+TEST(Parts, OfAnInflowLackNothingBesideAFurtherForce) {
+  const Parts inflow = parts_of(
+      {"axial_inflow"},
+      R"({type = "axial_inflow", at_hover = 0.02}, {type = "sindy_residual", frame = "world", terms = ["vz"], fx = [0], fy = [0], fz = [-0.02]})");
+  EXPECT_GT(inflow.excess, 0.5);
+  EXPECT_GT(inflow.excess, 3.0 * inflow.deviation);
+  EXPECT_LT(inflow.lacking, 0.3);
 }
 
 // what the push tells is less than a twentieth of all that was found
@@ -77,6 +89,7 @@ TEST(Parts, AreNotComparedWhereThePushIsASmallShare) {
   const Parts inflow = parts_of({"axial_inflow"}, R"({type = "axial_inflow", at_hover = 0.02})", false, 1e9);
   EXPECT_EQ(inflow.excess, 0.0);
   EXPECT_EQ(inflow.deviation, 0.0);
+  EXPECT_EQ(inflow.lacking, 0.0);
 }
 
 TEST(Parts, OfADragAreOfOneSizeThoughTheAccelerometerIsLate) {
