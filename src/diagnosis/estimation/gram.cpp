@@ -65,8 +65,8 @@ void Grams::shift(const Eigen::VectorXd& d) {
   for (auto& b : block) b = shifted(std::move(b), d);
 }
 
-GramBlocks::GramBlocks(std::vector<int> columns, int flight, int catalogue_size, Grams& grams)
-    : at_(std::move(columns)), flight_(flight), grams_(grams) {
+GramBlocks::GramBlocks(std::vector<int> columns, int flight, int catalogue_size, Grams& grams, bool one_block)
+    : at_(std::move(columns)), flight_(flight), one_block_(one_block), grams_(grams) {
   grams_.columns = catalogue_size;
   at_.push_back(catalogue_size);
 }
@@ -94,15 +94,19 @@ void GramBlocks::finish_block() {
   if (count_ == 0) return;
   Rows local(kept_.cols(), kept_.cols());
   products_of_columns(kept_, count_, local);
-  Eigen::MatrixXd& full = grams_.block.emplace_back(Eigen::MatrixXd::Zero(grams_.columns + 1, grams_.columns + 1));
+  if (!one_block_ || blocks_ == 0) {
+    grams_.block.emplace_back(Eigen::MatrixXd::Zero(grams_.columns + 1, grams_.columns + 1));
+    grams_.flight.push_back(flight_);
+    grams_.known.push_back(false);
+    grams_.time_s.push_back(begin_s_);
+    if (blocks_ % 2 == 0) last_cluster_ = grams_.clusters++;
+    grams_.cluster.push_back(last_cluster_);
+  }
+  ++blocks_;
+  Eigen::MatrixXd& full = grams_.block.back();
   for (std::size_t j = 0; j < at_.size(); ++j)
     for (std::size_t i = 0; i < at_.size(); ++i)
-      full(at_[i], at_[j]) = local(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-  grams_.flight.push_back(flight_);
-  grams_.known.push_back(false);
-  grams_.time_s.push_back(begin_s_);
-  if (blocks_++ % 2 == 0) last_cluster_ = grams_.clusters++;
-  grams_.cluster.push_back(last_cluster_);
+      full(at_[i], at_[j]) += local(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
   grams_.rows += static_cast<double>(count_);
   count_ = 0;
 }

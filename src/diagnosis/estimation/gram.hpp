@@ -32,8 +32,8 @@ struct Grams {
 // Adds one flight's innovations, which come in order of time; rows that are not warm do not count.
 class GramBlocks {
  public:
-  // `columns`: of the catalogue, those that the rows have
-  GramBlocks(std::vector<int> columns, int flight, int catalogue_size, Grams& grams);
+  // `columns`: of the catalogue, those that the rows have; `one_block`: the sum of all blocks in place of each
+  GramBlocks(std::vector<int> columns, int flight, int catalogue_size, Grams& grams, bool one_block = false);
   ~GramBlocks() { finish_block(); }
   GramBlocks(const GramBlocks&) = delete;
   GramBlocks& operator=(const GramBlocks&) = delete;
@@ -45,6 +45,7 @@ class GramBlocks {
   void finish_block();
   std::vector<int> at_;  // columns and y in a block
   int flight_, last_cluster_ = -1, blocks_ = 0;
+  bool one_block_;
   Grams& grams_;
   std::optional<double> start_s_;
   double begin_s_ = 0.0, block_ = 0.0;  // of the present block: its first row, its number

@@ -332,8 +332,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.part_lacking = both[i].lacking;
     record.unexplained_delta_chi2 = rest.omnibus_delta_chi2;
     record.at_bound = at_its_bound(catalogue, selection.value, finding.group);
-    record.undone = undone[i].share;
-    record.outweighed = undone[i].outweighed;
+    record.undone = undone[i].share, record.outweighed = undone[i].outweighed;
     record.lone_latency = session.reference() && session.reference()->flights == 1 &&
                           group.row->place == Place::actuation && group.row->latency != Latency::none;
     record.alike = alike(session, selection, finding);

@@ -220,7 +220,7 @@ void offer_residual(Session& session, const Selection& selection, const std::vec
   const std::vector<Library> all = libraries();
   Found best;
   for (const Library& library : all) {
-    SparseFit fit = matching_pursuit(grams_with(session, family_of(session, library), beside).total(),
+    SparseFit fit = matching_pursuit(gram_with(session, family_of(session, library), beside),
                                      static_cast<int>(beside.size()), selection.degrees_of_freedom);
     if (!fit.chosen.empty() && (!best.library || fit.loss < best.fit.loss)) best = {&library, std::move(fit)};
   }

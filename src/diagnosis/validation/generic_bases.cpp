@@ -164,7 +164,7 @@ std::vector<BasisFamily> channel_bases(const Session& session) {
   return result;
 }
 
-Grams grams_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
+Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns) {
   std::vector<Grams> of_flight(session.flights().size());
   session.for_each_flight([&](std::size_t f) {
     const LinearFlight linear = only(session.linear()[f], columns);
@@ -175,12 +175,13 @@ Grams grams_with(const Session& session, const BasisFamily& family, const std::v
                                       family.set(f, k, of_sample.setZero(6, family.size));
                                       return of_sample;
                                     }};
-    GramBlocks blocks(std::move(to), static_cast<int>(f), static_cast<int>(columns.size()) + family.size, of_flight[f]);
+    GramBlocks blocks(std::move(to), static_cast<int>(f), static_cast<int>(columns.size()) + family.size, of_flight[f],
+                      true);
     add_innovations(session.flights()[f], linear, session.noise, blocks, further);
   });
   Grams grams;
   for (Grams& part : of_flight) append(std::move(part), grams);
-  return grams;
+  return grams.total();
 }
 
 void keep_small(const std::vector<Trim>& trims, std::size_t first, Eigen::MatrixXd& gram) {
@@ -204,7 +205,7 @@ std::vector<FamilyDeltaChi2> delta_chi2_of_families(const Session& session, cons
   };
   std::vector<int> beside = columns;
   for (const Trim& trim : trims) beside.push_back(trim.column);
-  Eigen::MatrixXd gram = grams_with(session, together, beside).total();
+  Eigen::MatrixXd gram = gram_with(session, together, beside);
   keep_small(trims, columns.size(), gram);
   std::vector<int> known(beside.size());
   std::iota(known.begin(), known.end(), 0);

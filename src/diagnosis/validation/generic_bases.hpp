@@ -36,8 +36,8 @@ std::vector<BasisFamily> omnibus_bases(const Session& session);
 // a dozen smooth functions of the state acting on one channel each: force x y z, torque x y z in the body
 std::vector<BasisFamily> channel_bases(const Session& session);
 
-// Grams of [these columns of the catalogue, the family, z], whitened under the session's noise, over all flights.
-Grams grams_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
+// Gram matrix of [these columns of the catalogue, the family, z], whitened under the session's noise, over all flights.
+Eigen::MatrixXd gram_with(const Session& session, const BasisFamily& family, const std::vector<int>& columns);
 // Their sum when the columns from `first` are trims, which are small beforehand.
 void keep_small(const std::vector<Trim>& trims, std::size_t first, Eigen::MatrixXd& gram);
 

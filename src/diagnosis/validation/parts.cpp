@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "diagnosis/estimation/indices.hpp"
@@ -53,6 +54,37 @@ LinearFlight with_forces(const LinearFlight& flight, const Session& session, con
   return out;
 }
 
+// of these columns, that every flight has `with` what it is asked
+Grams grams_of(const Session& session, const std::vector<int>& columns,
+               const std::function<LinearFlight(const LinearFlight&)>& with) {
+  std::vector<Grams> of_flight(session.flights().size());
+  session.for_each_flight([&](std::size_t f) {
+    const LinearFlight linear = with(session.linear()[f]);
+    GramBlocks blocks(indices_of(linear.columns, columns), static_cast<int>(f), static_cast<int>(columns.size()),
+                      of_flight[f]);
+    add_innovations(session.flights()[f], linear, session.noise, blocks);
+  });
+  Grams grams;
+  for (Grams& part : of_flight) append(std::move(part), grams);
+  return grams;
+}
+
+// How much of what a finding does its force does: what the finding's own columns, of those `beside`, take of it. `pattern`: of the force, less
+// what others say of it.
+double force_share(const Catalogue& catalogue, const Selection& selection, int group, const std::vector<int>& beside,
+                   const Eigen::MatrixXd& gram, const Eigen::VectorXd& pattern) {
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(gram.cols()), of_force = size;
+  for (std::size_t k = 0; k < beside.size(); ++k) {
+    const Column& column = catalogue.column(beside[k]);
+    if (column.group != group) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    size[at] = (selection.value[beside[k]] - column.nominal) / column.natural;
+    of_force[at] = -pattern[at];
+  }
+  const Eigen::VectorXd seen = gram * size;
+  return std::clamp(of_force.dot(seen) / size.dot(seen), 0.0, 1.0);
+}
+
 }  // namespace
 
 std::vector<Parts> parts(const Session& session, const Selection& selection) {
@@ -70,14 +102,8 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
   for (const Trim& trim : trims) beside.push_back(trim.column);
   std::vector<int> all = beside;
   for (int i = 0; i < forces; ++i) all.push_back(-1 - i);
-  std::vector<Grams> of_flight(session.flights().size());
-  session.for_each_flight([&](std::size_t f) {
-    const LinearFlight linear = with_forces(session.linear()[f], session, selection, beside, gusty);
-    GramBlocks blocks(indices_of(linear.columns, all), static_cast<int>(f), static_cast<int>(all.size()), of_flight[f]);
-    add_innovations(session.flights()[f], linear, session.noise, blocks);
-  });
-  Grams grams;
-  for (Grams& part : of_flight) append(std::move(part), grams);
+  const Grams grams = grams_of(
+      session, all, [&](const LinearFlight& flight) { return with_forces(flight, session, selection, beside, gusty); });
   Eigen::MatrixXd gram = grams.total();
   keep_small(trims, own, gram);
   std::vector<int> known(beside.size());
@@ -95,21 +121,6 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
     weights[column] = 1.0;
     return weights;
   };
-  // how much of what a finding does its force does: what the finding's own columns take of it
-  const auto force_share = [&](int group, const Eigen::VectorXd& pattern) {
-    std::vector<Eigen::Index> at;
-    std::vector<double> size, of_force;
-    for (std::size_t k = 0; k < own; ++k) {
-      const Column& column = session.catalogue().column(beside[k]);
-      if (column.group != group) continue;
-      at.push_back(static_cast<Eigen::Index>(k));
-      size.push_back((selection.value[beside[k]] - column.nominal) / column.natural);
-      of_force.push_back(-pattern[at.back()]);
-    }
-    const Eigen::Map<const Eigen::VectorXd> b(size.data(), std::ssize(size)), f(of_force.data(), std::ssize(of_force));
-    const Eigen::VectorXd weighted = gram(at, at) * b;
-    return std::clamp(f.dot(weighted) / b.dot(weighted), 0.0, 1.0);
-  };
   const Eigen::VectorXd unexplained = left_of(gram.cols() - 1);
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(beside.size() + i);
@@ -119,7 +130,8 @@ std::vector<Parts> parts(const Session& session, const Selection& selection) {
       continue;
     const Eigen::VectorXd pattern = left_of(at);
     const double excess = projected(at, projected.cols() - 1) / seen;
-    const double share = force_share(selection.findings[i].group, pattern);
+    const double share =
+        force_share(session.catalogue(), selection, selection.findings[i].group, beside, gram, pattern);
     result[i] = {excess,
                  std::sqrt(std::max(1.0 / seen, clustered_variance(grams, pattern, unexplained - excess * pattern))),
                  excess > 0.0 ? excess * share : -excess * (1.0 - share)};
