@@ -88,7 +88,8 @@ void calibrate_command(const CalibrateArguments& options) {
   const std::string beside = options.calibration.empty() ? calibration_path(path) : options.calibration;
   const Calibration calibration = read_calibration(beside);
   const Published published = read_published(find_resource("experiments/published_tables.toml"));
-  check_files_can_be_written(options.out, {"calibration.json", "calibration.md", "values.txt"});
+  const std::string name = read_experiment(path).name;
+  check_files_can_be_written(options.out, {"calibration.json", "calibration.md", "values.txt", "flown.jsonl"});
 
   const std::atomic<bool>& stop = interrupted();
   make_folder(options.out);
@@ -101,7 +102,7 @@ void calibrate_command(const CalibrateArguments& options) {
   if (results.size() < calibration.stages.size()) throw ExitCode{130};
 
   nlohmann::ordered_json json{{"format", "gustlab-calibrated/1"},
-                              {"experiment", read_experiment(path).name},
+                              {"experiment", name},
                               {"first_replicate", calibration.first_replicate},
                               {"replicates", calibration.replicates}};
   std::string values;

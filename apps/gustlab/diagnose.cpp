@@ -211,7 +211,9 @@ diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::Diag
 #endif
   diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
   for (const diagnosis::LogFinding& finding : result.log_findings)
-    if (finding.sets_flight_aside) spdlog::warn("{}: set aside: {}", finding.file, finding.says);
+    if (finding.sets_flight_aside)
+      spdlog::warn("{}: {}{}", finding.file,
+                   finding.says.find("set aside") < finding.says.size() ? "" : "set aside: ", finding.says);
   const nlohmann::ordered_json document = diagnosis::to_json(result);
 
   replace_folder(out, [&](const std::filesystem::path& fresh) {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "sweep/sweep.hpp"
 #include "util/files.hpp"
@@ -27,7 +28,11 @@ void gate_command(const GateArguments& options) {
   GateRule rule = options.rule;
   rule.by_margin = options.fails_by != "test";
   rule.by_test = options.fails_by != "margin";
-  const GateReport report = gate(results.rows, read_results_csv(options.baseline), rule);
+  const std::vector<ResultRow> baseline = read_results_csv(options.baseline);
+  if (baseline.empty())
+    throw DataError(fmt::format("{}:1:1: the baseline has no rows (no run to compare with); make one with --update",
+                                options.baseline));
+  const GateReport report = gate(results.rows, baseline, rule);
   const std::string summary = to_markdown(report);
   for (const std::string& path : {options.junit, options.summary})
     if (!path.empty()) check_file_can_be_written(path);

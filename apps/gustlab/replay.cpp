@@ -13,6 +13,7 @@
 #include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 #include "vehicle/gaps.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -68,6 +69,7 @@ void print_text(const nlohmann::ordered_json& block) {
 }
 
 void run(const ReplayArguments& options) {
+  interrupted();
   check_horizons(options.horizon_s);
   std::optional<std::vector<EffectSpec>> with;
   if (!options.with.empty()) {

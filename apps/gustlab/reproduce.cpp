@@ -121,7 +121,10 @@ void reproduce_command(const ReproduceArguments& options) {
     if (!fs::is_regular_file(calibration)) calibration = calibration_path(path);
     if (fs::is_regular_file(calibration)) calibrations.push_back(read_calibration(calibration));
   }
-  check_folder_can_be_made(options.out);
+  for (const Report& report : reports) {
+    check_files_can_be_written(report.folder, {"reproduction.json", "reproduction.md"});
+    check_files_can_be_written((fs::path(report.folder) / "figures").string(), {"ours_against_paper.svg"});
+  }
   for (Report& report : reports) write(report, published, calibrations, options.jobs);
 }
 

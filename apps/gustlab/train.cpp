@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include "commands.hpp"
+#include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 #include "learning/train_daiml.hpp"
 #include "options.hpp"
@@ -64,10 +66,19 @@ std::vector<std::pair<std::string, std::string>> account(const TrainArguments& o
   return lines;
 }
 
+void check_conditions(const std::vector<Experiment>& variants, const std::string& path) {
+  const auto trained = std::count_if(variants.begin(), variants.end(), [](const Experiment& v) { return !v.held_out; });
+  if (trained < 2)
+    config::Table::read_file(path).fail("variant", fmt::format("{} wind condition to train on", trained),
+                                        "the discriminator tells them apart",
+                                        "give at least two [[variant]] tables without held_out");
+}
+
 void train(TrainArguments options) {
   interrupted();
   if (options.experiment.seed) options.training.seed = *options.experiment.seed;
   const std::vector<Experiment> variants = options.experiment.read_variants();
+  check_conditions(variants, find_experiment(options.experiment.experiment));
   check_file_can_be_written(options.out);
   const std::vector<Condition> conditions = collect(variants, options.jobs);
   Progress progress;

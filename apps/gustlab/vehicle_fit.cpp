@@ -15,6 +15,7 @@
 #include "options.hpp"
 #include "progress.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 #include "vehicle/edit_vehicle.hpp"
 #include "vehicle/read_vehicle.hpp"
@@ -107,6 +108,7 @@ void print_errors(const nlohmann::ordered_json& fit, bool with_rest) {
 }
 
 void fit_flights(const FitArguments& options) {
+  interrupted();
   const FlightLog first = read_flight_log(options.logs.front());
   const VehicleModel vehicle =
       options.vehicle.empty() ? read_vehicle(first.meta.vehicle, first.path) : read_vehicle(options.vehicle);

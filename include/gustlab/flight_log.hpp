@@ -57,6 +57,10 @@ struct FlightLog {
   int count(std::string_view prefix) const;
 };
 
+// Of a gap in time only so much is walked through step by step, and counts as flight: rotors have settled by then, and work goes with
+// rows, whatever their times are.
+inline constexpr double longest_walk_s = 10.0;
+
 // From one time, included, to another, not included.
 struct TimeRange {
   double from_s, to_s;

@@ -81,6 +81,10 @@ class Reader final : public ParameterVisitor {
     }
     if (const std::string why = read_into(value.path, value.bytes); !why.empty())
       table_.fail(name, fmt::format("\"{}\" cannot be read", value.path), why, "");
+    // no bytes mean that no file is named
+    if (value.bytes.empty())
+      throw DataError(fmt::format("{}:1:1: the file is empty ({} names it as \"{}\"); name another", value.path,
+                                  table_.where(name), name));
   }
 
  private:

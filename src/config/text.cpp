@@ -70,19 +70,39 @@ std::string quoted(std::string_view text) {
   return result + '"';
 }
 
+namespace {
+
+// bytes of the character that begins here; 0: it is no UTF-8
+std::size_t character_size(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text[0]);
+  const std::size_t size = first < 0x80         ? 1
+                           : first >> 5 == 0x06 ? 2
+                           : first >> 4 == 0x0e ? 3
+                           : first >> 3 == 0x1e ? 4
+                                                : 0;
+  if (size > text.size()) return 0;
+  for (std::size_t i = 1; i < size; ++i)
+    if (static_cast<unsigned char>(text[i]) >> 6 != 2) return 0;
+  return size;
+}
+
+}  // namespace
+
 std::string printable(std::string_view text) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
     const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
-    if ((byte < 0x20 && text[i] != '\n') || byte == 0x7f) {
+    const std::size_t size = character_size(text.substr(i));
+    if (size == 0 || (byte < 0x20 && text[i] != '\n') || byte == 0x7f) {
       result += fmt::format("\\x{:02x}", byte);
     } else if (byte == 0xc2 && next >= 0x80 && next < 0xa0) {
       // the second set of control characters, in UTF-8
       result += fmt::format("\\x{:02x}", next);
       ++i;
     } else {
-      result += text[i];
+      result += text.substr(i, size);
+      i += size - 1;
     }
   }
   return result;

@@ -77,8 +77,9 @@ std::string sidecar_path(const std::string& csv_path) {
   for (const std::string_view ending : {".csv", ".csv.gz"})
     if (csv_path.ends_with(ending)) return csv_path.substr(0, csv_path.size() - ending.size()) + ".meta.toml";
   const std::string inside = (std::filesystem::path(csv_path) / "flight.csv").string();
+  std::error_code ignored;
   throw DataError(worded(csv_path + ": not a flight log", "its name must end with .csv or .csv.gz",
-                         std::filesystem::exists(inside) ? fmt::format("did you mean \"{}\"?", inside) : ""));
+                         std::filesystem::exists(inside, ignored) ? fmt::format("did you mean \"{}\"?", inside) : ""));
 }
 
 LogMeta read_sidecar(const std::string& path) {

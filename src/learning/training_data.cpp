@@ -65,12 +65,6 @@ void append(Eigen::MatrixXd& all, const Eigen::MatrixXd& more) {
 }  // namespace
 
 std::vector<Condition> collect(std::span<const Experiment> variants, int jobs) {
-  const auto trained = std::count_if(variants.begin(), variants.end(), [](const Experiment& v) { return !v.held_out; });
-  if (trained < 2)
-    throw ConfigError(fmt::format(
-        "{}: {} wind condition to train on (the discriminator tells them apart); give at least two [[variant]] "
-        "tables without held_out",
-        variants.front().name, trained));
   struct Planned {
     std::size_t variant;
     RunSpec spec;

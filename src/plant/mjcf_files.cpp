@@ -35,7 +35,7 @@ struct Limit {
 constexpr Limit limits[] = {
     {"replicate", "count", 1e5}, {"hfield", "nrow", 4096}, {"hfield", "ncol", 4096},       {"texture", "width", 4096},
     {"texture", "height", 4096}, {"mesh", "params", 1000}, {"camera", "resolution", 4096}, {"numeric", "size", 1e5},
-    {"size", "memory", 1e9},     {"size", "", 1e5}};
+    {"size", "memory", 1e9},     {"size", "", 1e4}};
 // one rigid body has none of these, and some of them are made of thousands of parts
 constexpr std::string_view refused[] = {"composite", "flexcomp", "flex", "deformable", "skin"};
 

@@ -92,6 +92,11 @@ GateChange change_of(const std::vector<double>& now, const std::vector<double>& 
           test.difference < 0.0 ? half : 1.0 - half};
 }
 
+// a change as a share of what was, with sign; "–": it was nothing
+std::string percent(double change_m, double before_m, int digits) {
+  return before_m > 0.0 ? fmt::format("{:+.{}f}", 100.0 * change_m / before_m, digits) : "–";
+}
+
 std::string verdict_of(const GateCell& cell, double margin) {
   if (!cell.failures.empty()) return "**worse**";
   const GateChange& rmse = cell.changes[0];
@@ -113,10 +118,10 @@ void judge(std::vector<GateCell>& cells, const GateRule& rule) {
       const bool too_far = rule.by_margin && change.change_m > rule.margin * change.before_m,
                  surely = rule.by_test && p < rule.level;
       if (!(change.change_m > rule.floor_m) || !(too_far || surely)) continue;
-      cells[c].failures.push_back(fmt::format("{} {:.4f} m, was {:.4f} m: {:+.1f} %{}{}", tracking_metrics[i].title,
-                                              change.now_m, change.before_m, 100.0 * change.change_m / change.before_m,
-                                              too_far ? ", beyond the margin" : "",
-                                              surely ? fmt::format(", significant (p = {:.2g})", p) : ""));
+      cells[c].failures.push_back(
+          fmt::format("{} {:.4f} m, was {:.4f} m: {} %{}{}", tracking_metrics[i].title, change.now_m, change.before_m,
+                      percent(change.change_m, change.before_m, 1), too_far ? ", beyond the margin" : "",
+                      surely ? fmt::format(", significant (p = {:.2g})", p) : ""));
     }
     cells[c].verdict = verdict_of(cells[c], rule.margin);
   }
@@ -151,13 +156,12 @@ std::string change_row(const GateCell& cell) {
   const GateChange& rmse = cell.changes[0];
   const std::string name = fmt::format("| {} | {} |", title_of(cell), cell.pairs);
   if (cell.pairs == 0) return fmt::format("{} – | – | – | – | {} | – |\n", name, cell.verdict);
-  const auto percent = [&](double value_m) { return 100.0 * value_m / rmse.before_m; };
-  const std::string interval =
-      std::isnan(rmse.interval_m.low)
-          ? "–"
-          : fmt::format("{:+.2f} to {:+.2f}", percent(rmse.interval_m.low), percent(rmse.interval_m.high));
-  return fmt::format("{} {:.4f} | {:.4f} | {:+.2f} | {} | {} | {} |\n", name, rmse.before_m, rmse.now_m,
-                     percent(rmse.change_m), interval, cell.verdict, cell.configuration_changed ? "changed" : "same");
+  const auto share = [&](double value_m) { return percent(value_m, rmse.before_m, 2); };
+  const std::string interval = std::isnan(rmse.interval_m.low) || !(rmse.before_m > 0.0)
+                                   ? "–"
+                                   : fmt::format("{} to {}", share(rmse.interval_m.low), share(rmse.interval_m.high));
+  return fmt::format("{} {:.4f} | {:.4f} | {} | {} | {} | {} |\n", name, rmse.before_m, rmse.now_m,
+                     share(rmse.change_m), interval, cell.verdict, cell.configuration_changed ? "changed" : "same");
 }
 
 }  // namespace

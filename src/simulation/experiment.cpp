@@ -16,6 +16,7 @@
 #include "simulation/flight.hpp"
 #include "simulation/setting_units.hpp"
 #include "simulation/variants.hpp"
+#include "util/files.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
@@ -130,7 +131,11 @@ struct Included {
 Included read_included(config::Table& experiment, const std::string& path, std::vector<EffectSpec> effects) {
   Included included{std::move(effects), {}};
   for (const std::string& file : experiment.texts("include").value_or(std::vector<std::string>{})) {
-    config::Table document = config::Table::read_file((std::filesystem::path(path).parent_path() / file).string());
+    const std::string beside = (std::filesystem::path(path).parent_path() / file).string();
+    std::string text;
+    if (const std::string why = read_into(beside, text); !why.empty())
+      experiment.fail("include", fmt::format("\"{}\" cannot be read", beside), why, "");
+    config::Table document = config::Table::parse(text, beside);
     document.text("format");
     document.text("vehicle");
     included.effects = config::merge_effects(included.effects, config::read_effects(document));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -72,6 +73,7 @@ std::vector<RotorArray> driven_speeds(const FlightLog& log, const VehicleModel& 
       started = true;
       done = until;
     }
+    done = std::max(done, until - static_cast<std::int64_t>(longest_walk_s / actuation_step_s));
     // a held command acts from its row on; any other is taken to move straight from row to row
     for (std::int64_t step = done + 1; step <= until; ++step) {
       const double share = static_cast<double>(step - done) / static_cast<double>(until - done);

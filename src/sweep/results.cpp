@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "config/toml.hpp"
@@ -117,6 +118,7 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
     axes.push_back({line, ""});
 
   std::vector<ResultRow> rows;
+  std::map<std::string, int> lines;  // of each run
   for (int number = 2; std::getline(file, line); ++number) {
     Cells cells(line, fmt::format("{}:{}", path, number));
     ResultRow row;
@@ -133,6 +135,11 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
     row.axes = axes;
     for (NamedValue& axis : row.axes) axis.value = cells.next();
     cells.finish();
+    const std::string run =
+        fmt::format("{},{},{},{},{}", row.experiment, row.vehicle, row.trajectory, row.controller, row.replicate);
+    if (const auto [first, is_new] = lines.emplace(run, number); !is_new)
+      throw DataError(
+          fmt::format("{}:{}:1: run {} stands in line {} already; leave one out", path, number, run, first->second));
     rows.push_back(std::move(row));
   }
   return rows;

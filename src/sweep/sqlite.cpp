@@ -80,6 +80,13 @@ double Statement::number(int column) const {
   return sqlite3_column_double(handle_.get(), column);
 }
 
+bool Statement::is_number(int column) const {
+  const int type = sqlite3_column_type(handle_.get(), column);
+  return type == SQLITE_NULL || type == SQLITE_INTEGER || type == SQLITE_FLOAT;
+}
+
+std::string Statement::name(int column) const { return sqlite3_column_name(handle_.get(), column); }
+
 std::string Statement::text(int column) const {
   const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(handle_.get(), column));
   return bytes ? std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column)))

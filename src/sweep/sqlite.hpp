@@ -42,6 +42,8 @@ class Statement {
   bool step();
   std::int64_t integer(int column) const;
   double number(int column) const;
+  bool is_number(int column) const;  // or NULL; to be asked before the value
+  std::string name(int column) const;
   std::string text(int column) const;
 
  private:

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "config/text.hpp"
 #include "config/toml.hpp"
 #include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
@@ -106,6 +107,11 @@ RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(pat
     if (!provenance_.contains(name))
       throw DataError(
           fmt::format("{}: not a result store of this program (\"{}\" is not in its provenance)", path, name));
+  const std::string& settle_s = provenance_.at("settle_s");
+  const char* end = settle_s.data() + settle_s.size();
+  if (const auto [rest, error] = std::from_chars(settle_s.data(), end, settle_s_); error != std::errc() || rest != end)
+    throw DataError(
+        fmt::format("{}: \"settle_s\" of the provenance is no number ({})", path, config::quoted(settle_s)));
 }
 
 void RunStore::write_provenance(const Provenance& provenance) {
@@ -211,22 +217,29 @@ void RunStore::for_each(const std::function<void(ResultRow)>& use) {
     row.vehicle = provenance_.at("vehicle");
     row.trajectory = all.text(0);
     row.controller = all.text(1);
+    const bool is_counted = all.is_number(2);
     row.replicate = all.integer(2);
     const auto wrong = [&](const std::string& problem) {
       return DataError(
-          fmt::format("{}: {} {} {}: {}", database_.path(), row.trajectory, row.controller, row.replicate, problem));
+          fmt::format("{}: {} {} {}: {}", database_.path(), row.trajectory, row.controller, all.text(2), problem));
     };
+    if (!is_counted) throw wrong("this replicate is no number");
     const auto outcome = find_outcome(all.text(3));
     if (!outcome) throw wrong(fmt::format("\"{}\" is no outcome", all.text(3)));
     row.outcome = *outcome;
     int column = 4;
-    for (double* value :
-         {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m}) {
-      *value = all.number(column++);
-      if (!is_figure(*value)) throw wrong(fmt::format("{} is no figure of a flight", *value));
-    }
+    const auto figure = [&](double& value) {
+      const bool is_number = all.is_number(column);
+      value = all.number(column);
+      if (!is_number || !is_figure(value))
+        throw wrong(
+            fmt::format("{} of {} is no figure of a flight", config::quoted(all.text(column)), all.name(column)));
+      ++column;
+    };
+    for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m})
+      figure(*value);
     row.key = all.text(column++);
-    for (double* value : {&row.rotor_sd_radps, &row.rotor_rate_radps2}) *value = all.number(column++);
+    for (double* value : {&row.rotor_sd_radps, &row.rotor_rate_radps2}) figure(*value);
     row.axes = axes;
     use(std::move(row));
   }
@@ -234,11 +247,7 @@ void RunStore::for_each(const std::function<void(ResultRow)>& use) {
 
 Results RunStore::results() {
   Results results;
-  const std::string& settle_s = provenance_.at("settle_s");
-  const char* end = settle_s.data() + settle_s.size();
-  if (const auto [rest, error] = std::from_chars(settle_s.data(), end, results.settle_s);
-      error != std::errc() || rest != end)
-    throw DataError(fmt::format("{}: \"settle_s\" of the provenance is no number ({})", database_.path(), settle_s));
+  results.settle_s = settle_s_;
   results.arcs = from_lines(provenance_.at("arcs"));
   // stores of earlier programs have no units
   if (const auto units = provenance_.find("axis_units"); units != provenance_.end())

@@ -60,6 +60,7 @@ class RunStore {
 
   Database database_;
   Provenance provenance_;
+  double settle_s_ = 0.0;
   std::optional<Statement> insert_;
 };
 

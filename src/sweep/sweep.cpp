@@ -150,6 +150,7 @@ void merge_stores(const std::vector<std::string>& folders, const std::string& ou
                                   fmt::join(differ, ", ")));
   }
   check_complete(folders, shards);
+  for (const auto& shard : shards) shard->for_each([](const ResultRow&) {});  // throws where a figure is none
 
   Provenance merged = shards.front()->provenance();
   merged["shard"] = "1/1";
@@ -163,7 +164,7 @@ void merge_stores(const std::vector<std::string>& folders, const std::string& ou
   try {
     write_merged(shards, merged, out);
   } catch (...) {
-    if (is_new) fs::remove(out);
+    if (is_new) fs::remove(fs::canonical(out));
     throw;
   }
 }
@@ -290,8 +291,10 @@ void merge(const std::vector<std::string>& folders, const std::string& out) {
 
 Results read_results(const std::string& folder) {
   Results all;
+  note_input(csv_path(folder));
   bool first = true;
   for (const std::string& one : store_folders(folder)) {
+    note_input(csv_path(one));
     Results results = read_store(one);
     if (!std::exchange(first, false)) {
       if (results.settle_s != all.settle_s)

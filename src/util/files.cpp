@@ -50,13 +50,32 @@ std::string file_on_the_way(const fs::path& path) {
       "{}: {} ({})", path, what,
       file.empty() ? std::strerror(reason ? reason : EIO) : fmt::format("{} is a file, not a folder", file));
   for (const int of_the_path : {ENOTDIR, EISDIR, ENOENT, ENAMETOOLONG, ELOOP})
-    if (reason == of_the_path) throw ConfigError(message + " name another");
+    if (reason == of_the_path) throw ConfigError(message + "; name another");
   throw IoError(message);
 }
 
-[[noreturn]] void fail(const std::string& path, int reason) { fail(path, "cannot write", reason); }
+constexpr std::string_view no_file = "cannot write", no_folder = "cannot make this folder";
 
-constexpr std::string_view no_folder = "cannot make this folder";
+[[noreturn]] void fail(const std::string& path, int reason) { fail(path, no_file, reason); }
+
+// Where a path leads: symbolic links of every part of it are followed, also to what is not there yet.
+fs::path led_to(fs::path path, const std::string& shown, std::string_view what) {
+  std::error_code error;
+  fs::path here;
+  int links = 0;
+  for (auto part = path.begin(); part != path.end();) {
+    here /= *part++;
+    if (!fs::is_symlink(fs::symlink_status(here, error))) continue;
+    if (++links > most_links) fail(shown, what, ELOOP);
+    fs::path left = fs::read_symlink(here);
+    here = here.parent_path();
+    for (; part != path.end(); ++part) left /= *part;
+    path = std::move(left);
+    part = path.begin();
+  }
+  return here;
+}
+fs::path folder_led_to(const std::string& path) { return led_to(fs::absolute(path), path, no_folder); }
 
 // a file is known by where it stands, whatever name it was read by
 using FileId = std::pair<dev_t, ino_t>;
@@ -117,18 +136,14 @@ class FileBeside {
   std::string shown_;
 };
 
-// where writing ends: symbolic links are followed, also to a file that is not there yet
+// where writing ends
 struct Target {
   fs::path path;
   bool written_through = false;
 };
 Target find_target(const std::string& path) {
-  Target target{path, false};
+  Target target{led_to(path, path, no_file), false};
   std::error_code error;
-  for (int links = 0; fs::is_symlink(fs::symlink_status(target.path, error)); ++links) {
-    if (links == most_links) fail(path, ELOOP);
-    target.path = target.path.parent_path() / fs::read_symlink(target.path);
-  }
   const fs::file_status status = fs::status(target.path, error);
   if (fs::is_directory(status)) fail(path, EISDIR);
   if (is_input(target.path))
@@ -142,6 +157,7 @@ Target find_target(const std::string& path) {
 struct Together {
   std::vector<fs::path> made;
   std::vector<std::pair<std::unique_ptr<FileBeside>, fs::path>> written;
+  std::set<fs::path> targets;
 
   ~Together() {
     std::error_code ignored;
@@ -176,18 +192,22 @@ void write_file(const std::string& path, const std::function<void(std::ostream&)
   if (target.written_through) return fill(target.path);
   auto beside = std::make_unique<FileBeside>(target.path, path);
   fill(beside->path());
-  if (together) together->written.emplace_back(std::move(beside), target.path);
-  else beside->replace(target.path);
+  if (!together) return beside->replace(target.path);
+  if (!together->targets.insert(fs::weakly_canonical(fs::absolute(target.path))).second)
+    throw ConfigError(
+        fmt::format("{}: would be written twice (one of the two would be lost); name another file", path));
+  together->written.emplace_back(std::move(beside), target.path);
 }
 
 void make_folder(const std::string& path) {
   std::error_code error;
-  if (together && !fs::exists(path, error)) {
-    fs::path top = fs::absolute(path).lexically_normal();
+  const fs::path folder = folder_led_to(path);
+  if (together && !fs::exists(folder, error)) {
+    fs::path top = folder.lexically_normal();
     while (top.has_relative_path() && !fs::exists(top.parent_path(), error)) top = top.parent_path();
     together->made.push_back(top);
   }
-  fs::create_directories(path, error);
+  fs::create_directories(folder, error);
   if (error) fail(path, no_folder, error.value());
 }
 
@@ -215,7 +235,7 @@ ScratchFolder::~ScratchFolder() {
 
 void replace_folder(const std::string& path, const std::function<void(const fs::path& fresh)>& fill) {
   // a link stays one, and a slash at the end means nothing
-  fs::path target = fs::weakly_canonical(fs::absolute(path));
+  fs::path target = fs::weakly_canonical(folder_led_to(path));
   if (!target.has_filename()) target = target.parent_path();
   make_folder(target.parent_path().string());
   const ScratchFolder scratch(target.parent_path());
@@ -239,7 +259,7 @@ void check_file_can_be_written(const std::string& path) {
 
 void check_folder_can_be_made(const std::string& path) {
   std::error_code error;
-  const fs::path there = nearest_there(fs::absolute(path));
+  const fs::path there = nearest_there(folder_led_to(path));
   const int reason = !fs::is_directory(there, error) ? ENOTDIR : access(there.c_str(), W_OK | X_OK) != 0 ? errno : 0;
   if (reason != 0) fail(path, no_folder, reason);
 }

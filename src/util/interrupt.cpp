@@ -17,7 +17,9 @@ void handle(int signal) {
 }  // namespace
 
 const std::atomic<bool>& interrupted() {
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) std::signal(signal, handle);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP})
+    // who starts a program with nohup wants it to live on
+    if (std::signal(signal, handle) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
   return flag;
 }
 

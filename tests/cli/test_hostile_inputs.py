@@ -136,6 +136,7 @@ class Vehicles(Commands):
                 ("", '<replicate count="1400"><replicate count="2"><site pos="0 0 0"/></replicate></replicate>', "elements"),
                 ('<size memory="100G"/>', "", '"memory" of <size>'),
                 ('<size nuserdata="2000000000"/>', "", '"nuserdata" of <size>'),
+                ('<size njmax="100000"/>', "", '"njmax" of <size>'),
                 ('<custom><numeric name="n" size="2000000000"/></custom>', "", '"size" of <numeric>'),
                 ('<asset><model name="x" file="body.xml"/></asset>', '<attach model="x" body="p" prefix="x"/>', "without end"),
                 ('<asset><model name="x" file="self.xml"/></asset>', '<attach model="x" body="p" prefix="x"/>', "without end"),
@@ -186,6 +187,25 @@ class Stores(Commands):
             database.close()
             with self.subTest(change=change):
                 self.refuse(3, "s/runs.sqlite: " if "plan" not in change else "s", "table", "s")
+
+    def test_a_store_with_text_for_a_number_is_exit_3_everywhere(self):
+        self.call("sweep", "e.toml", "--out", "s")
+        self.call("gate", "s", "--baseline", "b.csv", "--update")
+        sound = (self.folder / "s" / "runs.sqlite").read_bytes()
+        for change, says in (("UPDATE flown SET rmse_xy_m = 'abc'", 's/runs.sqlite: hover pid 1: "abc" of rmse_xy_m is no figure'),
+                             ("UPDATE flown SET rotor_sd_radps = 'abc'", 's/runs.sqlite: hover pid 1: "abc" of rotor_sd_radps is no figure'),
+                             ("UPDATE plan SET replicate = 'abc'", "s/runs.sqlite: hover pid abc: this replicate is no number"),
+                             ("UPDATE provenance SET value = 'zzz'", 's/runs.sqlite: "settle_s" of the provenance is no number ("zzz")'),
+                             ("UPDATE provenance SET value = x'ff00fe'", 's/runs.sqlite: "settle_s" of the provenance is no number ("\\xff\\u0000\\xfe")')):
+            self.write("s/runs.sqlite", sound)
+            database = sqlite3.connect(self.folder / "s" / "runs.sqlite")
+            with database:
+                database.execute(change)
+            database.close()
+            for command in (["table", "s"], ["table", "s", "--format", "json"], ["gate", "s", "--baseline", "b.csv"], ["merge", "s", "--out", "m"]):
+                with self.subTest(change=change, command=command):
+                    self.refuse(3, says, *command)
+                    self.assertFalse((self.folder / "m").exists())
 
     def test_a_refused_resume_changes_no_byte(self):
         self.call("sweep", "e.toml", "--out", "s")
@@ -247,6 +267,24 @@ class Logs(Commands):
         self.write("flown/flight.csv", "\n".join([self.log[0].replace(",px,", ",pq,"), *self.log[1:]]) + "\n")
         self.refuse(3, 'column "px" is missing (a tracking error needs position and reference); did you mean "pq"?', "metrics", "flown/flight.csv")
 
+    def test_a_loop_of_links_is_named(self):
+        (self.folder / "LOOP").symlink_to("LOOP")
+        self.refuse(3, "LOOP: not a flight log", "metrics", "LOOP")
+
+    def test_a_jump_in_time_takes_time_by_rows(self):
+        shutil.copytree(self.folder / "flown", self.folder / "late")
+        sound, late = "flown/flight.csv", "late/flight.csv"
+        self.log[0] = self.log[0].replace("rotor", "other")  # the speeds come from the commands
+        self.write(sound, "\n".join(self.log) + "\n")
+        for first, by_s in ((len(self.log) - 1, 9e10), (len(self.log) // 2, 1e9)):
+            rows = [line.split(",", 1) for line in self.log[1:]]
+            times = [str(float(cells[0]) + (by_s if row >= first else 0.0)) for row, cells in enumerate(rows, 1)]
+            self.write(late, "\n".join([self.log[0], *(f"{at},{cells[1]}" for at, cells in zip(times, rows))]) + "\n")
+            for command in (["replay", late], ["identify", late], ["diagnose", late, "--out", "dg"],
+                            ["diagnose", sound, "--holdout", late, "--out", "dg"]):
+                with self.subTest(first=first, command=command):
+                    self.call(*command)
+
     def test_many_columns_take_time_by_their_number(self):
         names = [f"c{i}" for i in range(100000)]
         rows = [line + "," + ",".join("1" for _ in names) for line in self.log[1:6]]
@@ -276,6 +314,22 @@ class Settings(Commands):
         (self.folder / "v" / "vehicle.toml").unlink()
         (self.folder / "v" / "vehicle.toml").symlink_to("vehicle.toml")
         self.refuse(2, "vehicle.toml: cannot read", "sweep", "e.toml", "--dry-run")
+
+    def test_an_include_that_cannot_be_read_is_named_where_it_stands(self):
+        (self.folder / "loop.toml").symlink_to("loop.toml")
+        for name in ("nothere.toml", "loop.toml", "v"):
+            self.write("i.toml", EXPERIMENT + f'include = ["{name}"]\n')
+            self.refuse(2, f'i.toml:7:11: "{name}" cannot be read (', "sweep", "i.toml", "--dry-run")
+
+    def test_an_empty_file_is_no_network(self):
+        for name in ("empty", "/dev/null"):
+            self.write("empty", "")
+            self.write("w.toml", EXPERIMENT.replace('"pid"', '"daiml"') + f'[controller.daiml]\nweights = "{name}"\n')
+            self.refuse(3, f'{name}:1:1: the file is empty (w.toml:8:11 names it as "weights")', "sweep", "w.toml", "--out", "s")
+
+    def test_one_wind_is_nothing_to_train_on(self):
+        self.write("t.toml", EXPERIMENT + '[[variant]]\nname = "calm"\nset = ["seed=1"]\n')
+        self.refuse(2, "t.toml:7:1: 1 wind condition to train on", "train", "t.toml", "--out", "w")
 
     def test_a_budget_beyond_counting_is_refused(self):
         self.write("t.toml", 'format = "gustlab-tuning/1"\nflights = 9223372036854775807\nfirst_replicate = 1000\nreplicates = 1\nsearch_seeds = [1]\n'

@@ -88,6 +88,19 @@ class Places(Commands):
             self.assertEqual((self.folder / target).read_text(), out)
         self.assertEqual(stat.S_IMODE((self.folder / "there" / "real.md").stat().st_mode), 0o640)
 
+    def test_a_link_to_a_folder_that_is_not_there_stays_one_and_its_folder_is_made(self):
+        flight = "trials/nothing/fit_1.csv"
+        for command in (["sweep", "e.toml"], ["run", "e.toml", "--trajectory", "hover", "--controller", "pid"], ["merge", "swept"],
+                        ["conceal", "t.toml", "--answers", "x"], ["diagnose", flight], ["vehicle", "new", "--mass", "1kg", "--arm", "0.2m", "--hover", "0.5"]):
+            for out in ("link", "link/sub"):
+                with self.subTest(command=command, out=out):
+                    (self.folder / "link").symlink_to("there/new")
+                    self.call(*command, "--out", out)
+                    self.assertTrue((self.folder / "link").is_symlink())
+                    self.assertTrue(any((self.folder / "there" / "new" / out[5:]).iterdir()))
+                    shutil.rmtree(self.folder / "there")
+                    (self.folder / "link").unlink()
+
     def test_minus_is_stdout(self):
         out, _ = self.call(*self.GATE, "--junit", "-")
         self.assertTrue(out.startswith("<?xml"), out)
@@ -139,7 +152,9 @@ class Places(Commands):
 
 class Models(Commands):
     def test_a_diagnosis_without_names_writes_a_model_that_replay_takes(self):
-        self.call("diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg")
+        _, err = self.call("diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg")
+        self.assertIn("fit_2.csv: is a copy of fit_1.csv: set aside", err)
+        self.assertNotIn("set aside: is a copy", err)
         model = self.folder / "dg" / "augmented.toml"
         self.assertEqual(json.loads((model.parent / "diagnosis.json").read_text(encoding="utf-8"))["effects"], [])
         self.assertIn("with effects", self.call("replay", "trials/nothing/fit_1.csv", "--with", str(model))[0])
@@ -153,6 +168,7 @@ class Inputs(Commands):
         for arguments in (["identify", log, "--out", log], ["identify", log, "--out", "hard"], ["identify", log, "--out", "soft"],
                           ["identify", log, "--out", "flown/flight.meta.toml"], ["conceal", "t.toml", "--out", "x", "--answers", "t.toml"],
                           [*self.GATE, "--junit", "base.csv"], [*self.GATE, "--summary", "swept/runs.sqlite"],
+                          [*self.GATE, "--junit", "swept/runs.csv"],
                           ["gate", "swept", "--baseline", "swept/runs.sqlite", "--update"],
                           ["train", "train.toml", "--epochs", "1", "--out", "train.toml"]):
             before = self.files()
@@ -160,6 +176,25 @@ class Inputs(Commands):
                 _, err = self.call(*arguments, code=2)
                 self.assertIn("is an input of this command", err)
                 self.assertEqual(self.files(), before)
+
+
+    def test_one_file_for_two_outputs_is_refused(self):
+        before = self.files()
+        for arguments in ([*self.GATE, "--junit", "j", "--summary", "./j"],
+                          ["conceal", "t.toml", "--out", "trials", "--answers", "trials/nothing/fit_1.csv"]):
+            with self.subTest(arguments=arguments):
+                self.assertIn("would be written twice", self.call(*arguments, code=2)[1])
+                self.assertEqual(self.files(), before)
+
+    def test_an_input_as_an_output_is_refused_before_the_work(self):
+        (self.folder / "c.toml").write_text(calibration_toml(replicates=4, evaluations=1000000))
+        (self.folder / "c").mkdir()
+        (self.folder / "c" / "values.txt").hardlink_to(self.folder / "e.toml")
+        self.assertIn("is an input", self.call("calibrate", "e.toml", "--calibration", "c.toml", "--out", "c", code=2)[1])
+        (self.folder / "r").mkdir()
+        (self.folder / "r" / "reproduction.md").hardlink_to(self.folder / "e.toml")
+        self.assertIn("is an input", self.call("reproduce", "table2", "--experiment", "e.toml", "--out", "r", code=2)[1])
+        self.assertEqual([path.name for path in (self.folder / "r").iterdir()], ["reproduction.md"])
 
 
 class Failures(Commands):
@@ -208,14 +243,19 @@ class Signals(Commands):
         "conceal": ["conceal", "t.toml", "--set", "duration_s=5000", "--out", "x", "--answers", "y", "--jobs", "1"],
         "diagnose": ["diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg", "--jobs", "1"],
         "bench": ["bench", "--rounds", "1000"],
+        "replay": ["replay", *["trials/nothing/fit_1.csv"] * 1000],
+        "vehicle fit": ["vehicle", "fit", "trials/nothing/fit_1.csv", "--out", "v", "--jobs", "1"],
+        "vehicle new": ["vehicle", "new", "--mass", "1kg", "--from-log", "pipe", "--out", "v"],  # its script waits for the pipe
     }
 
     def test_each_signal_ends_each_command_with_130_and_no_output(self):
+        os.mkfifo(self.folder / "pipe")
         before = self.files()
         for name, arguments in self.LONG.items():
-            for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
+            for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1, signal.SIGHUP):
                 with self.subTest(command=name, signal=number):
-                    process = subprocess.Popen([PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                    process = subprocess.Popen([PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                               preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))
                     until = time.monotonic() + 10.0  # the handler is there at once; without one the signal is the default
                     while process.poll() is None and not catches(process.pid, number) and time.monotonic() < until:
                         time.sleep(0.005)
@@ -223,6 +263,17 @@ class Signals(Commands):
                     _, err = process.communicate(timeout=120)
                     self.assertEqual(process.returncode, 130, err)
                     self.assertEqual(self.files(), before)
+
+
+    def test_a_signal_that_nohup_ignores_stays_ignored(self):
+        process = subprocess.Popen([PROGRAM, "train", "train.toml", "--epochs", "1000000", "--out", "w"], cwd=self.folder, stderr=subprocess.DEVNULL,
+                                   preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        until = time.monotonic() + 10.0
+        while not catches(process.pid, signal.SIGTERM) and time.monotonic() < until:
+            time.sleep(0.005)
+        self.assertFalse(catches(process.pid, signal.SIGHUP))
+        process.terminate()
+        self.assertEqual(process.wait(timeout=120), 130)
 
 
 class Searches(Commands):

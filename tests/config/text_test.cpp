@@ -26,7 +26,8 @@ TEST(Text, ControlCharactersAreShownAndNotObeyed) {
                       "31m"),
             "\\x9b31m");
   EXPECT_EQ(printable("two\nlines, µ and Ω"), "two\nlines, µ and Ω");
-  EXPECT_EQ(printable("cut short \xc2"), "cut short \xc2");
+  EXPECT_EQ(printable("cut short \xc2"), "cut short \\xc2");
+  EXPECT_EQ(printable("\xff\xfe"), "\\xff\\xfe");
 }
 
 TEST(Text, LowerTouchesOnlyAsciiLetters) { EXPECT_EQ(lower("AbZ-9 Ω[`{@"), "abz-9 Ω[`{@"); }

@@ -43,6 +43,11 @@ TEST(Gate, EqualResultsPassAndAreEquivalent) {
   EXPECT_THAT(to_markdown(report), testing::StartsWith("**passed**: 0 of 1 cells failed"));
 }
 
+TEST(Gate, ErrorsOfNothingHaveNoShareToChangeBy) {
+  const GateReport report = gate(changed(0.0), changed(0.0), {});
+  EXPECT_THAT(to_markdown(report), AllOf(HasSubstr("| 0.0000 | 0.0000 | – | – | equivalent |"), Not(HasSubstr("nan"))));
+}
+
 TEST(Gate, SmallRiseInEveryRunFailsBySignificanceAlone) {
   const GateReport report = gate(changed(1.01, 2e-5), baseline(), {});
   EXPECT_EQ(report.failures(), 1u);

@@ -295,6 +295,11 @@ class Gates(Commands):
         (self.folder / "base.csv").write_text("a,b\n1,2\n")
         _, err = self.call("gate", "a", "--baseline", "base.csv", code=3)
         self.assertIn("base.csv:1:1", err)
+        header, row = self.runs("a").decode().splitlines()[:2]
+        for text, says in ((f"{header}\n", "base.csv:1:1: the baseline has no rows"),
+                           (f"{header}\n{row}\n{row}\n", "base.csv:3:1: run small,crazyflie")):
+            (self.folder / "base.csv").write_text(text)
+            self.assertIn(says, self.call("gate", "a", "--baseline", "base.csv", code=3)[1])
 
 
 if __name__ == "__main__":

@@ -272,6 +272,13 @@ std::vector<double> last_known(const std::vector<double>& measured, double other
 
 }  // namespace
 
+double FlightData::flown_s() const {
+  double flown_s = duration_s();
+  for (std::size_t k = 1; k < samples.size(); ++k)
+    flown_s -= std::max(0.0, samples[k].time_s - samples[k - 1].time_s - longest_walk_s);
+  return flown_s;
+}
+
 double third_difference_noise(const std::vector<double>& y) {
   std::vector<double> d;
   for (std::size_t k = 3; k < y.size(); ++k) {

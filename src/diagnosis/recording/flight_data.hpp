@@ -135,6 +135,8 @@ struct FlightData {
   std::shared_ptr<const FlightData> each_rotor;
   // from the first sample to the last
   double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s - samples.front().time_s; }
+  // the same, of a gap no more than longest_walk_s
+  double flown_s() const;
 };
 
 // how long a motor remembers how fast it turned: some time constants of a slow one

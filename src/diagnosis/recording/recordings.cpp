@@ -103,8 +103,15 @@ Recordings check(Recordings recordings) {
 Recordings with_held_out_part(Recordings recordings) {
   if (!recordings.holdout.empty()) return recordings;
   const FlightLog whole = std::move(recordings.fit.front());
-  const double first_s = whole.time_s.front(), last_s = whole.time_s.back(),
-               cut_s = first_s + (last_s - first_s) * 2.0 / 3.0;
+  const double first_s = whole.time_s.front(), last_s = whole.time_s.back();
+  std::vector<std::pair<double, double>> gaps;  // begin, length; none of it is flight
+  double flown_s = last_s - first_s;
+  for (std::size_t k = 1; k < whole.rows(); ++k)
+    if (const double gap_s = whole.time_s[k] - whole.time_s[k - 1]; gap_s > longest_walk_s)
+      gaps.emplace_back(whole.time_s[k - 1], gap_s), flown_s -= gap_s;
+  double cut_s = first_s + flown_s * 2.0 / 3.0;
+  for (const auto& [begin_s, gap_s] : gaps)
+    if (begin_s < cut_s) cut_s += gap_s;
   recordings.fit.front() = part_of(whole, {first_s, cut_s});
   recordings.holdout.push_back(part_of(whole, {cut_s, last_s + 1.0}));
   recordings.remarks.notes.emplace_back("there is one flight only: its last third is held out");

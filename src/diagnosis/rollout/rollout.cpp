@@ -72,9 +72,11 @@ std::vector<RotorArray> Rollout::rotor_speeds() {
   VehicleState state;
   state.rotor_speed_radps = command(0.0).speed_radps;
   plant_.reset(state);
+  const std::int64_t most = std::lround(longest_walk_s / step_s);
   std::int64_t step = 0;
   for (std::size_t row = 0; row < recording_.motion.rows(); ++row) {
-    const auto wanted = static_cast<std::int64_t>(std::lround(recording_.motion.time_s(row) / step_s));
+    const std::int64_t wanted = std::lround(recording_.motion.time_s(row) / step_s);
+    step = std::max(step, wanted - most);
     if (!recording_.voltage_V.empty()) plant_.set_voltage(recording_.voltage_V[row]);
     for (; step < wanted; ++step) plant_.advance_actuation(command(static_cast<double>(step) * step_s));
     speeds.push_back(plant_.state().rotor_speed_radps);
@@ -126,7 +128,7 @@ void Rollout::begin(const VehicleState& start, const std::vector<RotorArray>& ro
   if (!recording_.voltage_V.empty()) plant_.set_voltage(recording_.voltage_V[last]);
   state.rotor_speed_radps = rotor_speeds[first];
   plant_.reset(state);
-  for (long step = steps_from(first); step > 0; --step) {
+  for (long step = std::min(steps_from(first), std::lround(longest_walk_s / step_s)); step > 0; --step) {
     if (step == steps_from(last)) restart_rotors(rotor_speeds[last]);
     plant_.advance_actuation(command(start.time_s - static_cast<double>(step) * step_s));
   }

@@ -162,7 +162,7 @@ std::vector<Vector3> swinging_force(const FlightData& flight, const Swing& swing
     if (k + 1 == force.size()) break;
     // of the interval, not of its start: half a sample of lag shortens the cable
     const Vector3 q = 0.5 * (here + flight.motion[k + 1].acceleration_W_mps2 + gravity * Vector3::UnitZ());
-    const double interval_s = flight.samples[k + 1].time_s - flight.samples[k].time_s;
+    const double interval_s = std::min(flight.samples[k + 1].time_s - flight.samples[k].time_s, longest_walk_s);
     const int steps = static_cast<int>(std::ceil(interval_s / longest_step_s));
     for (int i = 0; i < steps; ++i) {
       const double dt = interval_s / steps;

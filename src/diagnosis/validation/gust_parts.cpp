@@ -44,7 +44,7 @@ double power(const Session& session, double radps, const Value& value) {
 // Whether a flight repeats a figure, and an angular frequency is one of that figure's harmonics: what the model has wrong of the
 // figure's forces has these lines, too.
 bool repeats_at(const FlightData& flight, double line_radps) {
-  const double bin = 2.0 * pi / flight.duration_s(), count = static_cast<double>(flight.motion.size());
+  const double bin = 2.0 * pi / flight.flown_s(), count = static_cast<double>(flight.motion.size());
   for (int axis = 0; axis < 3; ++axis) {
     double variance = 0.0, mean = 0.0, most = 0.0, base_radps = 0.0;
     for (const Motion& m : flight.motion) mean += m.velocity_W_mps[axis] / count;
@@ -78,7 +78,7 @@ bool comes_with_motion(const Session& session, const GustParts& parts) {
 
 void find_line(const Session& session, const std::vector<Smoothed>& left, GustParts& parts) {
   double duration_s = 1e300;
-  for (const FlightData& flight : session.flights()) duration_s = std::min(duration_s, flight.duration_s());
+  for (const FlightData& flight : session.flights()) duration_s = std::min(duration_s, flight.flown_s());
   const double bin = 2.0 * pi / duration_s, step = 0.25 * bin;
   std::vector<double> at, spectrum;
   for (double radps = slowest_periods * bin; radps < fastest_radps; radps += step) {
@@ -159,7 +159,7 @@ std::vector<int> means_of_gust(const Session& session, const Selection& selectio
     for (const int c : group.columns) {
       const Column& column = session.catalogue().column(c);
       // variance of the mean of an exponentially correlated series
-      const double duration_s = session.flights()[static_cast<std::size_t>(column.flight)].duration_s(),
+      const double duration_s = session.flights()[static_cast<std::size_t>(column.flight)].flown_s(),
                    x = gust.time_s / duration_s;
       const double sigma_mps2 = column.parameter < 2 ? gust.horizontal_mps2 : gust.vertical_mps2;
       const double variance = 2.0 * sigma_mps2 * sigma_mps2 * x * (1.0 - x * (1.0 - std::exp(-1.0 / x)));
