@@ -155,7 +155,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "experiment.toml:9:12: \"settle_s\" leaves nothing to measure"},
         Mistake{"source", "duration_s = 1.0", "duration_s = 1.0\nlog_source = \"mind\"", "\"mind\" is no source"},
         Mistake{"include", "duration_s = 1.0", "duration_s = 1.0\ninclude = [\"nowhere.toml\"]",
-                "nowhere.toml: cannot read"},
+                "nowhere.toml\" cannot be read"},
         Mistake{"parameter", "period_s = 5.0", "perod_s = 5.0",
                 "experiment.toml:12:11: unknown key \"perod_s\"; did you mean \"period_s\"?"},
         Mistake{"range", "period_s = 5.0", "period_s = -5.0", "experiment.toml:12:12: \"period_s\" is out of range"},

@@ -23,6 +23,12 @@ double flights_speak(const Evidence& e) {
   return 0.5 + 0.5 * (e.flights_for() - e.flights_against()) / flights;
 }
 
+// Of force and moment: where the predictions surely become better with the name, what the larger one has beyond the size is of something else.
+double disagreement(const Evidence& e) {
+  constexpr double surely = 3.0;
+  return e.recovered_z.size() > 1 && e.recovered_z[1] > surely ? e.part_lacking : std::abs(e.force_excess);
+}
+
 // A feature rises with what speaks for the name; it is clamped to 0 … 1, so that no single one decides alone.
 struct Feature {
   std::string_view name;
@@ -102,7 +108,7 @@ constexpr Feature features[] = {
      [](const Evidence& e) { return e.rival_z == 0.0 ? 1.0 : std::log10(1.0 + e.rival_delta_chi2) / 3.0; }},
     {"commands", 3.0, [](const Evidence& e) { return 1.25 - e.unpredicted_commands / std::max(e.delta_chi2, 1.0); }},
     {"force_and_moment", 3.2,
-     [](const Evidence& e) { return 1.0 - std::max(0.0, e.part_lacking - 2.0 * e.force_excess_sd) / 0.4; }},
+     [](const Evidence& e) { return 1.0 - std::max(0.0, disagreement(e) - 2.0 * e.force_excess_sd) / 0.4; }},
     {"stable", 1.3, [](const Evidence& e) { return e.inclusion; }},
     {"sensors", 6.0, [](const Evidence& e) { return 2.0 * e.sensors_share; }},
     {"bounds", 4.0, [](const Evidence& e) { return e.at_bound ? 0.0 : 1.0; }},

@@ -83,9 +83,8 @@ constexpr Words words[] = {
     {"commands", [](const Evidence&) -> std::string { return "it may come from commands that the log does not hold"; }},
     {"force_and_moment",
      [](const Evidence& e) {
-       return fmt::format("it {} {:.0f} % less than it {}",
-                          e.force_excess > 0.0 ? "turns the vehicle" : "pushes the vehicle", 100.0 * e.part_lacking,
-                          e.force_excess > 0.0 ? "pushes it" : "turns it");
+       return fmt::format("its push is {:.0f} % {} than its turn says", 100.0 * std::abs(e.force_excess),
+                          e.force_excess > 0.0 ? "larger" : "smaller");
      }},
     {"stable",
      [](const Evidence& e) {

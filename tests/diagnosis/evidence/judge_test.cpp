@@ -29,6 +29,14 @@ double probability(Evidence e) {
 
 TEST(Judge, NamesWhatEverythingSpeaksFor) { EXPECT_GT(probability(strong()), named_from); }
 
+TEST(Judge, BearsALargerMomentWhereThePredictionsBecomeSurelyBetter) {
+  Evidence e = strong();
+  e.force_excess = -0.9, e.force_excess_sd = 0.1, e.part_lacking = 0.0;
+  EXPECT_GT(probability(e), named_from);
+  e.recovered_z = {};
+  EXPECT_LT(probability(e), named_from);
+}
+
 TEST(Judge, RejectsAnEmptyRecord) { EXPECT_LT(probability(Evidence{}), suspected_from); }
 
 TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
