@@ -7,7 +7,7 @@ from gustlab_import.command_line import Options
 
 from .flight_file import FlightFile
 from .problems import USAGE, Refusal
-from .write import replace_file, replace_files
+from .write import STDOUT, replace_file, replace_files
 
 KINDS = ("parquet", "mcap", "csv")
 
@@ -25,6 +25,8 @@ def arguments(argv: list) -> Namespace:
         if ending not in ("parquet", "mcap"):
             raise Refusal(f"--out {options.out}: its ending names no kind; give --to {', '.join(KINDS)}", USAGE)
         options.to = ending
+    if options.to == "csv" and options.out == STDOUT:
+        raise Refusal("--out -: one CSV per topic is a folder of files, which stdout cannot hold; name a folder", USAGE)
     return options
 
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from gustlab_import.problems import told
+from gustlab_import.problems import printable, told
 
 USAGE, DATA, IO = 2, 3, 4
 
@@ -20,8 +20,5 @@ def ended(command, arguments) -> int:
     try:
         return told(lambda: command(arguments))
     except Refusal as refusal:
-        print(refusal, file=sys.stderr)
+        print(printable(str(refusal)), file=sys.stderr)
         return refusal.code
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return 130

@@ -54,13 +54,14 @@ def _size(text: str) -> tuple:
     return width, height
 
 
-def picture_times(time_s: np.ndarray, options: Namespace) -> np.ndarray:
+def picture_times(flight: FlightFile, options: Namespace) -> np.ndarray:
+    time_s = flight.time_s
     first = time_s[0] if options.from_s is None else max(time_s[0], options.from_s)
     last = time_s[-1] if options.to_s is None else min(time_s[-1], options.to_s)
     step = options.speed / options.fps
     if last - first < step:
         raise Refusal(f"--from, --to: nothing of the flight ({time_s[0]:g} to {time_s[-1]:g} s) is between them", USAGE)
-    return first + step * np.arange(int((last - first) / step) + 1)
+    return scenes.pictures_between(flight, first, last, step)
 
 
 class Camera:
@@ -105,7 +106,7 @@ class Pictures:
     def __init__(self, flight: FlightFile, options: Namespace):
         scenes.use_software()
         self.scene = scenes.Scene(scenes.vehicle_file(flight, options.vehicle), scenes.floor_of(flight), options.size)
-        times = picture_times(flight.time_s, options)
+        times = picture_times(flight, options)
         self.shown = scenes.motion(flight, self.scene.vehicle, self.scene.weight_N, times)
         self.camera = Camera(self.scene.mujoco, self.shown, self.scene.span_m, options.camera)
         width, height = options.size

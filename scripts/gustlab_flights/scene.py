@@ -18,6 +18,7 @@ GRAVITY_MPS2 = 9.81
 FLOWN, REFERENCE, GUST, ROTOR = (0.0, 0.45, 0.70, 1.0), (0.45, 0.45, 0.45, 0.8), (0.84, 0.37, 0.0, 1.0), (0.0, 0.62, 0.45, 1.0)
 PLUMB = (0.55, 0.57, 0.60, 0.7)
 LONGEST_LINE = 600  # pieces of a path that are drawn
+MOST_PICTURES = 200_000  # an hour and a half at 30 a second
 
 
 @dataclass
@@ -78,6 +79,15 @@ def _lift(flight: FlightFile, vehicle: dict, weight_N: float, time_s: np.ndarray
         return None
     middle = np.median(inputs)
     return inputs / middle if middle > 0.0 else None
+
+
+def pictures_between(flight: FlightFile, first_s: float, last_s: float, step_s: float) -> np.ndarray:
+    """Times from first_s to last_s."""
+    count = int((last_s - first_s) / step_s) + 1
+    if count > MOST_PICTURES:
+        raise Refusal(f"{flight.path}: time_s from {first_s:g} to {last_s:g} s would take {count} pictures (at most {MOST_PICTURES}); "
+                      "draw a part of it (--from, --to of `gustlab render`), or faster (--speed)", DATA)
+    return first_s + step_s * np.arange(count)
 
 
 def motion(flight: FlightFile, vehicle: dict, weight_N: float, time_s: np.ndarray) -> Motion:

@@ -65,6 +65,8 @@ def messages(flight: FlightFile) -> tuple:
 def write_mcap(flight: FlightFile, path: Path) -> None:
     if flight.time_s[0] < 0.0:
         raise Refusal(f"{flight.path}: time_s begins before zero, which MCAP cannot hold (shift it)", DATA)
+    if _nanoseconds(flight.time_s[-1]) >= 2**64:
+        raise Refusal(f"{flight.path}: time_s goes to {flight.time_s[-1]:g} s, which MCAP cannot hold (18446744073 s at most)", DATA)
     schemas, found = messages(flight)
     with open(path, "wb") as file:
         writer = Writer(file)

@@ -46,7 +46,7 @@ def run(argv: list) -> int:
     import mujoco.viewer
     scene = scenes.Scene(scenes.vehicle_file(flight, options.vehicle), scenes.floor_of(flight), (640, 480))
     begin, length = flight.time_s[0], flight.time_s[-1] - flight.time_s[0]
-    shown = scenes.motion(flight, scene.vehicle, scene.weight_N, begin + np.arange(0.0, length, 1.0 / RATE_HZ))
+    shown = scenes.motion(flight, scene.vehicle, scene.weight_N, scenes.pictures_between(flight, begin, flight.time_s[-1], 1.0 / RATE_HZ))
     paused = []
 
     def key(code: int) -> None:

@@ -151,8 +151,10 @@ def load_map(name: str) -> ColumnMap:
 
 def suggest(word: str, known) -> str:
     import difflib
-    close = difflib.get_close_matches(word, list(known), 1)
-    return f"did you mean `{close[0]}`?" if close else f"one of: {', '.join(sorted(known))}"
+    names, most = sorted(known), 24
+    if close := difflib.get_close_matches(word, names, 1, cutoff=0.5):
+        return f"did you mean `{close[0]}`?"
+    return f"one of: {', '.join(names[:most])}" + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def _is_table(value) -> bool:

@@ -4,10 +4,14 @@ import csv
 import io
 import json
 import os
+import re
 import resource
+import signal
+import stat
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -163,9 +167,61 @@ class Exports(WithFlight):
         self.assertIn("does not increase", self.refused(3, "export_flight.py", self.log, "--out", self.root / "x.mcap"))
         self.log.write_text("time_s,px\n-1,2\n1,2\n")
         self.assertIn("before zero", self.refused(3, "export_flight.py", self.log, "--out", self.root / "x.mcap"))
+        self.log.write_text("time_s,px\n1,2\n9e10,2\n")
+        self.assertIn("which MCAP cannot hold", self.refused(3, "export_flight.py", self.log, "--out", self.root / "x.mcap"))
+        self.assertIn("\\x1b[1m.csv: cannot be read", self.refused(3, "export_flight.py", "\x1b[1m.csv", "--out", self.root / "x.mcap"))
         self.log.with_name("circle.meta.toml").write_text("= nothing")
         self.assertIn("circle.meta.toml", self.refused(3, "export_flight.py", self.log, "--out", self.root / "x.parquet"))
         self.assertFalse(list(self.root.glob("x.*")) + list(self.root.glob(".gustlab*")))
+
+
+class Places(WithFlight):
+    def export(self, kind: str, out, code: int = 0) -> subprocess.CompletedProcess:
+        done = subprocess.run([sys.executable, str(SCRIPTS / "export_flight.py"), str(self.log), "--to", kind, "--out", str(out)],
+                              capture_output=True, cwd=self.root, timeout=300)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done
+
+    def test_devices_are_written_through(self):
+        for kind in ("mcap", "parquet"):
+            self.export(kind, "/dev/null")
+            self.assertIn(b"/dev/full: cannot be written", self.export(kind, "/dev/full", 4).stderr)
+        for device in ("/dev/null", "/dev/full"):
+            self.assertTrue(stat.S_ISCHR(os.stat(device).st_mode))
+
+    def test_a_pipe_and_stdout_get_the_file(self):
+        whole = self.root / "whole.parquet"
+        self.export("parquet", whole)
+        self.assertEqual(self.export("parquet", "-").stdout, whole.read_bytes())
+        self.assertFalse((self.root / "-").exists())
+        pipe = self.root / "pipe"
+        os.mkfifo(pipe)
+        with subprocess.Popen(["cat", pipe], stdout=subprocess.PIPE) as reader:
+            self.export("parquet", pipe)
+            self.assertEqual(reader.stdout.read(), whole.read_bytes())
+        self.assertTrue(stat.S_ISFIFO(pipe.stat().st_mode))
+        self.assertIn(b"is a folder of files", self.export("csv", "-", 2).stderr)
+
+    def test_a_link_stays_one(self):
+        (self.root / "there").mkdir()
+        (self.root / "link.mcap").symlink_to("there/new.mcap")
+        self.export("mcap", "link.mcap")
+        self.assertTrue((self.root / "link.mcap").is_symlink())
+        self.assertTrue((self.root / "there" / "new.mcap").is_file())
+        (self.root / "a").symlink_to("b")
+        (self.root / "b").symlink_to("a")
+        self.assertIn(b"in a circle", self.export("mcap", "a", 2).stderr)
+
+    def test_a_signal_ends_it_as_the_program_ends(self):
+        self.write()
+        for number in (signal.SIGTERM, signal.SIGINT):
+            with subprocess.Popen([sys.executable, str(SCRIPTS / "render_flight.py"), str(self.log), "--out", str(self.root / "film.gif"), "--fps", "100"],
+                                  stderr=subprocess.PIPE, text=True) as process:
+                while not list(self.root.glob(".gustlab-*")) and process.poll() is None:
+                    time.sleep(0.01)
+                process.send_signal(number)
+                self.assertEqual((process.stderr.read().strip(), process.wait()), ("interrupted", 130))
+            self.assertFalse(list(self.root.glob(".gustlab*")) + list(self.root.glob("film*")))
 
 
 class Pandas(WithFlight):
@@ -269,6 +325,9 @@ class Films(WithFlight):
             self.assertIn(words, self.refused(code, "render_flight.py", self.log, *arguments))
         self.write(sidecar="")
         self.assertIn("names no vehicle", self.refused(2, "render_flight.py", self.log, "--out", out))
+        self.write()
+        self.log.write_text(re.sub(r"\n[^,]*(,.*)\n$", r"\n9e10\1\n", self.log.read_text()))
+        self.assertIn("pictures (at most", self.refused(3, "render_flight.py", self.log, "--out", out))
         self.write(drop=("px", "py", "pz"))
         self.assertIn("no position", self.refused(3, "render_flight.py", self.log, "--out", out))
         self.assertFalse(out.exists())

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 from import_fixture import MAP, ImportCase, csv, flight
 
+from gustlab_import.column_map import suggest  # isort: skip (import_fixture says where it is)
+
 MAPS = Path(__file__).resolve().parents[2] / "scripts" / "column_maps"
 
 
@@ -114,7 +116,7 @@ class BadInput(ImportCase):
                      "\n".join(good[:2] + [",".join(["0.01", "1", "abc"] + ["0"] * 19)]),
                  "log.csv:3:4: 3 cells where the header has 22": "\n".join(good[:2] + ["1,2,3"]),
                  "column `x` occurs twice": good[0].replace(",y,", ",x,") + "\n" + good[1],
-                 "no column `gx`": "\n".join(good).replace("gx", "omega_x"), "too few": "\n".join(good[:6]),
+                 "no column `gx`, which the map `test_map` names; did you mean `": "\n".join(good).replace("gx", "omega_x"), "too few": "\n".join(good[:6]),
                  "log.csv:4: column `t`: a row without a time": "\n".join(good[:3] + ["," + good[3].split(",", 1)[1]])}
         for words, text in cases.items():
             with self.subTest(words):
@@ -127,6 +129,12 @@ class BadInput(ImportCase):
         start = time.process_time()
         self.fails(3, "only 5 samples", log, "--map", self.map, "--out", self.out)
         self.assertLess(time.process_time() - start, 10.0)   # in proportion to the square of their number it took 50 s
+
+    def test_a_missing_column_is_said_with_the_nearest_name_or_with_some(self):
+        self.assertEqual(suggest("pv", ["px", "qw", "time"]), "did you mean `px`?")
+        many = suggest("thrust", [f"c{i}" for i in range(100_000)])
+        self.assertRegex(many, r"^one of: c0, .* and 99976 more$")
+        self.assertLess(len(many), 300)
 
     def test_dots_that_are_no_key_are_read(self):
         text = MAP.replace("[time]", 'notes = "' + "a. " * 90 + "..." * 100 + '"\n# ' + "." * 200 + "\n[time]", 1)
