@@ -58,7 +58,8 @@ TEST(WeakPoints, OneThatSpeaksAgainstItIsTheFirst) {
   EXPECT_THAT(first([](Evidence& e) { e.undone = 0.97; }), "the other names take back 97 % of what it does");
   EXPECT_THAT(first([](Evidence& e) { e.outweighed = 4.16; }),
               "the other names do 4.2 times as much against it as it does");
-  EXPECT_THAT(first([](Evidence& e) { e.force_excess = -0.63; }), "its push is 63 % smaller than its turn says");
+  EXPECT_THAT(first([](Evidence& e) { e.force_excess = -0.63, e.part_lacking = 0.63; }),
+              "its push is 63 % smaller than its turn says");
   EXPECT_THAT(first([](Evidence& e) { e.force_over_tilt = 0.2; }), HasSubstr("an attitude that is a little off"));
   EXPECT_THAT(first([](Evidence& e) { e.unpredicted_commands = 3000.0; }), HasSubstr("commands that the log does not"));
   EXPECT_THAT(first([](Evidence& e) { e.rival_z = 1.0; }), "another name explains nearly the same");
