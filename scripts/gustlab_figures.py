@@ -2,12 +2,15 @@
 
 import csv
 import gzip
+import io
 import json
-import sys
 import zlib
 from pathlib import Path
 
 import matplotlib
+from gustlab_import.outputs import write_outputs
+from gustlab_import.problems import ImportFailure as DataError
+from gustlab_import.problems import ended
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -15,6 +18,7 @@ import numpy as np
 
 # Okabe and Ito's palette, told apart by readers with any colour vision
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+MOST_PX = 65535  # on a side, as matplotlib draws it
 REFERENCE = {"color": "0.55", "linestyle": (0, (4, 2)), "linewidth": 1.0, "label": "reference"}
 
 plt.rcParams.update({
@@ -23,10 +27,6 @@ plt.rcParams.update({
     "lines.linewidth": 1.0, "legend.frameon": False, "axes.prop_cycle": plt.cycler(color=COLORS),
     "savefig.dpi": 200, "svg.hashsalt": "gustlab", "pdf.fonttype": 42,
 })
-
-
-class DataError(Exception):
-    """an input that cannot be drawn: `place: problem (why)`"""
 
 
 class Flight:
@@ -127,22 +127,18 @@ def runs_per_point(rows):
 
 def save(figure, stem):
     """writes stem.pdf, stem.svg and stem.png without dates or versions"""
-    stem = Path(stem)
-    stem.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(stem.with_name(stem.name + ".pdf"), metadata={"CreationDate": None, "Producer": None, "Creator": None})
-    figure.savefig(stem.with_name(stem.name + ".svg"), metadata={"Date": None, "Creator": None})
-    figure.savefig(stem.with_name(stem.name + ".png"), metadata={"Software": None})
+    stem, files = Path(stem), {}
+    side_px = plt.rcParams["savefig.dpi"] * max(figure.get_size_inches())
+    if side_px > MOST_PX:
+        raise DataError(f"{stem}: cannot be drawn ({side_px:.0f} pixels on a side, {MOST_PX} at most); draw fewer values of the axes")
+    for kind, unsaid in (("pdf", ("CreationDate", "Producer", "Creator")), ("svg", ("Date", "Creator")), ("png", ("Software",))):
+        file = io.BytesIO()
+        figure.savefig(file, format=kind, metadata=dict.fromkeys(unsaid))
+        files[stem.with_name(f"{stem.name}.{kind}")] = file.getvalue()
     plt.close(figure)
+    write_outputs(files)
 
 
 def main(draw, parser, arguments):
     """runs a figure's command line with the program's exit codes"""
-    try:
-        draw(parser.parse_args(arguments))
-    except DataError as error:
-        print(error, file=sys.stderr)
-        return 3
-    except OSError as error:
-        print(f"{error.filename}: cannot be written ({error.strerror})", file=sys.stderr)
-        return 4
-    return 0
+    return ended(lambda: draw(parser.parse_args(arguments)) or 0)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from gustlab_import.kinds import kind_of
-from gustlab_import.problems import ImportFailure
+from gustlab_import.problems import ImportFailure, printable
 from gustlab_import.read_mavlink import read_dataflash
 from gustlab_import.read_ulog import read_ulog
 from gustlab_import.segments import split
@@ -127,10 +127,10 @@ def main():
     try:
         said = said_of(path)
         if said is None:
-            sys.exit(f"{path}: a log of PX4 (.ulg) or ArduPilot (.bin) is needed; others do not say what vehicle flew")
+            sys.exit(f"{printable(str(path))}: a log of PX4 (.ulg) or ArduPilot (.bin) is needed; others do not say what vehicle flew")
         print(json.dumps(said))
     except (ImportFailure, OSError) as failure:
-        sys.exit(str(failure))
+        sys.exit(printable(str(failure)))
 
 
 if __name__ == "__main__":

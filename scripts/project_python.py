@@ -1,25 +1,17 @@
-"""Continues a script in the project's Python environment (.venv/), wherever it was started from.
+"""Continues a script in the project's Python environment (.venv/), wherever it was started from; signals end it as they end the program.
 
 Import it before anything that only that environment has.
 """
 
-import importlib.util
+from gustlab_import import interrupts  # first: what follows takes a moment
 import os
-import signal
 import sys
-from pathlib import Path
 
+if os.path.dirname(os.path.realpath(sys.argv[0])) == os.path.dirname(os.path.realpath(__file__)):  # not a test
+    interrupts.listen()
 
-def _end(kind, error, trace) -> None:
-    if not issubclass(kind, KeyboardInterrupt):
-        return sys.__excepthook__(kind, error, trace)
-    print("interrupted", file=sys.stderr, flush=True)
-    os._exit(130)
-
-
-# wherever a script is, it removes what it wrote in part, and ends as the program does
-signal.signal(signal.SIGTERM, signal.default_int_handler)
-sys.excepthook = _end
+import importlib.util  # noqa: E402
+from pathlib import Path  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 PYTHON = ROOT / ".venv" / "bin" / "python3"

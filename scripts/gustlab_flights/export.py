@@ -4,10 +4,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from gustlab_import.command_line import Options
+from gustlab_import.outputs import STDOUT, write_outputs
 
 from .flight_file import FlightFile
 from .problems import USAGE, Refusal
-from .write import STDOUT, replace_file, replace_files
 
 KINDS = ("parquet", "mcap", "csv")
 
@@ -18,7 +18,7 @@ def arguments(argv: list) -> Namespace:
                                      epilog="exit codes: 0 written, 2 usage, 3 the log cannot be used, 4 a file cannot be read or written")
     parser.add_argument("flight", type=Path, metavar="FLIGHT", help="a flight log NAME.csv[.gz], or the --out of `gustlab run`")
     parser.add_argument("--to", choices=KINDS, help="kind (default: by the ending of --out)")
-    parser.add_argument("--out", type=Path, required=True, metavar="PATH", help="the file; with csv a folder")
+    parser.add_argument("--out", type=Path, required=True, metavar="PATH", help="the file (-: stdout); with csv a folder")
     options = parser.parse_args(argv)
     ending = options.out.suffix.removeprefix(".")
     if options.to is None:
@@ -26,22 +26,24 @@ def arguments(argv: list) -> Namespace:
             raise Refusal(f"--out {options.out}: its ending names no kind; give --to {', '.join(KINDS)}", USAGE)
         options.to = ending
     if options.to == "csv" and options.out == STDOUT:
-        raise Refusal("--out -: one CSV per topic is a folder of files, which stdout cannot hold; name a folder", USAGE)
+        raise Refusal("--out -: csv is a file for each topic, and stdout is one; give a folder", USAGE)
     return options
+
+
+def contents(flight: FlightFile, options: Namespace) -> dict:
+    """path -> bytes"""
+    if options.to == "csv":
+        from .to_topics import topic_text, topics
+        return {options.out / f"{flight.stem}_{name}_0.csv": topic_text(table).encode("utf-8") for name, table in topics(flight).items()}
+    if options.to == "parquet":
+        from .to_parquet import parquet_bytes
+        return {options.out: parquet_bytes(flight)}
+    from .to_mcap import mcap_bytes
+    return {options.out: mcap_bytes(flight)}
 
 
 def run(argv: list) -> int:
     options = arguments(argv)
     flight = FlightFile(options.flight)
-    inputs = (flight.path, flight.sidecar_path)
-    if options.to == "csv":
-        from .to_topics import topics, topic_text
-        replace_files({options.out / f"{flight.stem}_{name}_0.csv": lambda path, columns=columns: path.write_bytes(topic_text(columns).encode("utf-8"))
-                       for name, columns in topics(flight).items()}, inputs)
-    elif options.to == "parquet":
-        from .to_parquet import write_parquet
-        replace_file(options.out, inputs, lambda path: write_parquet(flight, path))
-    else:
-        from .to_mcap import write_mcap
-        replace_file(options.out, inputs, lambda path: write_mcap(flight, path))
+    write_outputs(contents(flight, options), (flight.path, flight.sidecar_path))
     return 0

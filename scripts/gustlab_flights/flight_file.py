@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from gustlab_import.problems import ImportFailure
 from gustlab_import.tables import read_csv
 from gustlab_import.toml_text import parse_toml
 
@@ -53,10 +52,8 @@ class FlightFile:
 
     def __init__(self, path):
         self.path = _csv_of(Path(path))
-        try:
-            self.columns = read_csv(self.path).columns
-        except ImportFailure as failure:
-            raise Refusal(str(failure), failure.code) from None
+        table = read_csv(self.path)
+        self.columns, self.line = table.columns, table.line
         self.time_s = self.need("time_s")
         if not np.all(np.isfinite(self.time_s)) or np.any(np.diff(self.time_s) <= 0.0):
             raise Refusal(f"{self.path}: time_s does not increase in every row (is it a flight log?)", DATA)
@@ -84,6 +81,10 @@ class FlightFile:
         if name not in self.columns:
             raise Refusal(f"{self.path}: no column {name} (is it a flight log?)", DATA)
         return self.columns[name]
+
+    def place(self, row: int, name: str) -> str:
+        """`file:line:column` of a cell."""
+        return f"{self.path}:{self.line[row]}:{list(self.columns).index(name) + 1}"
 
     def numbered(self, prefix: str) -> tuple:
         """The columns prefix1, prefix2, … that are there."""

@@ -1,16 +1,19 @@
 """gustlab render: a flight as a film."""
 
+import io
+import tempfile
 from argparse import Namespace
 from pathlib import Path
 
 import numpy as np
 from gustlab_import.command_line import Options, seconds
+from gustlab_import.interrupts import throw_if_interrupted
+from gustlab_import.outputs import STDOUT, check_outputs, write_outputs
 from gustlab_import.progress import Progress
 
 from . import scene as scenes
 from .flight_file import FlightFile
 from .problems import IO, USAGE, Refusal
-from .write import replace_file
 
 ENDINGS = (".mp4", ".gif")
 
@@ -32,6 +35,8 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--size", default=None, metavar="WxH", help="pixels (default: 960x540; gif: 480x270)")
     parser.add_argument("-q", "--quiet", action="store_true", help="errors only")
     options = parser.parse_args(argv)
+    if options.out == STDOUT:
+        raise Refusal("--out -: the ending of a name says what kind of film it is, and stdout has none; name a file or a FIFO", USAGE)
     if options.out.suffix not in ENDINGS:
         raise Refusal(f"--out {options.out}: a film ends in .mp4 or .gif", USAGE)
     film = options.out.suffix == ".mp4"
@@ -61,7 +66,7 @@ def picture_times(flight: FlightFile, options: Namespace) -> np.ndarray:
     step = options.speed / options.fps
     if last - first < step:
         raise Refusal(f"--from, --to: nothing of the flight ({time_s[0]:g} to {time_s[-1]:g} s) is between them", USAGE)
-    return scenes.pictures_between(flight, first, last, step)
+    return scenes.picture_times(flight, first, last, step)
 
 
 class Camera:
@@ -104,9 +109,9 @@ class Pictures:
     """The pictures of a flight, one after the other."""
 
     def __init__(self, flight: FlightFile, options: Namespace):
+        times = picture_times(flight, options)
         scenes.use_software()
         self.scene = scenes.Scene(scenes.vehicle_file(flight, options.vehicle), scenes.floor_of(flight), options.size)
-        times = picture_times(flight, options)
         self.shown = scenes.motion(flight, self.scene.vehicle, self.scene.weight_N, times)
         self.camera = Camera(self.scene.mujoco, self.shown, self.scene.span_m, options.camera)
         width, height = options.size
@@ -150,15 +155,32 @@ def _font(size_px: int):
     return _fonts[size_px]
 
 
-def write_mp4(pictures: Pictures, path: Path, options: Namespace, progress: Progress) -> None:
+def frames(pictures: Pictures, progress: Progress):
+    for k in range(len(pictures)):
+        throw_if_interrupted()
+        yield pictures.draw(k)
+        progress.show(k + 1, len(pictures))
+
+
+def mp4(pictures: Pictures, options: Namespace, progress: Progress) -> bytes:
+    """ffmpeg goes back in what it has written: a file of its own."""
+    with tempfile.TemporaryDirectory(prefix="gustlab-") as folder:
+        path = Path(folder) / "film.mp4"
+        _run_ffmpeg(pictures, path, options, progress)
+        return path.read_bytes()
+
+
+def _run_ffmpeg(pictures: Pictures, path: Path, options: Namespace, progress: Progress) -> None:
     import imageio_ffmpeg
     film = imageio_ffmpeg.write_frames(str(path), options.size, fps=options.fps, codec="libx264", pix_fmt_out="yuv420p", macro_block_size=2,
                                        output_params=["-crf", "21", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1"],
                                        ffmpeg_log_level="error")
-    film.send(None)
-    for k in range(len(pictures)):
-        film.send(np.ascontiguousarray(pictures.draw(k)))
-        progress.show(k + 1, len(pictures))
+    try:
+        film.send(None)
+        for picture in frames(pictures, progress):
+            film.send(np.ascontiguousarray(picture))
+    except SystemExit as end:
+        film.throw(end)  # which kills ffmpeg
     film.close()
     # what ffmpeg could not write, it says on stderr, and nobody hears of it
     try:
@@ -166,27 +188,31 @@ def write_mp4(pictures: Pictures, path: Path, options: Namespace, progress: Prog
     except RuntimeError:
         written = 0
     if written != len(pictures):
-        raise OSError(f"the film has {written} of {len(pictures)} pictures")
+        raise OSError(0, f"the film has {written} of {len(pictures)} pictures")
 
 
-def write_gif(pictures: Pictures, path: Path, options: Namespace, progress: Progress) -> None:
+def gif(pictures: Pictures, options: Namespace, progress: Progress) -> bytes:
     from PIL import Image
-    frames = []
-    for k in range(len(pictures)):
-        frames.append(Image.fromarray(pictures.draw(k)).quantize(colors=128, method=Image.Quantize.FASTOCTREE))
-        progress.show(k + 1, len(pictures))
-    frames[0].save(path, format="GIF", save_all=True, append_images=frames[1:], duration=round(1000.0 / options.fps), loop=0)
+    first, *more = [Image.fromarray(picture).quantize(colors=128, method=Image.Quantize.FASTOCTREE)
+                    for picture in frames(pictures, progress)]
+    film = io.BytesIO()
+    first.save(film, format="GIF", save_all=True, append_images=more, duration=round(1000.0 / options.fps), loop=0)
+    return film.getvalue()
 
 
 def run(argv: list) -> int:
     options = arguments(argv)
     flight = FlightFile(options.flight)
+    inputs = (flight.path, flight.sidecar_path)
+    check_outputs([options.out], inputs)
     pictures = Pictures(flight, options)
     progress = Progress("pictures", options.quiet)
-    write = write_mp4 if options.out.suffix == ".mp4" else write_gif
     try:
-        replace_file(options.out, (flight.path, flight.sidecar_path), lambda path: write(pictures, path, options, progress))
+        film = (mp4 if options.out.suffix == ".mp4" else gif)(pictures, options, progress)
+    except OSError as error:
+        raise Refusal(f"{options.out}: cannot be written ({error.strerror or error})", IO) from None
     finally:
         progress.end()
         pictures.close()
+    write_outputs({options.out: film}, inputs)
     return 0

@@ -1,7 +1,7 @@
 """A flight log as MCAP with JSON messages: a topic for each group of columns, and poses that Foxglove's 3-D panel draws."""
 
+import io
 import json
-from pathlib import Path
 
 import numpy as np
 from mcap.writer import Writer
@@ -9,6 +9,7 @@ from mcap.writer import Writer
 from .flight_file import FlightFile
 from .problems import DATA, Refusal
 
+LAST_S = 1.8e10  # 2^64 ns
 _NUMBER = {"type": "number"}
 _TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
 
@@ -62,25 +63,32 @@ def messages(flight: FlightFile) -> tuple:
     return schemas, sorted(found, key=lambda item: item[0])
 
 
-def write_mcap(flight: FlightFile, path: Path) -> None:
+def _check_times(flight: FlightFile) -> None:
     if flight.time_s[0] < 0.0:
-        raise Refusal(f"{flight.path}: time_s begins before zero, which MCAP cannot hold (shift it)", DATA)
-    if _nanoseconds(flight.time_s[-1]) >= 2**64:
-        raise Refusal(f"{flight.path}: time_s goes to {flight.time_s[-1]:g} s, which MCAP cannot hold (18446744073 s at most)", DATA)
+        raise Refusal(f"{flight.place(0, 'time_s')}: time_s begins before zero, which MCAP cannot hold; shift it", DATA)
+    late = np.flatnonzero(flight.time_s > LAST_S)
+    if len(late):
+        raise Refusal(f"{flight.place(late[0], 'time_s')}: time_s is {flight.time_s[late[0]]:g} s, and MCAP holds times up to "
+                      f"{LAST_S:g} s; shift it, or mend the log", DATA)
+
+
+def mcap_bytes(flight: FlightFile) -> bytes:
+    _check_times(flight)
     schemas, found = messages(flight)
-    with open(path, "wb") as file:
-        writer = Writer(file)
-        writer.start(profile="", library="gustlab export")
-        channels = {}
-        for topic, (name, schema) in schemas.items():
-            known = writer.register_schema(name=name, encoding="jsonschema", data=json.dumps(schema).encode())
-            channels[topic] = writer.register_channel(topic=topic, message_encoding="json", schema_id=known)
-        for sequence, (time_s, topic, message) in enumerate(found):
-            ns = _nanoseconds(time_s)
-            writer.add_message(channel_id=channels[topic], log_time=ns, publish_time=ns, sequence=sequence,
-                               data=json.dumps(message, allow_nan=False).encode())
-        if flight.sidecar_text:
-            # create_time 0: no date in any output
-            writer.add_attachment(create_time=0, log_time=_nanoseconds(flight.time_s[0]), name=flight.sidecar_path.name,
-                                  media_type="application/toml", data=flight.sidecar_text.encode())
-        writer.finish()
+    file = io.BytesIO()
+    writer = Writer(file)
+    writer.start(profile="", library="gustlab export")
+    channels = {}
+    for topic, (name, schema) in schemas.items():
+        known = writer.register_schema(name=name, encoding="jsonschema", data=json.dumps(schema).encode())
+        channels[topic] = writer.register_channel(topic=topic, message_encoding="json", schema_id=known)
+    for sequence, (time_s, topic, message) in enumerate(found):
+        ns = _nanoseconds(time_s)
+        writer.add_message(channel_id=channels[topic], log_time=ns, publish_time=ns, sequence=sequence,
+                           data=json.dumps(message, allow_nan=False).encode())
+    if flight.sidecar_text:
+        # create_time 0: no date in any output
+        writer.add_attachment(create_time=0, log_time=_nanoseconds(flight.time_s[0]), name=flight.sidecar_path.name,
+                              media_type="application/toml", data=flight.sidecar_text.encode())
+    writer.finish()
+    return file.getvalue()

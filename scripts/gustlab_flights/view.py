@@ -42,11 +42,12 @@ def need_display() -> None:
 def run(argv: list) -> int:
     options = arguments(argv)
     flight = FlightFile(options.flight)
+    times = scenes.picture_times(flight, flight.time_s[0], flight.time_s[-1], 1.0 / RATE_HZ)
     need_display()
     import mujoco.viewer
     scene = scenes.Scene(scenes.vehicle_file(flight, options.vehicle), scenes.floor_of(flight), (640, 480))
-    begin, length = flight.time_s[0], flight.time_s[-1] - flight.time_s[0]
-    shown = scenes.motion(flight, scene.vehicle, scene.weight_N, scenes.pictures_between(flight, begin, flight.time_s[-1], 1.0 / RATE_HZ))
+    length = flight.time_s[-1] - flight.time_s[0]
+    shown = scenes.motion(flight, scene.vehicle, scene.weight_N, times)
     paused = []
 
     def key(code: int) -> None:

@@ -12,11 +12,12 @@ from .from_table import import_table
 from .kinds import kind_of, reader_of
 from .new_vehicle import add_options, given, make_vehicle, missing, vehicle_there
 from .outcome import FORMAT, as_document, as_json, as_text
-from .problems import DATA, IO, USAGE, ImportFailure, printable, told
+from .outputs import file_on_the_way, write_outputs
+from .problems import DATA, USAGE, ImportFailure, ended, printable
 from .progress import LogProgress
 from .segments import reasons
 from .vehicle_file import read_vehicle
-from .write_log import csv_text, file_on_the_way, write_all
+from .write_log import csv_text
 
 FORMATS = ("PX4 ULog, ArduPilot DataFlash, MAVLink tlog, ROS 1 and 2 bag (.bag, .db3, .mcap), Betaflight blackbox, Crazyflie "
            "uSD, CSV, Parquet")
@@ -126,7 +127,7 @@ def write(folder: Path, outcomes: list, quiet: bool, vehicle: dict) -> None:
     stale = {name for log in before if log["file"] in again for flight in log["flights"] for name in _names(flight)} - set(files)
     replaced = [name for name in sorted(files) if (folder / name).exists() and (folder / name).read_bytes() != files[name]]
     files["import.json"] = as_json(document).encode("utf-8")
-    write_all(folder, files | vehicle)
+    write_outputs({folder / name: content for name, content in (files | vehicle).items()})
     for name in stale:
         (folder / name).unlink(missing_ok=True)
     flights = [name for name in sorted(stale | set(replaced)) if name.endswith(".csv")]
@@ -167,13 +168,4 @@ def former_import(folder: Path) -> list:
 
 
 def main(argv=None) -> int:
-    try:
-        return told(lambda: run(sys.argv[1:] if argv is None else argv))
-    except ImportFailure as failure:
-        print(printable(str(failure)), file=sys.stderr)
-        return failure.code
-    except BrokenPipeError:
-        return IO
-    except OSError as error:  # a name that no file can have, a disk that is gone
-        print(printable(f"{str(error.filename)[:200]}: cannot be read ({error.strerror})"), file=sys.stderr)
-        return DATA
+    return ended(run, sys.argv[1:] if argv is None else argv)

@@ -1,10 +1,13 @@
 """Column maps: which source columns, in which units, order and frame, make a flight log."""
 
+import difflib
+import os
+import re
 import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .problems import USAGE, ImportFailure
+from .problems import USAGE, ImportFailure, some
 from .toml_text import parse_toml
 
 FORMAT = "gustlab-column-map/1"
@@ -57,6 +60,7 @@ UNIT_OF = {"time": "time", "position": "length", "velocity": "velocity", "rate":
            "rotor_speed": "rotor_speed", "battery": "voltage", "attitude": "angle"}
 LENGTHS = {"position": 3, "velocity": 3, "attitude": 4, "rate": 3, "acceleration": 3}
 NAME_LISTS = ("columns", "position", "velocity", "acceleration", "known_issues")
+NAMES_COLUMNS = {"column", "columns", "position", "velocity", "acceleration", "yaw"}  # keys
 NUMBERS = {"from_s", "to_s", "ground_z_m", "ceiling_z_m", "scale"}
 NUMBER_LISTS = {"signs": (-1.0, 1.0), "range": (-1e9, 1e9)}
 
@@ -68,6 +72,8 @@ class ColumnMap:
     name: str
     top: dict
     tables: dict = field(default_factory=dict)
+    file: str = ""
+    text: str = ""
 
     def has(self, table: str) -> bool:
         return table in self.tables
@@ -92,6 +98,16 @@ class ColumnMap:
                 elif key in ("column", "yaw"):
                     out.add(value)
         return out
+
+    def place(self, column: str) -> str:
+        """`file:line:col` of where the map names a column; empty where it is written in another way."""
+        key, written = "", re.compile("[\"']" + re.escape(column) + "[\"']")
+        for number, line in enumerate(self.text.splitlines(), 1):
+            begins = re.match(r"\s*(\w+)\s*=", line)
+            key = begins[1] if begins else key
+            if key in NAMES_COLUMNS and (found := written.search(line)):
+                return f"{self.file}:{number}:{found.start() + 1}"
+        return ""
 
     def section(self, file: str) -> tuple:
         """(from_s, to_s, why) that the map gives for a file; None where it does not say."""
@@ -146,15 +162,19 @@ def load_map(name: str) -> ColumnMap:
         raise ImportFailure(f"{path}:1:1: a map needs [time] and [actuator] or [rotor_speed]", USAGE)
     if top["kind"] == "usd" and "event" not in top:
         checked.fail("kind", 'kind = "usd" needs `event`', 'for example event = "fixedFrequency"')
-    return ColumnMap(path.stem, top, tables)
+    return ColumnMap(path.stem, top, tables, str(path), text)
 
 
 def suggest(word: str, known) -> str:
-    import difflib
-    names, most = sorted(known), 24
-    if close := difflib.get_close_matches(word, names, 1, cutoff=0.5):
-        return f"did you mean `{close[0]}`?"
-    return f"one of: {', '.join(names[:most])}" + (f" and {len(names) - most} more" if len(names) > most else "")
+    close = difflib.get_close_matches(word, known, 12, cutoff=0.5)
+    if not close:
+        return f"one of: {some(known)}"
+
+    # of those that are equally near the one that begins alike
+    def nearness(name: str) -> tuple:
+        return difflib.SequenceMatcher(None, name, word).ratio(), len(os.path.commonprefix([word, name]))
+
+    return f"did you mean `{max(reversed(close), key=nearness)}`?"
 
 
 def _is_table(value) -> bool:

@@ -3,7 +3,7 @@
 import argparse
 import math
 
-from .problems import USAGE
+from .problems import USAGE, printable
 
 
 def seconds(text: str) -> float:
@@ -21,4 +21,4 @@ class Options(argparse.ArgumentParser):
         super().__init__(allow_abbrev=False, **words)
 
     def error(self, message: str):
-        self.exit(USAGE, f"gustlab: {message} (see {self.prog} --help)\n")
+        self.exit(USAGE, printable(f"gustlab: {message} (see {self.prog} --help)") + "\n")

@@ -112,8 +112,8 @@ class _Builder:
 
     def column(self, name: str) -> np.ndarray:
         if name not in self.table.columns:
-            raise ImportFailure(f"{self.table.file}:1:1: no column `{name}`, which the map `{self.map.name}` names; "
-                                + suggest(name, self.table.columns))
+            place = self.map.place(name) or f"{self.map.file}:1:1"
+            raise ImportFailure(f"{place}: no column `{name}` in {self.table.file}; {suggest(name, self.table.columns)}")
         return self.table.columns[name]
 
     def time(self) -> np.ndarray:

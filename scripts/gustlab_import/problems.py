@@ -5,7 +5,10 @@ import os
 import sys
 from dataclasses import dataclass
 
+from .interrupts import throw_if_interrupted
+
 USAGE, DATA, IO = 2, 3, 4
+MOST_NAMES = 12  # in one message
 
 
 def printable(text: str) -> str:
@@ -13,8 +16,15 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in text)
 
 
+def some(names) -> str:
+    """Names for a message: a dozen of them, and how many there are besides."""
+    names = sorted(names)
+    more = len(names) - MOST_NAMES
+    return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+
+
 class ImportFailure(Exception):
-    """A problem that ends the program; `code` is the exit code (2 usage or map, 3 data, 4 file system)."""
+    """A problem that ends a command; `code` is the exit code (2 usage or map, 3 data, 4 file system)."""
 
     def __init__(self, message: str, code: int = DATA):
         super().__init__(message)
@@ -67,6 +77,21 @@ def told(command) -> int:
         if not isinstance(error, BrokenPipeError):
             print(f"stdout: cannot write ({error.strerror})", file=sys.stderr)
         return IO
+
+
+def ended(command, *arguments) -> int:
+    """Runs a command; its exit code. What it refuses is one line on stderr."""
+    try:
+        return told(lambda: command(*arguments))
+    except ImportFailure as failure:
+        throw_if_interrupted()
+        print(printable(str(failure)), file=sys.stderr)
+        return failure.code
+    except BrokenPipeError:
+        return IO
+    except OSError as error:  # a name that no file can have, a disk that is gone
+        print(printable(f"{str(error.filename)[:200]}: cannot be read ({error.strerror})"), file=sys.stderr)
+        return DATA
 
 
 @dataclass(frozen=True)

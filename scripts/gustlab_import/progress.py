@@ -6,6 +6,7 @@ import threading
 import time
 from pathlib import Path
 
+from .interrupts import throw_if_interrupted
 from .problems import printable
 
 FIRST_s, REWRITE_s, LINE_s, LOOK_s = 2.0, 0.1, 30.0, 0.1
@@ -98,6 +99,7 @@ class LogProgress:
 
 def stage(doing: str, share=None) -> None:
     """For what works on a log: what begins now ("reading", "checking"), and a function that says how much of it is done, 0 to 1."""
+    throw_if_interrupted()
     if LogProgress.current is not None:
         LogProgress.current.doing, LogProgress.current.share = doing, share
 

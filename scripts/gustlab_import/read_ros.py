@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .problems import ImportFailure
+from .problems import ImportFailure, some
 from .progress import stage
 from .rotations import rotate
 from .streams import ATTITUDE, BATTERY, FORCE, POSITION, RATE, VELOCITY, Recording, rate_of, stream
@@ -80,7 +80,7 @@ def table_of(path: Path, names: set) -> Table:
             continue
         series[name] = bag.column(topic, name[len(topic) + 1:])
     if not series:
-        raise ImportFailure(f"{path}: none of the map's columns is in the bag (topics: {', '.join(sorted(bag.topics))})")
+        raise ImportFailure(f"{path}: none of the map's columns is in the bag (topics: {some(bag.topics)})")
     time_s = np.unique(np.concatenate([times for times, _ in series.values()]))
     columns = {"time": time_s}
     for name, (times, values) in series.items():
@@ -111,7 +111,7 @@ class _Bag:
                                 f"with {REPAIR.get(path.suffix.lower(), REPAIR['.bag'])}") from error
         if not self.topics:
             raise ImportFailure(f"{path}: no message of a known type is in the bag"
-                                + (f" (unknown: {', '.join(sorted(set(self.unknown)))})" if self.unknown else ""))
+                                + (f" (unknown: {some(set(self.unknown))})" if self.unknown else ""))
 
     def _read(self, reader) -> None:
         start = reader.start_time

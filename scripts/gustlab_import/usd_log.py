@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .problems import Finding, ImportFailure
+from .problems import Finding, ImportFailure, some
 from .progress import stage
 from .tables import Table, read_bytes
 
@@ -79,7 +79,7 @@ def read_usd(path: Path, event: str) -> Table:
     types = _event_types(reader)
     names = {name: identifier for identifier, (name, _, _) in types.items()}
     if event not in names:
-        reader.fail(f"no event type `{event}` (the log has {', '.join(sorted(names))})")
+        reader.fail(f"no event type `{event}` (the log has {some(names)})")
     head, tick_s = RECORD_HEADER[version]
     wanted, rows = names[event], []
     crc_fits = len(data) >= reader.at + 4 and zlib.crc32(data[:-4]) == struct.unpack("<I", data[-4:])[0]

@@ -1,16 +1,11 @@
 """Writes a flight log (CSV with its sidecar): the same input gives the same bytes."""
 
-import contextlib
 import io
-import os
-import tempfile
-from pathlib import Path
 
 import numpy as np
 
 from . import VERSION
 from .flight import Flight
-from .problems import IO, ImportFailure
 
 
 def csv_text(flight: Flight) -> str:
@@ -50,36 +45,3 @@ def sidecar_text(flight: Flight, top: dict, environment: dict, origin: dict) -> 
     for finding in flight.findings:
         lines += ["", "[[origin.finding]]"] + [f"{key} = {_value(value)}" for key, value in finding.as_dict().items()]
     return "\n".join(lines) + "\n"
-
-
-def file_on_the_way(folder: Path):
-    """What stands where this folder or one of its parents should be, and is no folder; None: nothing."""
-    there = next((path for path in (folder, *folder.parents) if path.exists()), None)
-    return None if there is None or there.is_dir() else there
-
-
-def write_all(folder: Path, files: dict) -> None:
-    """Writes name (perhaps of a folder in it) -> bytes into a folder, all of them or none. Throws ImportFailure with code 4."""
-    folders = {(folder / name).parent for name in files}
-    missing = sorted({path for place in folders for path in (place, *place.parents) if not path.exists()}, reverse=True)
-    ready = {}
-    try:
-        for place in folders:
-            place.mkdir(parents=True, exist_ok=True)
-        for name, content in files.items():
-            handle, ready[name] = tempfile.mkstemp(dir=folder, prefix=".import-")
-            with os.fdopen(handle, "wb") as stream:
-                stream.write(content)
-            os.chmod(ready[name], 0o644)
-        for name in files:
-            os.replace(ready[name], folder / name)
-            del ready[name]
-    except OSError as error:
-        raise ImportFailure(f"{folder}: cannot write ({error.strerror})", IO) from error
-    finally:
-        for temporary in ready.values():
-            with contextlib.suppress(OSError):
-                os.unlink(temporary)
-        for path in missing:
-            with contextlib.suppress(OSError):  # a folder with files in it stays
-                path.rmdir()

@@ -173,6 +173,11 @@ class Figures(unittest.TestCase):
             self.assertFalse((self.root / "out").exists())
         self.assertEqual(self.run_script("plot_flight")[0], 2)
 
+    def test_a_figure_beyond_what_can_be_drawn_is_refused(self):
+        figure = gustlab_figures.plt.figure(figsize=(1.0, 400.0))
+        with self.assertRaisesRegex(gustlab_figures.DataError, "figure: cannot be drawn .80000 pixels on a side"):
+            gustlab_figures.save(figure, self.root / "figure")
+
 
 if __name__ == "__main__":
     unittest.main()

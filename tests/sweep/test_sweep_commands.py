@@ -121,28 +121,6 @@ class Sweeps(Commands):
         self.assertLess(many - few, 0.05 * whole, (few, many, whole))
 
 
-class Clusters(Commands):
-    def merge(self, code):
-        script = Path(__file__).resolve().parents[2] / "scripts" / "cluster" / "merge.sh"
-        done = subprocess.run([script, "3", "out"], cwd=self.folder, env=os.environ | {"GUSTLAB": PROGRAM}, capture_output=True, text=True)
-        self.assertEqual(done.returncode, code, done.stderr)
-        return done.stderr
-
-    def test_a_missing_shard_is_an_error_and_what_was_merged_stays(self):
-        self.assertIn("out/shards/1: no runs.sqlite", self.merge(3))
-        for part in (2, 3):
-            self.sweep(f"out/shards/{part}", "--shard", f"{part}/3")
-        self.assertIn("out/shards/1: no runs.sqlite", self.merge(3))
-        self.sweep("out/shards/1", "--shard", "1/3")
-        shutil.move(self.folder / "out" / "shards" / "2", self.folder / "away")
-        self.assertIn("shards/2", self.merge(3))
-        shutil.move(self.folder / "away", self.folder / "out" / "shards" / "2")
-        self.merge(0)
-        self.sweep("whole")
-        self.assertEqual(self.runs("out/whole"), self.runs("whole"))
-        self.assertIn("is there already", self.merge(0))
-
-
 class Mistakes(Commands):
     def expect(self, code, says, *arguments):
         before = sorted(self.folder.rglob("*"))

@@ -1,0 +1,75 @@
+"""scripts/cluster/merge.sh: a shard that is missing is an error, and to run it again changes nothing."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from small_experiments import VARIANTS, experiment_toml
+
+PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+MERGE = str(Path(__file__).resolve().parents[2] / "scripts" / "cluster" / "merge.sh")
+
+
+class Merges(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
+        cls.addClassCleanup(shutil.rmtree, cls.shared)
+        for name, more in (("plain", ""), ("variants", VARIANTS)):
+            (cls.shared / "e.toml").write_text(experiment_toml("hover", replicates=2, duration_s=0.2, more=more))
+            for part in (1, 2):
+                cls.sweep(f"{name}/shards/{part}", "--shard", f"{part}/2")
+        cls.sweep("alone")
+
+    @classmethod
+    def sweep(cls, out, *more):
+        subprocess.run([PROGRAM, "sweep", "e.toml", "--out", out, *more], cwd=cls.shared, check=True, capture_output=True)
+
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        shutil.copytree(self.shared, self.folder, dirs_exist_ok=True)
+
+    def merge(self, parts, out, code=0):
+        done = subprocess.run([MERGE, str(parts), out], cwd=self.folder, capture_output=True, text=True, timeout=60,
+                              env=os.environ | {"GUSTLAB": PROGRAM})
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stderr
+
+    def files(self):
+        return {str(path.relative_to(self.folder)): path.read_bytes() for path in sorted(self.folder.rglob("*")) if path.is_file()}
+
+    def test_a_shard_that_is_missing_is_named(self):
+        shutil.copytree(self.folder / "plain" / "shards" / "1", self.folder / "second" / "shards" / "2")
+        (self.folder / "hollow" / "shards" / "1").mkdir(parents=True)
+        for parts, out, missing in ((3, "plain", 3), (2, "second", 1), (2, "hollow", 1), (2, "nowhere", 1)):
+            with self.subTest(out=out):
+                self.assertIn(f"{out}/shards/{missing}: shard {missing} of {parts} is missing", self.merge(parts, out, code=3))
+                self.assertFalse((self.folder / out / "whole").exists())
+
+    def test_run_again_it_says_so_and_changes_nothing(self):
+        for out, wholes in (("plain", [""]), ("variants", ["/calm", "/other"])):
+            self.assertEqual(self.merge(2, out), "")
+            before = self.files()
+            said = self.merge(2, out)
+            for whole in wholes:
+                self.assertIn(f"{out}/whole{whole}: the same shards are merged there already", said)
+            self.assertEqual(self.files(), before)
+        self.assertEqual(before["variants/whole/calm/runs.csv"], before["alone/calm/runs.csv"])
+        shutil.rmtree(self.folder / "variants" / "whole" / "calm")
+        self.merge(2, "variants")
+        self.assertEqual(self.files(), before)
+
+    def test_results_of_other_runs_are_never_overwritten(self):
+        self.merge(2, "plain")
+        shutil.copytree(self.folder / "plain" / "whole", self.folder / "variants" / "whole" / "calm")
+        before = self.files()
+        self.assertIn("variants/whole/calm: results of other runs are there", self.merge(2, "variants", code=2))
+        self.assertEqual(self.files(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()
