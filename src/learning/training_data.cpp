@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "control/daiml_input.hpp"
 #include "gustlab/errors.hpp"
 #include "identification/force_residual.hpp"

@@ -13,6 +13,7 @@ import unittest
 from pathlib import Path
 
 from concealed_trials import trials_toml
+from processes import catches, wait_for
 from small_experiments import CIRCLE, GUST, TUNING, VARIANTS, calibration_toml, experiment_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
@@ -256,21 +257,17 @@ class Signals(Commands):
                 with self.subTest(command=name, signal=number):
                     process = subprocess.Popen([PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                                preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))
-                    until = time.monotonic() + 10.0  # the handler is there at once; without one the signal is the default
-                    while process.poll() is None and not catches(process.pid, number) and time.monotonic() < until:
-                        time.sleep(0.005)
+                    # the handler is there at once; without one the signal is the default
+                    wait_for(lambda: process.poll() is not None or catches(process.pid, number), 10.0)
                     process.send_signal(number)
                     _, err = process.communicate(timeout=120)
                     self.assertEqual(process.returncode, 130, err)
                     self.assertEqual(self.files(), before)
 
-
     def test_a_signal_that_nohup_ignores_stays_ignored(self):
         process = subprocess.Popen([PROGRAM, "train", "train.toml", "--epochs", "1000000", "--out", "w"], cwd=self.folder, stderr=subprocess.DEVNULL,
                                    preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
-        until = time.monotonic() + 10.0
-        while not catches(process.pid, signal.SIGTERM) and time.monotonic() < until:
-            time.sleep(0.005)
+        wait_for(lambda: catches(process.pid, signal.SIGTERM), 10.0)
         self.assertFalse(catches(process.pid, signal.SIGHUP))
         process.terminate()
         self.assertEqual(process.wait(timeout=120), 130)
@@ -306,14 +303,6 @@ def work_s(pid):
     """seconds of processor time that a process has taken"""
     numbers = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(numbers[11]) + int(numbers[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def catches(pid, number):
-    """whether a process has a handler for a signal"""
-    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("SigCgt:"):
-            return bool(int(line.split()[1], 16) >> (number - 1) & 1)
-    return False
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import time
 import unittest
 from pathlib import Path
 
+from processes import catches, wait_for
 from small_experiments import experiment_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
@@ -132,21 +133,6 @@ class Signals(Commands):
                     self.assertNotIn("Traceback", err)
                     self.assertEqual(self.names(), before)
                     self.assertEqual(os.listdir(scratch), [])
-
-
-def wait_for(true, seconds=20.0):
-    until = time.monotonic() + seconds
-    while not true() and time.monotonic() < until:
-        time.sleep(0.002)
-    return true()
-
-
-def catches(pid, number):
-    """whether the script of a process has a handler for a signal"""
-    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("SigCgt:"):
-            return bool(int(line.split()[1], 16) >> (number - 1) & 1)
-    return False
 
 
 if __name__ == "__main__":
