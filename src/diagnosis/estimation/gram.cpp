@@ -28,6 +28,13 @@ Eigen::VectorXd pick_last(const Eigen::MatrixXd& gram, const std::vector<int>& r
   return part;
 }
 
+// weights of all columns of a Gram matrix, zero where none is given
+Eigen::VectorXd expanded(const std::vector<int>& columns, const Eigen::VectorXd& coefficient, Eigen::Index size) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(size);
+  for (std::size_t i = 0; i < columns.size(); ++i) weights[columns[i]] = coefficient[static_cast<Eigen::Index>(i)];
+  return weights;
+}
+
 // columns that say nothing keep their scale at one, so that they come out as zero
 Eigen::VectorXd scales(const Eigen::MatrixXd& square) {
   return square.diagonal().unaryExpr([](double d) { return d > 1e-18 ? std::sqrt(d) : 1.0; });
@@ -168,14 +175,15 @@ Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>&
   const Eigen::MatrixXd H = pick(total, columns, columns);
   // what is known beforehand scatters as it is said to
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(grams.clusters, size), said = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd left = -expanded(columns, coefficient, grams.columns + 1);
+  left[grams.columns] = 1.0;
   for (std::size_t b = 0; b < grams.block.size(); ++b) {
     if (grams.known[b]) {
       said += pick(grams.block[b], columns, columns);
       continue;
     }
-    const Eigen::VectorXd score =
-        pick_last(grams.block[b], columns) - pick(grams.block[b], columns, columns) * coefficient;
-    scores.row(grams.cluster[b]) += score.transpose();
+    const Eigen::VectorXd score = grams.block[b] * left;
+    scores.row(grams.cluster[b]) += score(columns).transpose();
   }
   // pseudo-inverse in unit scale: directions that the data do not see stay out
   const Eigen::VectorXd scale = scales(H);
@@ -204,14 +212,10 @@ double clustered_variance(const Grams& grams, const Eigen::VectorXd& pattern, co
 
 Eigen::VectorXd block_losses(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
   Eigen::VectorXd losses(static_cast<Eigen::Index>(grams.block.size()));
-  for (Eigen::Index b = 0; b < losses.size(); ++b) {
-    const auto& block = grams.block[static_cast<std::size_t>(b)];
-    double loss = block(grams.columns, grams.columns);
-    if (!columns.empty())
-      loss += -2.0 * pick_last(block, columns).dot(coefficient) +
-              coefficient.dot(pick(block, columns, columns) * coefficient);
-    losses[b] = loss;
-  }
+  Eigen::VectorXd left = -expanded(columns, coefficient, grams.columns + 1);
+  left[grams.columns] = 1.0;
+  for (Eigen::Index b = 0; b < losses.size(); ++b)
+    losses[b] = left.dot(grams.block[static_cast<std::size_t>(b)] * left);
   return losses;
 }
 

@@ -15,8 +15,12 @@ struct Signature {
 };
 using SignatureSeries = std::vector<std::vector<Signature>>;  // [flight][channel]
 
-// `own`: columns of the candidate; `known`: columns that are free beside it; `coefficient`: of (known, own), fitted together.
-SignatureSeries signature_series(const RowSeries& series, const std::vector<int>& known, const std::vector<int>& own,
+// Sums over all rows of products of columns (columns × columns, without z).
+Eigen::MatrixXd column_products(const RowSeries& series);
+// `products`: those of the series; `own`: columns of the candidate; `known`: columns that are free beside it; `coefficient`: of
+// (known, own), fitted together.
+SignatureSeries signature_series(const RowSeries& series, const Eigen::MatrixXd& products,
+                                 const std::vector<int>& known, const std::vector<int>& own,
                                  const Eigen::VectorXd& coefficient);
 
 }  // namespace gustlab::diagnosis

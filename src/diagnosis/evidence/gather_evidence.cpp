@@ -141,6 +141,7 @@ struct FittedRows {
   std::vector<int> columns;
   RowSeries series;
   Eigen::VectorXd coefficient;
+  Eigen::MatrixXd products = {};  // of the columns
 };
 
 // Takes out of the rows what the likeliest errors of the numbers that reference flights show do in them.
@@ -184,6 +185,7 @@ FittedRows fitted_rows(const Session& session, const Selection& selection) {
     for (Eigen::MatrixXd& of_channel : flight)
       of_channel.col(of_channel.cols() - 1) += of_channel.leftCols(size) * shift;
   take_out_known_errors(session, rows);
+  rows.products = column_products(rows.series);
   return rows;
 }
 
@@ -195,7 +197,7 @@ void measure_signature(const Session& session, const Selection& selection, const
                                           rows.columns);
   std::vector<int> both = known;
   both.insert(both.end(), own.begin(), own.end());
-  const SignatureSeries parts = signature_series(rows.series, known, own, rows.coefficient(both));
+  const SignatureSeries parts = signature_series(rows.series, rows.products, known, own, rows.coefficient(both));
   const Eigen::VectorXd fitted = rows.coefficient(own);
   out.surrogates = surrogate_test(parts, fitted);
   out.slow_fast = slow_fast_difference(parts, fitted);

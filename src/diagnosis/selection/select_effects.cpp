@@ -15,13 +15,15 @@
 #include "diagnosis/selection/suspect_histories.hpp"
 #include "diagnosis/selection/trims.hpp"
 #include "diagnosis/selection/wind_start.hpp"
+#include "util/parallel.hpp"
 
 namespace gustlab::diagnosis {
 
 namespace {
 
-constexpr int kept_of_each_size = 25;    // subsets, by the search
-constexpr std::size_t most_changes = 8;  // of a set that was found, before it is taken as it is
+constexpr int kept_of_each_size = 25;      // subsets, by the search
+constexpr std::ptrdiff_t most_rivals = 4;  // of an effect, that are said
+constexpr std::size_t most_changes = 8;    // of a set that was found, before it is taken as it is
 
 // What may happen to a set that was fitted: nothing more is tried, a group more, or one for another as well.
 enum class Improve { no, by_more, freely };
@@ -31,6 +33,16 @@ std::vector<int> joined(std::vector<int> groups, const std::vector<int>& further
   std::ranges::sort(groups);
   groups.erase(std::ranges::unique(groups).begin(), groups.end());
   return groups;
+}
+
+// A mean of block differences over its standard error, blocks of a cluster together.
+double paired_z(const Grams& grams, const Eigen::VectorXd& difference) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(grams.clusters);
+  for (Eigen::Index b = 0; b < difference.size(); ++b)
+    sums[grams.cluster[static_cast<std::size_t>(b)]] += difference[b];
+  const auto count = static_cast<double>(sums.size());
+  const double sd = std::sqrt((sums.array() - sums.mean()).square().sum() / std::max(1.0, count - 1.0));
+  return sums.sum() / (std::sqrt(count) * sd + 1e-9);
 }
 
 // the search's working parts, in the order of DIAGNOSIS.md §3.6
@@ -75,17 +87,20 @@ class Selector {
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);
       const std::vector<int> next = search(grams);
-      value = refine(next, coefficients(grams, next));
+      value = refine(next, coefficients(grams, next, value));
       const bool settled = round > 0 && next == chosen;
       chosen = next;
       if (round == 0) value = likelier_latency(chosen, value), latency = latency_of(chosen);
       const WithoutWind still{chosen, value, s_.noise};
       value = likelier_wind(grams, chosen, value);
       if (chosen != still.chosen) without_wind = still;
+      const bool in_turns = visited.contains(chosen);
       visited[chosen] = value;
       if (settled) break;
       if (round == 0) s_.forget_transitions();
-      if (round == rounds - 1) value = best_visited(visited, chosen);
+      if (!in_turns && round < rounds - 1) continue;
+      value = best_visited(visited, chosen);
+      break;
     }
     // linearised about the one the other seemed likelier
     if (latency >= 0 && latency_of(chosen) != latency) value = likelier_latency(chosen, value);
@@ -130,7 +145,7 @@ class Selector {
       return std::nullopt;
     }
     tried.insert(more);
-    return finished_like(before, more, refine(more, coefficients(grams, more)));
+    return finished_like(before, more, refine(more, coefficients(grams, more, s_.value())));
   }
 
   Selection with_also(const Selection& before, const std::vector<int>& groups, const Eigen::VectorXd& start) {
@@ -194,15 +209,15 @@ class Selector {
     }
   }
 
-  // values of a fit on absolute Grams, SI
-  Eigen::VectorXd coefficients(const Grams& grams, const std::vector<int>& groups) const {
+  // values of a fit on absolute Grams, which were linearised about these, SI
+  Eigen::VectorXd coefficients(const Grams& grams, const std::vector<int>& groups, const Eigen::VectorXd& about) const {
     const std::vector<int> columns = s_.with_biases(groups);
     Eigen::VectorXd value = value_at(catalogue_, columns, solve(grams.total(), columns));
     // a wind that was tried with a drag of natural size means more with a smaller one
     const int wind = catalogue_.find(Airflow::wind), drag = catalogue_.find(Airflow::drag);
     if (std::find(groups.begin(), groups.end(), wind) != groups.end() && wind >= 0 && drag >= 0) {
       const int d = catalogue_.group(drag).columns.front();
-      if (s_.value()[d] == 0.0 && value[d] > 0.1 * natural_[d])
+      if (about[d] == 0.0 && value[d] > 0.1 * natural_[d])
         for (const int c : catalogue_.group(wind).columns) value[c] *= natural_[d] / value[d];
     }
     catalogue_.clamp(value);
@@ -355,7 +370,7 @@ class Selector {
     linear.push_back(linear_drag);
     std::sort(linear.begin(), linear.end());
     std::map<std::vector<int>, Eigen::VectorXd> sets{{chosen, value}};
-    for (StartedSet& set : winds_instead(catalogue_, linear, coefficients(grams, linear)))
+    for (StartedSet& set : winds_instead(catalogue_, linear, coefficients(grams, linear, s_.value())))
       sets.emplace(std::move(set.groups), std::move(set.value));
     return best_visited(sets, chosen);
   }
@@ -434,6 +449,8 @@ class Selector {
     std::vector<int> groups;
     Eigen::VectorXd value;
     Session::Learned learned;
+    Grams grams;
+    std::map<int, double> latency_delta_chi2;
     double how_unlikely;
   };
   double how_unlikely(const std::vector<int>& chosen, const Grams& grams, const Eigen::MatrixXd& total) const {
@@ -455,20 +472,18 @@ class Selector {
     int noise_steps = 6;  // then 2: one effect more or less changes it little
     anew_ = true;
     latency_delta_chi2_.clear();
-    const auto linearise = [&] {
-      measure_latency(chosen, value);
-      s_.linearise(value, s_.all_columns());
-    };
-    const auto compare = [&] {
-      result.grams = absolute(value);
+    bool elsewhere = false;  // the flights are linearised about a set that did not pay
+    const auto compare = [&](Grams grams) {
+      result.grams = std::move(grams);
       total = result.grams.total();
       result.loss_nominal = solve(total, s_.biases()).loss;
     };
     for (bool settled = false; !settled;) {
-      linearise();
+      linearise_about(chosen, value);
+      elsewhere = false;
       // predictions half a second ahead count what nobody named as noise: it is learned beside all
       s_.learn_noise(std::exchange(noise_steps, 2), s_.shoots() ? s_.all_columns() : s_.with_biases(chosen));
-      compare();
+      compare(absolute(value));
       const std::vector<int> before = chosen;
       prune(result.grams, chosen, total, result.loss_nominal);
       settled = chosen == before || chosen.empty();  // what stays takes over what went
@@ -477,12 +492,12 @@ class Selector {
         const double unlikely = how_unlikely(chosen, result.grams, total);
         if (stand && unlikely > stand->how_unlikely + std::exchange(may_lose, decisions::trim_cost)) {
           // fitted anew, and noise learned beside it, the change does not pay
-          chosen = stand->groups, value = stand->value;
+          chosen = stand->groups, value = stand->value, latency_delta_chi2_ = stand->latency_delta_chi2;
           s_.put_back(stand->learned);
-          linearise();
-          compare();
+          compare(stand->grams);
+          elsewhere = true;
         } else {
-          stand = Stand{chosen, value, s_.learned(), unlikely};
+          stand = Stand{chosen, value, s_.learned(), result.grams, latency_delta_chi2_, unlikely};
         }
       }
       // what seemed not to pay may do so once the others, and the noise, are right; no set is tried twice
@@ -500,7 +515,8 @@ class Selector {
         may_lose = may_cost(total, chosen, simpler);
         chosen = simpler;
       }
-      if (!settled) value = refine(chosen, coefficients(result.grams, chosen));
+      if (settled ? elsewhere : elsewhere && s_.predicts_speeds()) s_.linearise(value, s_.all_columns());
+      if (!settled) value = refine(chosen, coefficients(result.grams, chosen, value));
     }
     result.how_unlikely = stand->how_unlikely;
     return total;
@@ -548,6 +564,7 @@ class Selector {
     std::vector<int> groups, kept;
     Fit fit = {}, kept_fit = {};
     bool trim = false;  // the other is below its tolerance
+    double delta_chi2() const { return fit.loss - kept_fit.loss; }
   };
   std::optional<Exchange> exchange(const Eigen::MatrixXd& total, const SubsetSearch& search,
                                    const std::vector<int>& chosen, const Fit& fit, int group, int other) const {
@@ -580,7 +597,7 @@ class Selector {
     for (std::size_t i = 0; i < chosen.size(); ++i)
       for (const int other : search.candidates) {
         const std::optional<Exchange> e = exchange(total, search, chosen, fit, chosen[i], other);
-        if (!e || e->fit.loss - e->kept_fit.loss > decisions::trim_cost) continue;
+        if (!e || e->delta_chi2() > decisions::trim_cost) continue;
         if (const double sum = said(e->groups, e->fit); sum < least) best = e->groups, least = sum;
       }
     std::sort(best.begin(), best.end());
@@ -588,26 +605,29 @@ class Selector {
   }
 
   // Δχ² without a lag or a delay, all else fitted anew where there is none. Linearised about a lag that is as long as the commands'
-  // swings, its own column says next to nothing of that. Measured anew when one of the two comes or goes.
-  void measure_latency(const std::vector<int>& chosen, const Eigen::VectorXd& value) {
+  // swings, its own column says next to nothing of that. Measured anew when one of the two comes or goes. All columns are linearised then.
+  void linearise_about(const std::vector<int>& chosen, const Eigen::VectorXd& value) {
     const auto is_chosen = [&](int late) { return std::find(chosen.begin(), chosen.end(), late) != chosen.end(); };
     const auto is_measured = [&](int late) { return is_chosen(late) == latency_delta_chi2_.contains(late); };
-    if (s_.shoots() || std::ranges::all_of(latencies(), is_measured)) return;
-    latency_delta_chi2_.clear();
-    const auto loss_of = [&](const std::vector<int>& groups, const Eigen::VectorXd& at) {
-      s_.linearise(at, s_.with_biases(groups), false);
-      return solve(s_.grams().total(), s_.with_biases(groups)).loss;
+    const bool anew = !s_.shoots() && !std::ranges::all_of(latencies(), is_measured);
+    if (anew) latency_delta_chi2_.clear();
+    const auto loss_of = [&](const std::vector<int>& groups) {
+      const std::vector<int> columns = s_.with_biases(groups);
+      return solve(s_.grams(columns).total(), columns).loss;
     };
-    std::optional<double> loss;
     for (const int late : latencies()) {
-      if (!is_chosen(late)) continue;
-      if (!loss) loss = loss_of(chosen, value);
+      if (!anew || !is_chosen(late)) continue;
       std::vector<int> rest = chosen;
       std::erase(rest, late);
       Eigen::VectorXd prompt = value;
       for (const int c : columns_of(catalogue_, {late})) prompt[c] = catalogue_.nominal()[c];
-      latency_delta_chi2_[late] = loss_of(rest, prompt) - *loss;
+      s_.linearise(prompt, s_.with_biases(rest), false);
+      latency_delta_chi2_[late] = loss_of(rest);
     }
+    s_.linearise(value, s_.all_columns());
+    if (!anew || latency_delta_chi2_.empty()) return;
+    const double loss = loss_of(chosen);
+    for (auto& [late, delta_chi2] : latency_delta_chi2_) delta_chi2 -= loss;
   }
   // Δχ² without an effect, whose linear model says `linear`
   double delta_chi2_of(int group, double linear) const {
@@ -648,34 +668,29 @@ class Selector {
     }
   }
 
-  // replace each selected effect by every other, one at a time
+  // replace each selected effect by every other, one at a time; the nearest stay
   void rivals(Selection& result, const std::vector<int>& chosen, const Fit& fit) const {
     const Eigen::MatrixXd total = result.grams.total();
     const Eigen::VectorXd own = block_losses(result.grams, s_.with_biases(chosen), fit.coefficient);
     const SubsetSearch search(catalogue_, s_.vehicle(), 0.0);
-    for (Finding& finding : result.findings) {
+    parallel_for(std::ssize(result.findings), s_.jobs(), [&](std::int64_t at) {
+      Finding& finding = result.findings[static_cast<std::size_t>(at)];
       // of a latency of which the linear model knows next to nothing it knows no rivals either
       const double linear = solve(total, s_.with_biases(search.without(chosen, finding.group))).loss - fit.loss;
-      if (delta_chi2_of(finding.group, linear) > 2.0 * linear) continue;
-      for (const int other : search.candidates) {
-        const std::optional<Exchange> e = exchange(total, search, chosen, fit, finding.group, other);
-        if (!e) continue;
+      if (delta_chi2_of(finding.group, linear) > 2.0 * linear) return;
+      std::vector<std::pair<int, Exchange>> exchanges;
+      for (const int other : search.candidates)
+        if (std::optional<Exchange> e = exchange(total, search, chosen, fit, finding.group, other))
+          exchanges.emplace_back(other, std::move(*e));
+      std::ranges::stable_sort(exchanges, {}, [](const auto& e) { return e.second.delta_chi2(); });
+      if (std::ssize(exchanges) > most_rivals) exchanges.erase(exchanges.begin() + most_rivals, exchanges.end());
+      for (const auto& [other, e] : exchanges) {
         const Eigen::VectorXd difference =
-            block_losses(result.grams, s_.with_biases(e->groups), e->fit.coefficient) -
-            (e->trim ? block_losses(result.grams, s_.with_biases(e->kept), e->kept_fit.coefficient) : own);
-        Eigen::VectorXd sums = Eigen::VectorXd::Zero(result.grams.clusters);
-        for (Eigen::Index b = 0; b < difference.size(); ++b)
-          sums[result.grams.cluster[static_cast<std::size_t>(b)]] += difference[b];
-        const double mean = sums.mean();
-        const double sd =
-            std::sqrt((sums.array() - mean).square().sum() / std::max(1.0, static_cast<double>(sums.size()) - 1.0));
-        finding.rivals.push_back({other, sums.sum() / (std::sqrt(static_cast<double>(sums.size())) * sd + 1e-9),
-                                  e->fit.loss - e->kept_fit.loss, e->trim});
+            block_losses(result.grams, s_.with_biases(e.groups), e.fit.coefficient) -
+            (e.trim ? block_losses(result.grams, s_.with_biases(e.kept), e.kept_fit.coefficient) : own);
+        finding.rivals.push_back({other, paired_z(result.grams, difference), e.delta_chi2(), e.trim});
       }
-      std::stable_sort(finding.rivals.begin(), finding.rivals.end(),
-                       [](const Rival& a, const Rival& b) { return a.delta_chi2 < b.delta_chi2; });
-      if (finding.rivals.size() > 4) finding.rivals.resize(4);
-    }
+    });
   }
 
   Session& s_;

@@ -6,6 +6,7 @@
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/subset_search.hpp"
 #include "gustlab/random.hpp"
+#include "util/parallel.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -23,7 +24,8 @@ std::vector<double> inclusion(const Session& session, const Grams& grams, const 
   std::erase_if(search.candidates, [&](int g) { return left_out.contains(g); });
   const RandomStream random(20261121, 0, "half_samples");
   const int most = std::min(static_cast<int>(chosen.size()) + 1, most_effects);
-  for (int draw = 0; draw < half_samples / 2; ++draw) {
+  std::vector<std::vector<int>> found(half_samples);
+  parallel_for(half_samples / 2, session.jobs(), [&](std::int64_t draw) {
     std::vector<bool> first(static_cast<std::size_t>(grams.clusters));
     for (std::size_t i = 0; i < first.size(); ++i)
       first[i] = random.uniform4(static_cast<std::uint64_t>(draw) * 100000 + i)[0] < 0.5;
@@ -36,12 +38,15 @@ std::vector<double> inclusion(const Session& session, const Grams& grams, const 
         if (drawn) blocks += 1.0 / static_cast<double>(grams.block.size());
       }
       const auto by_size = search.run(project_out(gram, session.biases()), most, 5);
-      const std::vector<int> found = SubsetSearch::choose(by_size, decisions::materiality * grams.rows * blocks).groups;
-      const auto is_found = [&](int g) { return std::ranges::count(found, g) > 0; };
-      for (const int g : found) ++share[static_cast<std::size_t>(g)];
-      for (const auto& [g, others] : equals)
-        if (!is_found(g) && std::ranges::any_of(others, is_found)) ++share[static_cast<std::size_t>(g)];
+      found[static_cast<std::size_t>(2 * draw + (half ? 0 : 1))] =
+          SubsetSearch::choose(by_size, decisions::materiality * grams.rows * blocks).groups;
     }
+  });
+  for (const std::vector<int>& groups : found) {
+    const auto is_found = [&](int g) { return std::ranges::count(groups, g) > 0; };
+    for (const int g : groups) ++share[static_cast<std::size_t>(g)];
+    for (const auto& [g, others] : equals)
+      if (!is_found(g) && std::ranges::any_of(others, is_found)) ++share[static_cast<std::size_t>(g)];
   }
   for (double& s : share) s /= half_samples;
   return share;

@@ -10,7 +10,8 @@ TEST(SignatureSeries, IsOrthogonalToWhatIsKnownAndLeavesWhatTheModelDoesNotSay) 
   Eigen::MatrixXd first(3, 3), second(2, 3);  // known, own, z
   first << 1, 1, 5, 2, 1, 7, 3, 1, 9;
   second << 1, 0, 2, 1, 4, 14;
-  const auto series = signature_series({{first}, {second}}, {0}, {1}, Eigen::Vector2d(2.0, 3.0));
+  const auto series =
+      signature_series({{first}, {second}}, column_products({{first}, {second}}), {0}, {1}, Eigen::Vector2d(2.0, 3.0));
   ASSERT_EQ(series.size(), 2u);
   double common = 0.0;
   for (std::size_t f = 0; f < 2; ++f) {

@@ -25,7 +25,7 @@ double difference_of(double slow, double fast) {
     rows(k, 1) = slow * slowly + fast * quickly + 0.5 * normal(k, 1);
   }
   const Eigen::VectorXd fitted = Eigen::VectorXd::Constant(1, rows.col(0).dot(rows.col(1)) / rows.col(0).squaredNorm());
-  return slow_fast_difference(signature_series({{rows}}, {}, {0}, fitted), fitted);
+  return slow_fast_difference(signature_series({{rows}}, column_products({{rows}}), {}, {0}, fitted), fitted);
 }
 
 TEST(SlowAndFast, WhatIsThereIsOfOneSize) { EXPECT_LT(difference_of(1.0, 1.0), 0.05); }
@@ -37,7 +37,7 @@ TEST(SlowAndFast, AConstantHasNoFastChanges) {
   Eigen::MatrixXd rows = Eigen::MatrixXd::Ones(samples, 2);
   for (int k = 0; k < samples; ++k) rows(k, 1) += normal(k, 2);
   const Eigen::VectorXd fitted = Eigen::VectorXd::Constant(1, rows.col(1).mean());
-  EXPECT_EQ(slow_fast_difference(signature_series({{rows}}, {}, {0}, fitted), fitted), 0.0);
+  EXPECT_EQ(slow_fast_difference(signature_series({{rows}}, column_products({{rows}}), {}, {0}, fitted), fitted), 0.0);
 }
 
 // noise alone, in slow and in fast changes, is within its errors

@@ -28,7 +28,7 @@ SurrogateTest test_of(const Eigen::VectorXd& signature, const Eigen::VectorXd& l
   rows << signature, size * signature + left;
   const double fitted = signature.dot(rows.col(1)) / signature.squaredNorm();
   const Eigen::VectorXd coefficient = Eigen::VectorXd::Constant(1, fitted);
-  return surrogate_test(signature_series({{rows}}, {}, {0}, coefficient), coefficient);
+  return surrogate_test(signature_series({{rows}}, column_products({{rows}}), {}, {0}, coefficient), coefficient);
 }
 
 TEST(Surrogates, WhiteResidualsAreNotInflated) {
