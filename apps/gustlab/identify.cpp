@@ -15,6 +15,7 @@
 #include "options.hpp"
 #include "simulation/recorded_forces.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 #include "vehicle/read_vehicle.hpp"
 
 namespace gustlab {
@@ -95,7 +96,7 @@ std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyA
 std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::string>& paths,
                                                      const IdentifyArguments& options) {
   std::vector<std::vector<ResidualSamples>> flights;
-  for (const std::string& path : paths) flights.push_back(samples_of(path, options));
+  for (const std::string& path : paths) throw_if_interrupted(), flights.push_back(samples_of(path, options));
   return flights;
 }
 
@@ -103,6 +104,7 @@ std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::stri
 std::optional<bool> choice(bool yes, bool no) { return yes || no ? std::optional<bool>(yes) : std::nullopt; }
 
 void run(IdentifyArguments options, const CLI::App& command) {
+  interrupted();
   find_optimizer(options.identify.optimizer);
   options.differentiation.kind = derivative_kind(options.derivative);
   options.identify.penalty = regularizer(options.penalty);

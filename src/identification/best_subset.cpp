@@ -3,6 +3,7 @@
 
 #include "gustlab/errors.hpp"
 #include "identification/optimizer.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 namespace {
@@ -29,6 +30,7 @@ struct Search {
   int visited = 0;
 
   void visit(Index next, const MatrixXd& residual) {
+    throw_if_interrupted();
     const Index size = static_cast<Index>(support.size());
     ++visited;
     for (Index t = 0; t < residual.cols(); ++t) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gustlab/errors.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 namespace {
@@ -138,6 +139,7 @@ std::vector<double> lambda_path(const OptimizerRow& optimizer, const RegressionD
 }
 
 Fit fit(const OptimizerRow& optimizer, const RegressionData& data, const OptimizerOptions& options) {
+  throw_if_interrupted();
   check(optimizer, data, options);
   const VectorXd scale = column_scale(data, options);
   OptimizerOptions scaled_options = options;

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "identification/optimizer.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 namespace {
@@ -64,6 +65,7 @@ Fit sr3(const RegressionData& data, const OptimizerOptions& options) {
   Eigen::Map<VectorXd> stacked_w(w.data(), w.size());
   VectorXd violation(constraints.C.rows());
   while (out.iterations < options.max_iterations && !out.converged) {
+    throw_if_interrupted();
     last = u;
     w = from_data;
     w.noalias() += from_u * u;

@@ -1,6 +1,7 @@
 #include "report/score_trial.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <charconv>
@@ -96,8 +97,8 @@ void read_diagnosis(const std::filesystem::path& path, ScoredTrial& trial) {
       if (entry.value("significant", false)) trial.significant.push_back(entry.at("channel").get<std::string>());
     trial.fit = part(diagnosis, "fit");
     trial.diagnosed = true;
-  } catch (const Json::exception&) {
-    // a diagnosis that is not one counts as missing
+  } catch (const Json::exception& e) {
+    spdlog::warn("{}: is no diagnosis ({}); it counts as missing", path.string(), e.what());
     trial.verdict = "unreadable";
     trial.named.clear();
     trial.suspected.clear();

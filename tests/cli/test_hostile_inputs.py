@@ -164,7 +164,9 @@ class Depth(Commands):
         diagnosis = self.write("trials/t/diagnosis/diagnosis.json", "[" * 100000)
         answer = '{"trial": "t", "effects": [], "kind": "clean"}\n'
         self.write("answers.jsonl", answer)
-        self.assertIn("1 ", self.call("score", "answers.jsonl", "trials")[0])
+        out, err = self.call("score", "answers.jsonl", "trials")
+        self.assertIn("1 ", out)
+        self.assertIn("diagnosis.json: is no diagnosis", err)
         self.write("answers.jsonl", '{"trial": ' + '{"a":' * 100000 + "}" * 100000 + "}\n")
         self.refuse(3, "answers.jsonl:1:1: not an answer", "score", "answers.jsonl", "trials")
         self.write("answers.jsonl", '{"trial": "t", "kind": "single", "effects": [{"effect": "mass"}], "oracle": {"position_m": {"after": [0.1]}}}\n')

@@ -245,6 +245,7 @@ class Signals(Commands):
         "diagnose": ["diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg", "--jobs", "1"],
         "bench": ["bench", "--rounds", "1000"],
         "replay": ["replay", *["trials/nothing/fit_1.csv"] * 1000],
+        "identify": ["identify", "trials/nothing/fit_1.csv", "--optimizer", "sr3", "--max-iterations", "1000000000", "--tolerance", "1e-300", "--lambda", "1"],
         "vehicle fit": ["vehicle", "fit", "trials/nothing/fit_1.csv", "--out", "v", "--jobs", "1"],
         "vehicle new": ["vehicle", "new", "--mass", "1kg", "--from-log", "pipe", "--out", "v"],  # its script waits for the pipe
     }

@@ -24,7 +24,7 @@ METHOD = {
     "estimation/rotor_speeds.cpp": "settling_s least_hover most_limit latest_s least_white_share",
     "estimation/sensor_windows.cpp": "turn_s way_s longest_share longest_gap_s clustered",  # what a window is
     "estimation/session.cpp": "fastest_sample_s most_windows least_change slow_s",
-    "estimation/shooting.cpp": "stride_s rows_per_horizon loose_prior clearly_lost own_share",
+    "estimation/shooting.cpp": "rows_per_horizon loose_prior clearly_lost own_share",
     "estimation/slow_and_fast.cpp": "least_share errors",  # what a difference is
     "estimation/surrogates.cpp": "draws places nearest",
     "estimation/torque_trims.cpp": "steps least_share",

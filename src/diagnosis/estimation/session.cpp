@@ -206,8 +206,7 @@ void Session::linearise(const Eigen::VectorXd& value, const std::vector<int>& wa
     if (shoots())
       shot_[f] = first && wanted == all_ && value == catalogue_.nominal()
                      ? shot_nominal_[f]
-                     : shoot(shooting_flights_[f], index, catalogue_, value, wanted, spacing_s, jobs_,
-                             with_filter ? nullptr : &shot_[f]);
+                     : shoot(shooting_flights_[f], index, catalogue_, value, wanted, spacing_s, jobs_);
     if (shoots() && !with_filter) return;
     read_at(value, f);
     gustlab::diagnosis::linearise(flights_[f], index, catalogue_, value, wanted, linear_[f], jobs_);

@@ -49,7 +49,7 @@ class Session {
   double logged_sample_s() const { return flights_as_logged().front().sample_s; }
 
   // Linearises every flight at `value`, differentiating the wanted columns; smooths again when sensor effects moved.
-  // Where predictions are fitted, the filter's own part can be left out; columns that are no effect's stay as they were then.
+  // Where predictions are fitted, the filter's own part can be left out.
   void linearise(const Eigen::VectorXd& value, const std::vector<int>& wanted, bool with_filter = true);
   // What the model predicts at another value, its columns as the last `linearise` (of the filter, or of what is predicted) left them.
   void predict_at(const Eigen::VectorXd& value);

@@ -26,12 +26,6 @@ constexpr double loose_prior = 20.0;
 // standard deviations beyond which a window counts no more; share of each row's noise that is its own
 constexpr double clearly_lost = 3.0, own_share = 0.05;
 
-// Samples over which a prediction goes on at once: some 20 ms, which divide every horizon of usual logs. What was filtered has nothing faster.
-constexpr double stride_s = 0.02;
-std::size_t samples_at_once(const FlightData& flight) {
-  return std::max<std::size_t>(1, static_cast<std::size_t>(stride_s / flight.sample_s + 1e-6));
-}
-
 struct Window {
   std::size_t start;
   std::array<std::size_t, shooting_horizon_s.size()> at;
@@ -39,12 +33,7 @@ struct Window {
 
 std::vector<Window> windows_of(const FlightData& flight, double spacing_s) {
   std::vector<Window> windows;
-  const std::size_t stride = samples_at_once(flight);
-  const double interval_s = static_cast<double>(stride) * flight.sample_s;
-  const auto ahead = [&](double horizon_s) {
-    return stride * std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(horizon_s / interval_s)));
-  };
-  const std::size_t length = ahead(shooting_horizon_s.back());
+  const auto length = static_cast<std::size_t>(std::lround(shooting_horizon_s.back() / flight.sample_s));
   const auto spacing = static_cast<std::size_t>(std::lround(spacing_s / flight.sample_s));
   for (std::size_t k = length; k + 2 * length < flight.samples.size(); k += spacing) {
     bool whole = true;
@@ -52,7 +41,9 @@ std::vector<Window> windows_of(const FlightData& flight, double spacing_s) {
       whole = whole && !flight.samples[j].starts_segment && !flight.samples[j].saturated;
     if (!whole) continue;
     Window w{k, {}};
-    for (std::size_t h = 0; h < w.at.size(); ++h) w.at[h] = k + ahead(shooting_horizon_s[h]);
+    for (std::size_t h = 0; h < w.at.size(); ++h)
+      w.at[h] =
+          k + std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(shooting_horizon_s[h] / flight.sample_s)));
     windows.push_back(w);
   }
   return windows;
@@ -94,24 +85,11 @@ struct Reading {
   }
 };
 
-// What is predicted over some samples of a window, at their middle: forces see the recorded attitude, torques the recorded velocity.
+// What is predicted over one sample interval of a window, at its middle: forces see the recorded attitude, torques the recorded velocity.
 struct Stride {
-  std::size_t sample;  // the first
+  std::size_t sample;
   double interval_s;
   Point moves, turns;
-};
-
-// Mean rotor speeds and accelerations over a stride, in as many substeps as a sample has.
-struct Turning {
-  std::vector<RotorArray> speed, rise;
-  Turning(const RotorHistory& rotors, std::size_t sample, std::size_t samples) {
-    const auto count = static_cast<std::size_t>(rotors.substeps);
-    for (std::size_t s = 0; s < count; ++s) {
-      const std::size_t first = sample * count + s * samples;
-      speed.push_back(mean_of(&rotors.mean[first], static_cast<int>(samples)));
-      rise.push_back(mean_of(&rotors.acceleration[first], static_cast<int>(samples)));
-    }
-  }
 };
 
 // Measured ⊟ predicted at every horizon of every window. `strides`: the intervals that led there, of all windows in turn.
@@ -119,9 +97,9 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
                           const std::vector<Window>& windows, int jobs = 1, std::vector<Stride>* strides = nullptr) {
   const FlightData& flight = reading.flight;
   Eigen::MatrixXd out(window_rows, static_cast<Eigen::Index>(windows.size()));
-  const std::size_t at_once = samples_at_once(flight);
+  const auto count = static_cast<std::size_t>(rotors.substeps);
   const Vector3 arm = forces.vehicle().center_of_mass_B_m;
-  const std::size_t length = windows.empty() ? 0 : (windows.front().at.back() - windows.front().start) / at_once;
+  const std::size_t length = windows.empty() ? 0 : windows.front().at.back() - windows.front().start;
   if (strides) strides->resize(windows.size() * length);
   parallel_for(std::ssize(windows), jobs, [&](std::int64_t w) {
     const Window& window = windows[static_cast<std::size_t>(w)];
@@ -131,18 +109,17 @@ Eigen::MatrixXd residuals(const Reading& reading, const ForceModel& forces, cons
     Point moves = center_of_mass(flight.motion[window.start], arm), turns = moves;
     std::size_t k = window.start;
     for (std::size_t h = 0; h < window.at.size(); ++h) {
-      for (; k < window.at[h]; k += at_once) {
+      for (; k < window.at[h]; ++k) {
         const Sample& sample = flight.samples[k];
-        const double interval_s = flight.samples[k + at_once].time_s - sample.time_s;
-        const Turning turning(rotors, k, at_once);
+        const double interval_s = flight.samples[k + 1].time_s - sample.time_s;
         const auto run = [&](const Point& from) {
           return propagate(evaluate, from, sample.time_s - flight.start_s, interval_s, sample.voltage_V,
-                           rotors.substeps, turning.speed.data(), turning.rise.data());
+                           rotors.substeps, &rotors.mean[k * count], &rotors.acceleration[k * count]);
         };
-        const Point recorded = center_of_mass(flight.motion[k + at_once], arm), moved = run(moves), turned = run(turns);
+        const Point recorded = center_of_mass(flight.motion[k + 1], arm), moved = run(moves), turned = run(turns);
         if (strides)
-          (*strides)[static_cast<std::size_t>(w) * length + (k - window.start) / at_once] = {
-              k, interval_s, halfway(moves, moved), halfway(turns, turned)};
+          (*strides)[static_cast<std::size_t>(w) * length + k - window.start] = {k, interval_s, halfway(moves, moved),
+                                                                                 halfway(turns, turned)};
         moves = {moved.position, moved.velocity, recorded.attitude, recorded.rate};
         turns = {recorded.position, recorded.velocity, turned.attitude, turned.rate};
       }
@@ -163,14 +140,13 @@ std::vector<Acceleration> accelerations(const std::vector<Stride>& strides, cons
                                         const ForceModel& forces, const RotorHistory& rotors) {
   std::vector<Acceleration> result;
   result.reserve(strides.size());
-  const int substeps = rotors.substeps * static_cast<int>(samples_at_once(flight));
+  const auto count = static_cast<std::size_t>(rotors.substeps);
   Evaluator evaluate{forces, {}, {}};
   for (const Stride& stride : strides) {
     const double time_s = flight.samples[stride.sample].time_s - flight.start_s + 0.5 * stride.interval_s;
     const double voltage_V = flight.samples[stride.sample].voltage_V;
-    const std::size_t first = stride.sample * static_cast<std::size_t>(rotors.substeps);
-    const RotorArray speed = mean_of(&rotors.mean[first], substeps);
-    const RotorArray rise = mean_of(&rotors.acceleration[first], substeps);
+    const RotorArray speed = mean_of(&rotors.mean[stride.sample * count], rotors.substeps);
+    const RotorArray rise = mean_of(&rotors.acceleration[stride.sample * count], rotors.substeps);
     result.push_back({evaluate(stride.moves, time_s, voltage_V, speed, rise).linear_W_mps2,
                       flight.collective_only
                           ? Vector3::Zero()
@@ -228,13 +204,12 @@ class Variation {
 
   Eigen::MatrixXd by(const std::vector<Acceleration>& change) const {
     Eigen::MatrixXd out(window_rows, static_cast<Eigen::Index>(windows_.size()));
-    const std::size_t at_once = samples_at_once(flight_);
     std::size_t j = 0;
     for (std::size_t w = 0; w < windows_.size(); ++w) {
       Vector6 moves = Vector6::Zero(), turns = Vector6::Zero();
       std::size_t k = windows_[w].start;
       for (std::size_t h = 0; h < windows_[w].at.size(); ++h) {
-        for (; k < windows_[w].at[h]; k += at_once, ++j) advance(change[j], j, moves, turns);
+        for (; k < windows_[w].at[h]; ++k, ++j) advance(change[j], j, moves, turns);
         const unsigned seen = flight_.samples[k].channels;
         out.block<rows_per_horizon, 1>(static_cast<Eigen::Index>(h) * rows_per_horizon, static_cast<Eigen::Index>(w))
             << moves.segment<3>(seen & has_velocity ? 3 : 0),
@@ -360,7 +335,7 @@ void shoot_again(const FlightData& flight, int flight_index, const Catalogue& ca
 }
 
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                 const std::vector<int>& wanted, double spacing_s, int jobs, const ShotFlight* before) {
+                 const std::vector<int>& wanted, double spacing_s, int jobs) {
   ShotFlight shot;
   const Shot base(flight, flight_index, catalogue, value, spacing_s, jobs);
   for (const int c : wanted) {
@@ -378,14 +353,7 @@ ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& ca
   }
   const Differentiator differentiate(base, flight, flight_index, catalogue, value);
   parallel_for(width - 1, jobs, [&](std::int64_t j) {
-    const int c = shot.columns[static_cast<std::size_t>(j)];
-    if (before && catalogue.column(c).group < 0)
-      if (const auto at = std::ranges::find(before->columns, c); at != before->columns.end()) {
-        for (std::size_t w = 0; w < shot.window.size(); ++w)
-          shot.window[w].col(j) = before->window[w].col(at - before->columns.begin());
-        return;
-      }
-    const auto column = differentiate(c);
+    const auto column = differentiate(shot.columns[static_cast<std::size_t>(j)]);
     for (std::size_t w = 0; column && w < shot.window.size(); ++w)
       shot.window[w].col(j) = column->col(static_cast<Eigen::Index>(w));
   });

@@ -24,9 +24,8 @@ struct ShotFlight {
 };
 
 // Windows start from the recorded motion, one every `spacing_s`, and do not cross gaps. `wanted`: columns of the catalogue, on so many threads.
-// `before`: the same flight shot at another value, whose columns that are no effect's are kept.
 ShotFlight shoot(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
-                 const std::vector<int>& wanted, double spacing_s, int jobs = 1, const ShotFlight* before = nullptr);
+                 const std::vector<int>& wanted, double spacing_s, int jobs = 1);
 // The residuals of `shot` at another value; its columns and windows (of the same flight and spacing) stay.
 void shoot_again(const FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                  double spacing_s, ShotFlight& shot, int jobs = 1);

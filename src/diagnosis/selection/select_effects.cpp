@@ -94,13 +94,10 @@ class Selector {
       const WithoutWind still{chosen, value, s_.noise};
       value = likelier_wind(grams, chosen, value);
       if (chosen != still.chosen) without_wind = still;
-      const bool in_turns = visited.contains(chosen);
       visited[chosen] = value;
       if (settled) break;
       if (round == 0) s_.forget_transitions();
-      if (!in_turns && round < rounds - 1) continue;
-      value = best_visited(visited, chosen);
-      break;
+      if (round == rounds - 1) value = best_visited(visited, chosen);
     }
     // linearised about the one the other seemed likelier
     if (latency >= 0 && latency_of(chosen) != latency) value = likelier_latency(chosen, value);
@@ -483,6 +480,7 @@ class Selector {
       elsewhere = false;
       // predictions half a second ahead count what nobody named as noise: it is learned beside all
       s_.learn_noise(std::exchange(noise_steps, 2), s_.shoots() ? s_.all_columns() : s_.with_biases(chosen));
+      result.grams = {};  // a large set of flights has room for the best so far and these
       compare(absolute(value));
       const std::vector<int> before = chosen;
       prune(result.grams, chosen, total, result.loss_nominal);
