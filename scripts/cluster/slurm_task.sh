@@ -8,5 +8,10 @@ trap 'kill -s USR1 "$child" 2> /dev/null' TERM USR1
 code=0
 while wait "$child"; code=$?; kill -0 "$child" 2> /dev/null; do :; done
 # interrupted, and not finished: again, from where the store stands
-((code != 130)) || scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
+# (a busy controller says "try again later", and a task that ends without it takes the merge with it)
+for _ in {1..30}; do
+  ((code == 130)) || break
+  scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID" && break
+  sleep 1
+done
 exit "$code"
