@@ -7,10 +7,9 @@ child=$!
 trap 'kill -s USR1 "$child" 2> /dev/null' TERM USR1
 code=0
 while wait "$child"; code=$?; kill -0 "$child" 2> /dev/null; do :; done
-# interrupted, and not finished: again, from where the store stands
-# (a busy controller says "try again later", and a task that ends without it takes the merge with it)
-for _ in {1..30}; do
-  ((code == 130)) || break
+# interrupted, and not finished: again, from where the store stands. A busy controller says "try again later", and a task that ends
+# without it takes the merge with it.
+((code == 130)) && for _ in {1..30}; do
   scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID" && break
   sleep 1
 done

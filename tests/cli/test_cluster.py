@@ -1,4 +1,4 @@
-"""scripts/cluster/merge.sh: a shard that is missing is an error, and to run it again changes nothing."""
+"""scripts/cluster: a shard that is missing is an error, to merge again changes nothing, and a task asks a busy controller again."""
 
 import os
 import shutil
@@ -10,7 +10,8 @@ from pathlib import Path
 from small_experiments import VARIANTS, experiment_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
-MERGE = str(Path(__file__).resolve().parents[2] / "scripts" / "cluster" / "merge.sh")
+CLUSTER = Path(__file__).resolve().parents[2] / "scripts" / "cluster"
+MERGE = str(CLUSTER / "merge.sh")
 
 
 class Merges(unittest.TestCase):
@@ -69,6 +70,21 @@ class Merges(unittest.TestCase):
         before = self.files()
         self.assertIn("variants/whole/calm: results of other runs are there", self.merge(2, "variants", code=2))
         self.assertEqual(self.files(), before)
+
+
+class Tasks(unittest.TestCase):
+    def test_an_interrupted_task_asks_again_to_be_queued(self):
+        for ends_with, asked in ((130, 2), (0, 0)):
+            with self.subTest(code=ends_with), tempfile.TemporaryDirectory() as folder:
+                scripts = {"shard.sh": f"exit {ends_with}", "scontrol": 'echo "$@" >> asked; (($(wc -l < asked) > 1))'}
+                for name, text in scripts.items():
+                    (Path(folder) / name).write_text(f"#!/usr/bin/env bash\n{text}\n")
+                    (Path(folder) / name).chmod(0o755)
+                done = subprocess.run([CLUSTER / "slurm_task.sh", folder, "4", "e.toml", "out"], cwd=folder, timeout=60,
+                                      env=os.environ | {"PATH": f"{folder}:{os.environ['PATH']}", "SLURM_ARRAY_JOB_ID": "7", "SLURM_ARRAY_TASK_ID": "1"})
+                self.assertEqual(done.returncode, ends_with)
+                file = Path(folder) / "asked"
+                self.assertEqual(file.read_text() if file.exists() else "", "requeue 7_1\n" * asked)
 
 
 if __name__ == "__main__":

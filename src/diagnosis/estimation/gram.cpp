@@ -28,10 +28,11 @@ Eigen::VectorXd pick_last(const Eigen::MatrixXd& gram, const std::vector<int>& r
   return part;
 }
 
-// weights of all columns of a Gram matrix, zero where none is given
-Eigen::VectorXd expanded(const std::vector<int>& columns, const Eigen::VectorXd& coefficient, Eigen::Index size) {
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(size);
-  for (std::size_t i = 0; i < columns.size(); ++i) weights[columns[i]] = coefficient[static_cast<Eigen::Index>(i)];
+// what a fit leaves of z, as weights of all columns and z
+Eigen::VectorXd left_by(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(grams.columns + 1);
+  weights(columns) = -coefficient;
+  weights[grams.columns] = 1.0;
   return weights;
 }
 
@@ -175,8 +176,7 @@ Eigen::MatrixXd clustered_covariance(const Grams& grams, const std::vector<int>&
   const Eigen::MatrixXd H = pick(total, columns, columns);
   // what is known beforehand scatters as it is said to
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(grams.clusters, size), said = Eigen::MatrixXd::Zero(size, size);
-  Eigen::VectorXd left = -expanded(columns, coefficient, grams.columns + 1);
-  left[grams.columns] = 1.0;
+  const Eigen::VectorXd left = left_by(grams, columns, coefficient);
   for (std::size_t b = 0; b < grams.block.size(); ++b) {
     if (grams.known[b]) {
       said += pick(grams.block[b], columns, columns);
@@ -212,8 +212,7 @@ double clustered_variance(const Grams& grams, const Eigen::VectorXd& pattern, co
 
 Eigen::VectorXd block_losses(const Grams& grams, const std::vector<int>& columns, const Eigen::VectorXd& coefficient) {
   Eigen::VectorXd losses(static_cast<Eigen::Index>(grams.block.size()));
-  Eigen::VectorXd left = -expanded(columns, coefficient, grams.columns + 1);
-  left[grams.columns] = 1.0;
+  const Eigen::VectorXd left = left_by(grams, columns, coefficient);
   for (Eigen::Index b = 0; b < losses.size(); ++b)
     losses[b] = left.dot(grams.block[static_cast<std::size_t>(b)] * left);
   return losses;

@@ -469,7 +469,6 @@ class Selector {
     int noise_steps = 6;  // then 2: one effect more or less changes it little
     anew_ = true;
     latency_delta_chi2_.clear();
-    bool elsewhere = false;  // the flights are linearised about a set that did not pay
     const auto compare = [&](Grams grams) {
       result.grams = std::move(grams);
       total = result.grams.total();
@@ -477,7 +476,7 @@ class Selector {
     };
     for (bool settled = false; !settled;) {
       linearise_about(chosen, value);
-      elsewhere = false;
+      bool elsewhere = false;  // the flights are linearised about a set that did not pay
       // predictions half a second ahead count what nobody named as noise: it is learned beside all
       s_.learn_noise(std::exchange(noise_steps, 2), s_.shoots() ? s_.all_columns() : s_.with_biases(chosen));
       result.grams = {};  // a large set of flights has room for the best so far and these
@@ -513,7 +512,8 @@ class Selector {
         may_lose = may_cost(total, chosen, simpler);
         chosen = simpler;
       }
-      if (settled ? elsewhere : elsewhere && s_.predicts_speeds()) s_.linearise(value, s_.all_columns());
+      // what settled is read there by others; what is tried next is linearised anew, but a delay begins at the speeds of before
+      if (elsewhere && (settled || s_.predicts_speeds())) s_.linearise(value, s_.all_columns());
       if (!settled) value = refine(chosen, coefficients(result.grams, chosen, value));
     }
     result.how_unlikely = stand->how_unlikely;
@@ -602,8 +602,9 @@ class Selector {
     return best;
   }
 
-  // Δχ² without a lag or a delay, all else fitted anew where there is none. Linearised about a lag that is as long as the commands'
-  // swings, its own column says next to nothing of that. Measured anew when one of the two comes or goes. All columns are linearised then.
+  // All columns about the values of a set. Before, Δχ² without its lag or its delay, all else fitted anew where there is none: linearised
+  // about a lag that is as long as the commands' swings, its own column says next to nothing of that. Measured anew when one of the
+  // two comes or goes.
   void linearise_about(const std::vector<int>& chosen, const Eigen::VectorXd& value) {
     const auto is_chosen = [&](int late) { return std::find(chosen.begin(), chosen.end(), late) != chosen.end(); };
     const auto is_measured = [&](int late) { return is_chosen(late) == latency_delta_chi2_.contains(late); };
