@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/evidence/judge.hpp"
+#include "diagnosis/evidence/set_against_set.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/select_effects.hpp"
@@ -31,24 +32,31 @@ void ask_sensors(const Session& session, const Selection& selection,
   }
 }
 
-// Δχ² of leaving some findings out together, all others fitted anew.
-double delta_chi2_of_all(const Session& session, const Selection& selection, const std::vector<std::size_t>& some) {
-  std::vector<int> rest = selection.groups();
-  for (const std::size_t i : some) std::erase(rest, selection.findings[i].group);
-  return solve(selection.grams.total(), session.with_biases(rest)).loss - selection.loss_selected;
-}
-
-std::vector<std::size_t> failing(const Session& session, const Selection& selection,
-                                 const std::vector<Evidence>& records, const std::vector<int>& means,
-                                 double stands_from) {
+std::vector<std::size_t> failing(const Selection& selection, const std::vector<Evidence>& records,
+                                 const std::vector<int>& means, double stands_from) {
   std::vector<std::size_t> at_once, doubtful;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (selection.findings[i].calibration) continue;
     if (std::ranges::count(means, records[i].group) > 0) at_once.push_back(i);
     else if (records[i].probability < stands_from) doubtful.push_back(i);
   }
-  return weakest(records, std::move(at_once), std::move(doubtful),
-                 [&](const std::vector<std::size_t>& some) { return delta_chi2_of_all(session, selection, some); });
+  if (at_once.empty() && !doubtful.empty()) at_once.push_back(weakest(records, std::move(doubtful)));
+  return at_once;
+}
+
+// What a finding that rollouts need, and that is not likely, may have taken the place of: the nearest rival that was not asked yet.
+std::optional<int> nearest_rival(const Catalogue& catalogue, const Selection& selection, const Finding& finding,
+                                 const Evidence& record, const std::set<int>& asked) {
+  constexpr std::size_t half_a_second = 1;
+  if (record.at_bound || record.recovered_z.size() <= half_a_second ||
+      record.recovered_z[half_a_second] < decisions::surely_needed)
+    return std::nullopt;
+  for (const Rival& rival : finding.rivals)
+    if (rival.delta_chi2 < decisions::most_lost_to_rival * finding.delta_chi2 && !rival.below_tolerance &&
+        !catalogue.group(rival.group).row->per_flight && !asked.contains(rival.group) &&
+        !selection.at_bounds.contains(rival.group))
+      return rival.group;
+  return std::nullopt;
 }
 
 // groups that are named or suspected, sorted
@@ -60,29 +68,57 @@ std::vector<int> likely(const std::vector<Evidence>& records) {
   return groups;
 }
 
-// Looks at what was withdrawn, once all that is left stands: what went beside a wrong partner may come back when that has gone too.
+// All of a set stands: what a look at what was withdrawn is measured by.
+struct Stood {
+  Selection selection;
+  Session::Learned learned;
+  Eigen::VectorXd linearised_at;
+  Challenge judged;
+  std::vector<int> names;
+  std::set<int> left_out;  // not asked any more
+};
+
+// Looks at other sets, once all of one stands: one that flies better, or the same with what was withdrawn beside a wrong partner that has
+// gone too.
 class Looks {
  public:
-  // The set to be judged next; nothing: what stands is the answer.
-  std::optional<Selection> next(Session& session, const Selection& standing, std::vector<int> names,
+  explicit Looks(const std::vector<Recording>& held_out) : held_out_(held_out) {}
+
+  // The set to be judged next; nothing: `selection`, as `judged`, is the answer. A look that has cost a name and is no better was in
+  // vain: then that is the set before it, with what was learned beside it.
+  std::optional<Selection> next(Session& session, Selection& selection, Challenge& judged,
                                 const std::set<int>& left_out) {
-    if (over_) return std::nullopt;
-    if (before_ && !std::ranges::includes(names, names_) && !explains_more(session, standing, *before_)) {
-      over_ = true;  // what came back has cost a name: as it was
-      return withdraw(session, *before_, {}, left_out);
+    std::vector<int> names = likely(judged.records);
+    if (before_ && !std::ranges::includes(names, before_->names) && !is_better(session, selection)) {
+      selection = std::move(before_->selection);
+      session.put_back(std::move(before_->learned));
+      session.linearise(before_->linearised_at, session.all_columns());
+      before_->judged.withdrawn = std::move(judged.withdrawn);
+      judged = std::move(before_->judged);
+      return std::nullopt;
     }
     // a look that brings no name back is the last, but for what it leaves room for
-    if ((before_ && names == names_ && left_out == left_out_) || tried_.size() >= most_looks) return std::nullopt;
-    before_ = standing, names_ = std::move(names), left_out_ = left_out;
-    return look_again(session, standing, tried_, left_out_);
+    if ((before_ && names == before_->names && left_out == before_->left_out) || tried_.size() >= most_looks)
+      return std::nullopt;
+    before_ = Stood{selection, session.learned(), session.value(), judged, std::move(names), left_out};
+    if (std::optional<Selection> better = flies_better(session, selection, held_out_, left_out, compared_))
+      return better;
+    if (judged.withdrawn.empty()) return std::nullopt;
+    return look_again(session, selection, tried_, left_out);
   }
 
  private:
-  std::set<std::vector<int>> tried_;
-  std::optional<Selection> before_;  // the last look, and which of its names
-  std::vector<int> names_;
-  std::set<int> left_out_;  // not asked any more
-  bool over_ = false;
+  // than the set before it: it flies better, or where that cannot be told it explains more
+  bool is_better(const Session& session, const Selection& selection) const {
+    const double z = log_ratio_z(held_out_, session.vehicle().effects, effects_found(session.catalogue(), selection),
+                                 effects_found(session.catalogue(), before_->selection), session.jobs());
+    return std::abs(z) < decisions::surely_flies_better ? explains_more(session, selection, before_->selection)
+                                                        : z < 0.0;
+  }
+
+  const std::vector<Recording>& held_out_;
+  std::set<std::vector<int>> tried_, compared_;
+  std::optional<Stood> before_;  // the last look
 };
 
 }  // namespace
@@ -100,41 +136,20 @@ bool explains_more(const Session& session, const Selection& one, const Selection
   return better > 0.0;
 }
 
-std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vector<std::size_t> at_once,
-                                 std::vector<std::size_t> doubtful,
-                                 const std::function<double(const std::vector<std::size_t>&)>& delta_chi2_of_all) {
-  std::vector<std::size_t> going = std::move(at_once);
-  const auto first = std::ssize(going);
-  std::ranges::stable_sort(doubtful, {}, [&](std::size_t i) { return records[i].probability; });
-  double sum = 0.0;
-  for (const std::size_t i : going) sum += records[i].delta_chi2;
-  for (const std::size_t i : doubtful) {
-    if (!going.empty() && records[i].probability >= decisions::hopeless) break;
-    if (records[i].alike > 0 &&
-        std::ranges::any_of(going, [&](std::size_t other) { return records[other].effect == records[i].effect; }))
-      continue;
-    going.push_back(i);
-    sum += records[i].delta_chi2;
-    if (going.size() > 1 && delta_chi2_of_all(going) > decisions::most_joint_delta_chi2 * sum) {
-      sum -= records[i].delta_chi2;
-      going.pop_back();
-    }
-  }
-  // what gains most may only stand beside a wrong partner
-  if (std::ssize(going) - first > 1) {
-    const auto most = std::ranges::max_element(going.begin() + first, going.end(), {}, [&](std::size_t i) {
-      return records[i].at_bound ? 0.0 : records[i].robust_delta_chi2();
-    });
-    going.erase(most);
-  }
-  return going;
+std::size_t weakest(const std::vector<Evidence>& records, std::vector<std::size_t> doubtful) {
+  const auto gains = [&](std::size_t i) { return records[i].at_bound ? 0.0 : records[i].robust_delta_chi2(); };
+  if (doubtful.size() > 1) doubtful.erase(std::ranges::max_element(doubtful, {}, gains));
+  std::vector<std::size_t> hopeless = doubtful;
+  std::erase_if(hopeless, [&](std::size_t i) { return records[i].probability >= decisions::hopeless; });
+  if (!hopeless.empty()) return *std::ranges::min_element(hopeless, {}, gains);
+  return *std::ranges::min_element(doubtful, {}, [&](std::size_t i) { return records[i].probability; });
 }
 
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs, double stands_from) {
   Challenge result;
   const std::vector<Recording> to_fly = recordings_to_fly(held.logs, session.vehicle());
-  Looks looks;
+  Looks looks(to_fly);
   std::set<int> went, left_out;  // withdrawn once; again, or at its bound
   bool without_forces_per_flight = false;
   while (true) {
@@ -149,24 +164,34 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       judge(record);
     }
     const std::vector<std::size_t> failed = failing(
-        session, selection, result.records,
+        selection, result.records,
         result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{}, stands_from);
     if (failed.empty()) {
-      if (result.withdrawn.empty()) break;
-      std::optional<Selection> next = looks.next(session, selection, likely(result.records), left_out);
+      std::optional<Selection> next = looks.next(session, selection, result, left_out);
       if (!next) break;
       selection = std::move(*next);
       continue;
     }
-    std::vector<int> groups;
+    std::vector<int> groups, instead;
     for (const std::size_t i : failed) {
+      if (const auto rival =
+              nearest_rival(session.catalogue(), selection, selection.findings[i], result.records[i], went))
+        instead.push_back(*rival);
       groups.push_back(result.records[i].group);
       if (!went.insert(groups.back()).second || result.records[i].at_bound) left_out.insert(groups.back());
       without_forces_per_flight |= session.catalogue().group(groups.back()).row->per_flight;
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
     }
-    selection = withdraw(session, selection, groups, left_out);
+    if (instead.empty()) {
+      selection = withdraw(session, selection, groups, left_out);
+    } else {
+      std::vector<int> others = selection.groups();
+      std::erase_if(others, [&](int g) { return std::ranges::count(groups, g) > 0; });
+      others.insert(others.end(), instead.begin(), instead.end());
+      std::ranges::sort(others);
+      selection = select_given(session, selection, others);
+    }
   }
   std::erase_if(result.withdrawn, [&](const Evidence& before) {
     return std::ranges::any_of(result.records, [&](const Evidence& r) { return r.group == before.group; });

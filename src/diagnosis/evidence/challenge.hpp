@@ -25,20 +25,18 @@ struct Challenge {
   Remainder rest;                             // what is left unexplained then
 };
 
-// Candidates that go now, as indices of `records`: those `at_once`, and of the `doubtful` the weakest, with it those that are as hopeless
-// and do not stand in for each other (`delta_chi2_of_all`: Δχ² of leaving some out together). Two names of one thing gain little each beside
-// the other, and much when the other goes. Of several hopeless ones that which gains most stays, unless it ran into its bound. Of one
-// effect of several rotors one goes at a time: they speak against each other, and the last of them stands alone.
-std::vector<std::size_t> weakest(const std::vector<Evidence>& records, std::vector<std::size_t> at_once,
-                                 std::vector<std::size_t> doubtful,
-                                 const std::function<double(const std::vector<std::size_t>&)>& delta_chi2_of_all);
+// Of `doubtful` candidates (indices of `records`, at least one) the one that goes now. One at a time: beside a wrong partner a right name looks
+// hopeless, and two names of one thing gain little each beside the other. What gains most stays, unless it ran into its bound or is alone. Of
+// the others it is the hopeless one that gains least, and where none is hopeless the one that is least likely.
+std::size_t weakest(const std::vector<Evidence>& records, std::vector<std::size_t> doubtful);
 
 // Whether one set of effects explains more than another, linearised about both and under the noise beside either (Schwarz, Ann. Stat.
 // 6, 1978: a number costs the logarithm of the rows).
 bool explains_more(const Session& session, const Selection& one, const Selection& other);
 
-// What was withdrawn is looked at again at the end, beside noise that was learned beside all effects; where it costs a name or a suspicion and the new set
-// explains no more, all is as it was before.
+// Once all that is left stands, sets that have one effect in place of some are asked whether they fly the held-out flights better (set_against_set.hpp),
+// and what was withdrawn is looked at again, beside noise that was learned beside all effects. Where that costs a name or a suspicion and the new set is
+// no better, all is exactly as it was before.
 // `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
 // `stands_from`: the probability from which a finding stands.
 // The session must be linearised at the selection, and is so again at the end.

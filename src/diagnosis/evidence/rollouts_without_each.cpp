@@ -13,6 +13,7 @@ namespace {
 // of paired errors (without, with): share that the effect removes, and their difference over its standard error
 struct Removed {
   double share = 0.0, z = 0.0;
+  bool is_known = false;  // such a quantity was recorded
 };
 
 struct Pairs {
@@ -25,7 +26,7 @@ struct Pairs {
   Removed removed() const {
     if (count < 8.0 || !(without > 0.0)) return {};
     const double mean = difference / count, variance = std::max(0.0, squares / count - mean * mean);
-    return {difference / without, mean / std::sqrt(variance / (count - 1.0) + 1e-30)};
+    return {difference / without, mean / std::sqrt(variance / (count - 1.0) + 1e-30), true};
   }
 };
 
@@ -38,7 +39,7 @@ Removed mean_of(const PairsOfHorizon& quantities, std::size_t first) {
   for (std::size_t q = first; q < first + 2; ++q)
     if (quantities[q].count > 0.0)
       sum.share += quantities[q].removed().share, sum.z += quantities[q].removed().z, seen += 1.0;
-  return Removed{sum.share / std::max(seen, 1.0), sum.z / std::max(seen, 1.0)};
+  return Removed{sum.share / std::max(seen, 1.0), sum.z / std::max(seen, 1.0), seen > 0.0};
 }
 
 }  // namespace
@@ -62,7 +63,7 @@ namespace {
 Removed best_of(const PairsOfHorizon& freely, const PairsOfHorizon& led) {
   constexpr double does_something = 0.01, turns_wrongly = -0.05, surely = -2.0;
   const Removed moves = mean_of(freely, 0), turns = mean_of(freely, 2), led_moves = mean_of(led, 0);
-  const Removed best = moves.z >= turns.z ? moves : turns;
+  const Removed best = !turns.is_known || (moves.is_known && moves.z >= turns.z) ? moves : turns;
   const bool counts = std::abs(led_moves.share) >= does_something && !(turns.share < turns_wrongly && turns.z < surely);
   return counts && led_moves.z > best.z ? led_moves : best;
 }

@@ -145,6 +145,12 @@ class Selector {
     return finished_like(before, more, refine(more, coefficients(grams, more, s_.value())));
   }
 
+  Selection given(const Selection& before, const std::vector<int>& groups) {
+    improve_ = Improve::no;
+    anew_ = true;
+    return finished_like(before, groups, refine(groups, coefficients(before.grams, groups, before.value)));
+  }
+
   Selection with_also(const Selection& before, const std::vector<int>& groups, const Eigen::VectorXd& start) {
     improve_ = Improve::by_more;
     anew_ = true;
@@ -759,6 +765,10 @@ Selection select_within_bounds(Session& session) {
 Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups,
                    const std::set<int>& left_out) {
   return Selector(session, with_bounds(left_out, before)).without(before, groups);
+}
+
+Selection select_given(Session& session, const Selection& before, const std::vector<int>& groups) {
+  return Selector(session, before.at_bounds).given(before, groups);
 }
 
 Selection with_also(Session& session, const Selection& before, const std::vector<int>& groups,
