@@ -90,6 +90,7 @@ def read_runs(folder):
 
 FIXED = ("experiment,vehicle,trajectory,controller,replicate,outcome,duration_s,rmse_xy_m,mae_xy_m,p95_xy_m,max_xy_m,rmse_z_m,"
          "key,rotor_sd_radps,rotor_rate_radps2").split(",")
+METRICS = FIXED[7:12]  # m
 
 
 def axes_of(rows):
@@ -111,8 +112,8 @@ def read_axes(folder, names, metric):
     for name in names:
         if name not in axes_of(rows):
             raise DataError(f"{folder}: no axis {name} (it has {', '.join(axes_of(rows)) or 'none'})")
-    if metric not in rows[0]:
-        raise DataError(f"{folder}: no column {metric} (it has {', '.join(FIXED[7:12])})")
+    if metric not in METRICS:
+        raise DataError(f"{folder}: {metric} is no error of a run; one of: {', '.join(METRICS)}")
     return rows
 
 

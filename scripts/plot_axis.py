@@ -63,7 +63,7 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("sweep", help="folder of a finished sweep with [[axis]] tables")
     parser.add_argument("--x", required=True, metavar="AXIS", help="column of runs.csv with numbers")
-    parser.add_argument("--metric", default="rmse_xy_m", help="column of runs.csv (rmse_xy_m)")
+    parser.add_argument("--metric", default="rmse_xy_m", help=f"one of {', '.join(figures.METRICS)} (rmse_xy_m)")
     parser.add_argument("--out", required=True, metavar="DIR", help="writes DIR/METRIC_over_AXIS.*")
     return figures.main(draw, parser, arguments)
 

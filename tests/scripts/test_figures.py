@@ -133,6 +133,8 @@ class Figures(unittest.TestCase):
 
     def test_error_over_an_axis(self):
         folder = self.axes_sweep("sweep")
+        code, text = self.run_script("plot_axis", folder, "--x", "strength", "--metric", "outcome", "--out", self.root / "out")
+        self.assertEqual((code, text.splitlines()[-1]), (3, f"{folder}: outcome is no error of a run; one of: {', '.join(gustlab_figures.METRICS)}"))
         svg = self.check_figure([("", "rmse_xy_m_over_strength")], "plot_axis", folder, "--x", "strength")[1].decode()
         self.assertIn("circle, mass -0.2 -->", svg)
         self.assertIn("pid -->", svg)

@@ -163,35 +163,29 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       ask_sensors(session, selection, most_pose_latency_s, record);
       judge(record);
     }
-    const std::vector<std::size_t> failed = failing(
-        selection, result.records,
-        result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{}, stands_from);
+    const std::vector<int> means =
+        result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{};
+    const std::vector<std::size_t> failed = failing(selection, result.records, means, stands_from);
     if (failed.empty()) {
       std::optional<Selection> next = looks.next(session, selection, result, left_out);
       if (!next) break;
       selection = std::move(*next);
       continue;
     }
-    std::vector<int> groups, instead;
+    std::optional<int> rival;
+    if (means.empty())
+      rival = nearest_rival(session.catalogue(), selection, selection.findings[failed.front()],
+                            result.records[failed.front()], went);
+    std::vector<int> groups;
     for (const std::size_t i : failed) {
-      if (const auto rival =
-              nearest_rival(session.catalogue(), selection, selection.findings[i], result.records[i], went))
-        instead.push_back(*rival);
       groups.push_back(result.records[i].group);
       if (!went.insert(groups.back()).second || result.records[i].at_bound) left_out.insert(groups.back());
       without_forces_per_flight |= session.catalogue().group(groups.back()).row->per_flight;
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
     }
-    if (instead.empty()) {
-      selection = withdraw(session, selection, groups, left_out);
-    } else {
-      std::vector<int> others = selection.groups();
-      std::erase_if(others, [&](int g) { return std::ranges::count(groups, g) > 0; });
-      others.insert(others.end(), instead.begin(), instead.end());
-      std::ranges::sort(others);
-      selection = select_given(session, selection, others);
-    }
+    selection = rival ? exchange(session, selection, groups.front(), *rival, left_out)
+                      : withdraw(session, selection, groups, left_out);
   }
   std::erase_if(result.withdrawn, [&](const Evidence& before) {
     return std::ranges::any_of(result.records, [&](const Evidence& r) { return r.group == before.group; });

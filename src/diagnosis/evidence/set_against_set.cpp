@@ -89,7 +89,7 @@ std::optional<Selection> flies_better(Session& session, const Selection& standin
   for (const std::vector<int>& groups : alternatives(session, standing, left_out)) {
     if (!tried.insert(groups).second) continue;
     session.put_back(learned);
-    Selection other = select_given(session, standing, groups);
+    Selection other = select_given(session, standing, groups, left_out);
     const double z = log_ratio_z(held_out, own, effects_found(session.catalogue(), other), found, session.jobs());
     if (z > least) continue;
     least = z;
