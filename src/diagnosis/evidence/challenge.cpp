@@ -44,21 +44,6 @@ std::vector<std::size_t> failing(const Selection& selection, const std::vector<E
   return at_once;
 }
 
-// What a finding that rollouts need, and that is not likely, may have taken the place of: the nearest rival that was not asked yet.
-std::optional<int> nearest_rival(const Catalogue& catalogue, const Selection& selection, const Finding& finding,
-                                 const Evidence& record, const std::set<int>& asked) {
-  constexpr std::size_t half_a_second = 1;
-  if (record.at_bound || record.recovered_z.size() <= half_a_second ||
-      record.recovered_z[half_a_second] < decisions::surely_needed)
-    return std::nullopt;
-  for (const Rival& rival : finding.rivals)
-    if (rival.delta_chi2 < decisions::most_lost_to_rival * finding.delta_chi2 && !rival.below_tolerance &&
-        !catalogue.group(rival.group).row->per_flight && !asked.contains(rival.group) &&
-        !selection.at_bounds.contains(rival.group))
-      return rival.group;
-  return std::nullopt;
-}
-
 // groups that are named or suspected, sorted
 std::vector<int> likely(const std::vector<Evidence>& records) {
   std::vector<int> groups;
@@ -143,6 +128,20 @@ std::size_t weakest(const std::vector<Evidence>& records, std::vector<std::size_
   std::erase_if(hopeless, [&](std::size_t i) { return records[i].probability >= decisions::hopeless; });
   if (!hopeless.empty()) return *std::ranges::min_element(hopeless, {}, gains);
   return *std::ranges::min_element(doubtful, {}, [&](std::size_t i) { return records[i].probability; });
+}
+
+std::optional<int> nearest_rival(const Catalogue& catalogue, const Selection& selection, const Finding& finding,
+                                 const Evidence& record, const std::set<int>& asked) {
+  constexpr std::size_t half_a_second = 1;
+  if (record.at_bound || record.recovered_z.size() <= half_a_second ||
+      record.recovered_z[half_a_second] < decisions::surely_needed)
+    return std::nullopt;
+  for (const Rival& rival : finding.rivals)
+    if (rival.delta_chi2 < decisions::most_lost_to_rival * finding.delta_chi2 && !rival.below_tolerance &&
+        !catalogue.group(rival.group).row->per_flight && !asked.contains(rival.group) &&
+        !selection.at_bounds.contains(rival.group))
+      return rival.group;
+  return std::nullopt;
 }
 
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "diagnosis/evidence/gather_evidence.hpp"
@@ -29,6 +30,11 @@ struct Challenge {
 // hopeless, and two names of one thing gain little each beside the other. What gains most stays, unless it ran into its bound or is alone. Of
 // the others it is the hopeless one that gains least, and where none is hopeless the one that is least likely.
 std::size_t weakest(const std::vector<Evidence>& records, std::vector<std::size_t> doubtful);
+
+// What may be in the place of a finding that is not likely, where rollouts need it (without it held-out flights are predicted surely worse): the nearest
+// rival that keeps half of its gain (decisions::most_lost_to_rival) and is in no `asked`. No values of every flight's own, which fit every flight.
+std::optional<int> nearest_rival(const Catalogue& catalogue, const Selection& selection, const Finding& finding,
+                                 const Evidence& record, const std::set<int>& asked);
 
 // Whether one set of effects explains more than another, linearised about both and under the noise beside either (Schwarz, Ann. Stat.
 // 6, 1978: a number costs the logarithm of the rows).

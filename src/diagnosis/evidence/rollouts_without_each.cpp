@@ -83,18 +83,11 @@ std::vector<std::vector<PairsOfHorizon>> fly(const std::vector<Recording>& held_
         std::vector<EffectSpec> rest = found;
         rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
         const FitErrors without = replay(recording, config::merge_effects(own, rest), options);
-        // a late pose starts its windows later: only windows of both count
-        for (std::size_t a = 0, b = 0; a < with.windows() && b < without.windows();) {
-          if (with.start_row[a] != without.start_row[b]) {
-            with.start_row[a] < without.start_row[b] ? ++a : ++b;
-            continue;
-          }
+        for (const auto& [a, b] : common_windows(with, without))
           for (std::size_t h = 0; h < horizons; ++h)
             for (std::size_t q = 0; q < 4; ++q)
               pairs[i][h][q].add(without.quantities[q].model[b * horizons + h],
                                  with.quantities[q].model[a * horizons + h]);
-          ++a, ++b;
-        }
       }
     } catch (const DataError&) {
       // without a stretch of a second: said under not_identifiable

@@ -23,19 +23,13 @@ struct Sum {
 // Logarithm of the ratio of errors, of every window and quantity that one of the models at least predicts better than a body that stays as it
 // was: the errors of two that are lost are chance.
 void add_ratios(const FitErrors& some, const FitErrors& others, std::map<std::size_t, Sum>& by_row) {
-  for (std::size_t a = 0, b = 0; a < some.windows() && b < others.windows();) {
-    if (some.start_row[a] != others.start_row[b]) {
-      some.start_row[a] < others.start_row[b] ? ++a : ++b;
-      continue;
-    }
+  for (const auto& [a, b] : common_windows(some, others))
     for (std::size_t q = 0; q < some.quantities.size(); ++q) {
       const double error = some.quantities[q].model[a], other = others.quantities[q].model[b],
                    ratio = std::log(error / other);
       if (std::isfinite(ratio) && std::min(error, other) < some.quantities[q].hold[a])
         by_row[some.start_row[a]].sum += ratio, by_row[some.start_row[a]].count += 1.0;
     }
-    ++a, ++b;
-  }
 }
 
 }  // namespace
@@ -85,9 +79,11 @@ std::optional<Selection> flies_better(Session& session, const Selection& standin
   };
   std::optional<Better> best;
   double least = -decisions::surely_flies_better;
+  bool fitted = false;
   tried.insert(standing.groups());
   for (const std::vector<int>& groups : alternatives(session, standing, left_out)) {
     if (!tried.insert(groups).second) continue;
+    fitted = true;
     session.put_back(learned);
     Selection other = select_given(session, standing, groups, left_out);
     const double z = log_ratio_z(held_out, own, effects_found(session.catalogue(), other), found, session.jobs());
@@ -95,6 +91,7 @@ std::optional<Selection> flies_better(Session& session, const Selection& standin
     least = z;
     best = Better{std::move(other), session.learned(), session.value()};
   }
+  if (!fitted) return std::nullopt;
   session.put_back(best ? std::move(best->learned) : learned);
   session.linearise(best ? best->linearised_at : linearised_at, session.all_columns());
   if (!best) return std::nullopt;

@@ -140,6 +140,15 @@ class Replayer {
 
 }  // namespace
 
+std::vector<std::pair<std::size_t, std::size_t>> common_windows(const FitErrors& one, const FitErrors& other) {
+  std::vector<std::pair<std::size_t, std::size_t>> common;
+  for (std::size_t a = 0, b = 0; a < one.windows() && b < other.windows();) {
+    if (one.start_row[a] == other.start_row[b]) common.emplace_back(a++, b++);
+    else one.start_row[a] < other.start_row[b] ? ++a : ++b;
+  }
+  return common;
+}
+
 FitErrors replay(const FlightLog& log, const VehicleModel& vehicle, const std::vector<EffectSpec>& effects,
                  const ReplayOptions& options) {
   return replay(Recording(log, vehicle, options), effects, options);

@@ -8,6 +8,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/rollout/rollout.hpp"
@@ -35,6 +36,9 @@ struct FitErrors {
   std::size_t windows() const { return start_row.size(); }
   const Quantity& operator[](FitQuantity q) const { return quantities[static_cast<std::size_t>(q)]; }
 };
+
+// Windows of both, of two models of one recording, as pairs of their indices: a late pose starts its windows later.
+std::vector<std::pair<std::size_t, std::size_t>> common_windows(const FitErrors& one, const FitErrors& other);
 
 // Throws DataError when the log has no attitude or no actuator input for this vehicle, or no window fits.
 // `effects`: all that act, the vehicle's own included.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/subset_search.hpp"

@@ -118,5 +118,36 @@ TEST(Weakest, IsNotWhatGainsMostUnlessItRanIntoItsBound) {
   EXPECT_EQ(weakest(records, {0, 1}), 0u);
 }
 
+// of what is not likely, but without which held-out flights are predicted worse
+TEST(NearestRival, KeepsHalfOfTheGainAndWasNotAskedBefore) {
+  const Session session = test::session_of(test::short_flights("", {"multisine"}));
+  const auto group = [&](const char* label) { return session.catalogue().find(std::string_view(label)); };
+  Selection selection;
+  Finding finding;
+  finding.group = group("center_of_mass"), finding.delta_chi2 = 100.0;
+  finding.rivals = {{group("constant_force"), 1.0, 5.0, false},
+                    {group("mass"), 1.0, 10.0, true},
+                    {group("rotor_loss#1"), 2.0, 20.0, false},
+                    {group("rotor_loss#2"), 2.0, 49.0, false},
+                    {group("inertia"), 3.0, 51.0, false}};
+  Evidence needed = candidate("center_of_mass", 0.1, 100.0);
+  needed.recovered_z = {1.0, 4.0, 4.0};
+  const auto rival = [&](const Evidence& record, const std::set<int>& asked) {
+    return nearest_rival(session.catalogue(), selection, finding, record, asked);
+  };
+  EXPECT_EQ(rival(needed, {}), group("rotor_loss#1"));
+  EXPECT_EQ(rival(needed, {group("rotor_loss#1")}), group("rotor_loss#2"));
+  EXPECT_EQ(rival(needed, {group("rotor_loss#1"), group("rotor_loss#2")}), std::nullopt);
+  selection.at_bounds = {group("rotor_loss#1")};
+  EXPECT_EQ(rival(needed, {}), group("rotor_loss#2"));
+  Evidence other = needed;
+  other.at_bound = true;
+  EXPECT_EQ(rival(other, {}), std::nullopt);
+  other = needed, other.recovered_z[1] = 1.0;
+  EXPECT_EQ(rival(other, {}), std::nullopt);
+  other = needed, other.recovered_z.clear();
+  EXPECT_EQ(rival(other, {}), std::nullopt);
+}
+
 }  // namespace challenge_stages_test
 }  // namespace gustlab::diagnosis

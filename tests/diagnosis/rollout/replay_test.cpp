@@ -96,6 +96,14 @@ TEST_F(Replay, TheWindowThatIsDrawnHasTheTimesOfTheLog) {
   EXPECT_LT(flown.window.front().time_s.back(), 103.0);
 }
 
+TEST(CommonWindows, BeginAtTheSameRow) {
+  FitErrors one, other;
+  one.start_row = {0, 10, 20, 30};
+  other.start_row = {5, 10, 25, 30, 40};
+  EXPECT_EQ(common_windows(one, other), (std::vector<std::pair<std::size_t, std::size_t>>{{1, 1}, {3, 3}}));
+  EXPECT_TRUE(common_windows(one, FitErrors{}).empty());
+}
+
 TEST_F(Replay, OfTheModelThatFlewIsExact) {
   const FitErrors errors = replay(log, vehicle, vehicle.effects, {});
   EXPECT_EQ(errors.windows(), 2u);  // 0 to 1 s and 1 to 2 s; the record ends at 2.99 s
