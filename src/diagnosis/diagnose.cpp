@@ -120,14 +120,22 @@ std::vector<FlightUse> uses_of(const Aligned& aligned, const Prepared& flights) 
   return uses;
 }
 
+// as the simulator flies it
+FlightLog to_be_flown(FlightLog log, const Aligned& aligned) {
+  return aligned.reading.total_thrust ? with_total_thrust(std::move(log), aligned.vehicle) : std::move(log);
+}
+
 std::vector<FlightLog> proof_flights(const Aligned& aligned) {
   std::vector<FlightLog> proof;
-  for (const FlightLog& log : aligned.holdout) {
-    FlightLog known = with_later_inputs(log, aligned.offset_s[aligned.fit.size() + proof.size()]);
-    proof.push_back(aligned.reading.total_thrust ? with_total_thrust(std::move(known), aligned.vehicle)
-                                                 : std::move(known));
-  }
+  for (const FlightLog& log : aligned.holdout)
+    proof.push_back(to_be_flown(with_later_inputs(log, aligned.offset_s[aligned.fit.size() + proof.size()]), aligned));
   return proof;
+}
+
+std::vector<FlightLog> reference_flights(const Aligned& aligned) {
+  std::vector<FlightLog> flights;
+  for (const FlightLog& log : aligned.reference) flights.push_back(to_be_flown(log, aligned));
+  return flights;
 }
 
 // says where the work is; which share of it is through nobody knows
@@ -182,7 +190,7 @@ Fitted fit(const Aligned& aligned, bool forces_only, std::string_view testing, c
   ReferenceFlights reference(prepare(aligned.reference, aligned.vehicle, reading.options),
                              aligned.was_filtered() ? prepare(aligned.reference, aligned.vehicle, reading.own_rate())
                                                     : std::vector<FlightData>{},
-                             aligned.vehicle, options.jobs);
+                             reference_flights(aligned), aligned.vehicle, options.jobs);
   constexpr int most_times = 3;
   for (int times = 1;; ++times) {
     const ReferenceFit normal = reference.fit();

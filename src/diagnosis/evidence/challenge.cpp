@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "diagnosis/evidence/judge.hpp"
-#include "diagnosis/evidence/set_against_set.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/select_effects.hpp"
@@ -63,18 +62,16 @@ struct Stood {
   std::set<int> left_out;  // not asked any more
 };
 
-// Looks at other sets, once all of one stands: one that flies better, or the same with what was withdrawn beside a wrong partner that has
-// gone too.
+// Looks at what was withdrawn, once all that is left stands: what went beside a wrong partner may come back when that has gone too.
 class Looks {
  public:
-  explicit Looks(const std::vector<Recording>& held_out) : held_out_(held_out) {}
-
-  // The set to be judged next; nothing: `selection`, as `judged`, is the answer. A look that has cost a name and is no better was in
+  // The set to be judged next; nothing: `selection`, as `judged`, is the answer. A look that has cost a name and explains no more was in
   // vain: then that is the set before it, with what was learned beside it.
   std::optional<Selection> next(Session& session, Selection& selection, Challenge& judged,
                                 const std::set<int>& left_out) {
     std::vector<int> names = likely(judged.records);
-    if (before_ && !std::ranges::includes(names, before_->names) && !is_better(session, selection)) {
+    if (before_ && !std::ranges::includes(names, before_->names) &&
+        !explains_more(session, selection, before_->selection)) {
       selection = std::move(before_->selection);
       session.put_back(std::move(before_->learned));
       session.linearise(before_->linearised_at, session.all_columns());
@@ -86,23 +83,11 @@ class Looks {
     if ((before_ && names == before_->names && left_out == before_->left_out) || tried_.size() >= most_looks)
       return std::nullopt;
     before_ = Stood{selection, session.learned(), session.value(), judged, std::move(names), left_out};
-    if (std::optional<Selection> better = flies_better(session, selection, held_out_, left_out, compared_))
-      return better;
-    if (judged.withdrawn.empty()) return std::nullopt;
     return look_again(session, selection, tried_, left_out);
   }
 
  private:
-  // than the set before it: it flies better, or where that cannot be told it explains more
-  bool is_better(const Session& session, const Selection& selection) const {
-    const double z = log_ratio_z(held_out_, session.vehicle().effects, effects_found(session.catalogue(), selection),
-                                 effects_found(session.catalogue(), before_->selection), session.jobs());
-    return std::abs(z) < decisions::surely_flies_better ? explains_more(session, selection, before_->selection)
-                                                        : z < 0.0;
-  }
-
-  const std::vector<Recording>& held_out_;
-  std::set<std::vector<int>> tried_, compared_;
+  std::set<std::vector<int>> tried_;
   std::optional<Stood> before_;  // the last look
 };
 
@@ -148,7 +133,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs, double stands_from) {
   Challenge result;
   const std::vector<Recording> to_fly = recordings_to_fly(held.logs, session.vehicle());
-  Looks looks(to_fly);
+  Looks looks;
   std::set<int> went, left_out;  // withdrawn once; again, or at its bound
   bool without_forces_per_flight = false;
   while (true) {
@@ -166,6 +151,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
         result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{};
     const std::vector<std::size_t> failed = failing(selection, result.records, means, stands_from);
     if (failed.empty()) {
+      if (result.withdrawn.empty()) break;
       std::optional<Selection> next = looks.next(session, selection, result, left_out);
       if (!next) break;
       selection = std::move(*next);

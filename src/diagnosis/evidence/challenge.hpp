@@ -40,9 +40,8 @@ std::optional<int> nearest_rival(const Catalogue& catalogue, const Selection& se
 // 6, 1978: a number costs the logarithm of the rows).
 bool explains_more(const Session& session, const Selection& one, const Selection& other);
 
-// Once all that is left stands, sets that have one effect in place of some are asked whether they fly the held-out flights better (set_against_set.hpp),
-// and what was withdrawn is looked at again, beside noise that was learned beside all effects. Where that costs a name or a suspicion and the new set is
-// no better, all is exactly as it was before.
+// What was withdrawn is looked at again at the end, beside noise that was learned beside all effects; where it costs a name or a suspicion and the new set
+// explains no more, all is exactly as it was before.
 // `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
 // `stands_from`: the probability from which a finding stands.
 // The session must be linearised at the selection, and is so again at the end.

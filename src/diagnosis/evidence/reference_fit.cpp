@@ -30,11 +30,12 @@ std::map<std::pair<std::string, int>, double> sizes_of_each_flight(const Catalog
 }  // namespace
 
 ReferenceFlights::ReferenceFlights(std::vector<FlightData> flights, std::vector<FlightData> own_rate,
-                                   const VehicleModel& vehicle, int jobs)
+                                   std::vector<FlightLog> logs, const VehicleModel& vehicle, int jobs)
     : session_(std::move(flights), vehicle, jobs, std::move(own_rate)), selection_(select_effects(session_)) {
   // what is left out here comes back as a change: only what is hopeless goes
   challenge(
-      session_, selection_, {}, [] { return std::nullopt; }, session_.jobs(), decisions::hopeless);
+      session_, selection_, {{}, {}, std::move(logs)}, [] { return std::nullopt; }, session_.jobs(),
+      decisions::hopeless);
 }
 
 bool ReferenceFlights::have(const Catalogue& catalogue, const Selection& found, const std::vector<int>& changed) {

@@ -7,6 +7,7 @@
 #include "diagnosis/estimation/session.hpp"
 #include "diagnosis/result/findings.hpp"
 #include "diagnosis/selection/selection.hpp"
+#include "gustlab/flight_log.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -19,9 +20,9 @@ struct ReferenceFit {
 // Normal flights, and what their search chose.
 class ReferenceFlights {
  public:
-  // `own_rate`: the same flights as they were logged, when the fit is by shooting.
-  ReferenceFlights(std::vector<FlightData> flights, std::vector<FlightData> own_rate, const VehicleModel& vehicle,
-                   int jobs);
+  // `own_rate`: the same flights as they were logged, when the fit is by shooting; `logs`: the same for the simulator.
+  ReferenceFlights(std::vector<FlightData> flights, std::vector<FlightData> own_rate, std::vector<FlightLog> logs,
+                   const VehicleModel& vehicle, int jobs);
 
   // Whether they show what other flights seem to have changed, so that their search had lost it: fitted from there, they are
   // likelier. Two kinds of flights say it then, and it stands.

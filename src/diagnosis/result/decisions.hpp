@@ -140,11 +140,6 @@ inline constexpr double hardly_shown = 6.0;
 // Statistic: probability by its record (evidence/judge.cpp). From: of the names from 0.8 on 95 % are true on the data of the fit, of those between 0.5 and
 // 0.8 73 %; no derivation for hopeless. Costs: docs/proof/judge.md.
 inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.1;
-// A set of effects flies surely better than the one that stands.
-// Statistic: mean logarithm of the ratio of errors half a second ahead, in standard errors between windows; windows of half a second; sets that are
-// fitted anew. From: no derivation. Costs: a wrong set that is as good stays.
-inline constexpr double surely_flies_better = 3.0;
-inline constexpr std::size_t least_windows = 8, most_alternatives = 3;
 // Rollouts need a finding: where it does not stand, its nearest rival is asked in its place.
 // Statistic: errors half a second ahead without it, less those with it, in standard errors. From: p = 0.02. Costs: not measured.
 inline constexpr double surely_needed = 2.0;

@@ -767,16 +767,11 @@ Selection withdraw(Session& session, const Selection& before, const std::vector<
   return Selector(session, with_bounds(left_out, before)).without(before, groups);
 }
 
-Selection select_given(Session& session, const Selection& before, const std::vector<int>& groups,
-                       const std::set<int>& left_out) {
-  return Selector(session, with_bounds(left_out, before)).given(before, groups);
-}
-
 Selection exchange(Session& session, const Selection& before, int group, int other, const std::set<int>& left_out) {
   std::vector<int> groups = before.groups();
   std::ranges::replace(groups, group, other);
   std::ranges::sort(groups);
-  return select_given(session, before, groups, left_out);
+  return Selector(session, with_bounds(left_out, before)).given(before, groups);
 }
 
 Selection with_also(Session& session, const Selection& before, const std::vector<int>& groups,

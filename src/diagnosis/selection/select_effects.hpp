@@ -16,10 +16,7 @@ Selection select_within_bounds(Session& session);
 // The same without some groups that did not prove themselves, fitted anew. Groups that are `left_out` are not asked from here on.
 Selection withdraw(Session& session, const Selection& before, const std::vector<int>& groups,
                    const std::set<int>& left_out = {});
-// These groups in place of those before, fitted anew, without what does not pay there.
-Selection select_given(Session& session, const Selection& before, const std::vector<int>& groups,
-                       const std::set<int>& left_out = {});
-// One group in place of another, likewise.
+// One group in place of another, fitted anew; what does not pay there goes.
 Selection exchange(Session& session, const Selection& before, int group, int other, const std::set<int>& left_out = {});
 // The same with more groups, fitted anew from `start` (SI, all columns); what does not pay there goes again.
 Selection with_also(Session& session, const Selection& before, const std::vector<int>& groups,

@@ -57,7 +57,7 @@ TEST(Challenge, BesideOneReferenceFlightNoDelayIsNamed) {
   const Recordings late = test::short_flights(R"({type = "actuation_delay", delay = 0.015})", {"multisine"});
   for (const std::vector<std::string>& flights : {std::vector<std::string>{"multisine"}, {"multisine", "lemniscate"}}) {
     const Recordings good = test::short_flights("", flights);
-    const ReferenceFit normal = ReferenceFlights(test::session_of(good).flights(), {}, good.vehicle, 1).fit();
+    const ReferenceFit normal = ReferenceFlights(test::session_of(good).flights(), {}, good.fit, good.vehicle, 1).fit();
     Session session(prepare(late.fit, normal.vehicle, {}), normal.vehicle, 1);
     session.compare_with(normal.known);
     Selection selection = select_effects(session);

@@ -231,7 +231,7 @@ TEST_F(SelectEffects, WhatWasTriedIsNotTriedAgainAndTheNoiseIsPutBack) {
 }
 
 TEST_F(SelectEffects, AReferenceFlightMakesThemTheVehicles) {
-  const ReferenceFit normal = ReferenceFlights(session.flights(), {}, recordings.vehicle, 1).fit();
+  const ReferenceFit normal = ReferenceFlights(session.flights(), {}, recordings.fit, recordings.vehicle, 1).fit();
   const auto mass = std::find_if(normal.effects.begin(), normal.effects.end(),
                                  [](const EffectFinding& e) { return e.effect == "mass"; });
   ASSERT_NE(mass, normal.effects.end());
@@ -251,7 +251,7 @@ TEST_F(SelectEffects, AGroupThatWasLostComesBackFromItsValue) {
 
 TEST_F(SelectEffects, ReferenceFlightsDoNotHaveWhatOnlyOthersShow) {
   const Recordings good = test::short_flights("", {"multisine"});
-  ReferenceFlights reference(test::session_of(good).flights(), {}, good.vehicle, 1);
+  ReferenceFlights reference(test::session_of(good).flights(), {}, good.fit, good.vehicle, 1);
   EXPECT_FALSE(reference.have(session.catalogue(), selection, {session.catalogue().find("mass")}));
   EXPECT_TRUE(std::ranges::none_of(reference.fit().effects, [](const auto& e) { return e.effect == "mass"; }));
 }

@@ -39,7 +39,7 @@ TEST(CarryOver, TakesSharedValuesAsTheyAreAndThoseOfFlightsAtTheirMean) {
 TEST(HoldOut, BesideReferenceFlightsAChangeSaysWhatItSaysOfTheOthers) {
   const Recordings good = test::short_flights("", {"multisine", "lemniscate"}),
                    heavier = test::short_flights(R"({type = "mass", delta = 0.1})", {"multisine"});
-  ReferenceFit normal = ReferenceFlights(test::session_of(good).flights(), {}, good.vehicle, 1).fit();
+  ReferenceFit normal = ReferenceFlights(test::session_of(good).flights(), {}, good.fit, good.vehicle, 1).fit();
   Session session(prepare(heavier.fit, normal.vehicle, {}), normal.vehicle, 1);
   session.compare_with(std::move(normal.known));
   const Selection selection = select_effects(session);
