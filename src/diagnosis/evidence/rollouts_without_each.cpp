@@ -61,8 +61,10 @@ namespace {
 // Moments that nobody knows turn a body, and it is then pushed the wrong way. Along the attitude as it was recorded forces are judged by
 // themselves, where they do something and the effect does not turn the body wrongly.
 Removed best_of(const PairsOfHorizon& freely, const PairsOfHorizon& led) {
-  constexpr double does_something = 0.01, turns_wrongly = -0.05, surely = -2.0;
+  constexpr double does_something = 0.01, turns_wrongly = -0.05, surely = -2.0, goes_far_wrong = -0.7;
   const Removed moves = mean_of(freely, 0), turns = mean_of(freely, 2), led_moves = mean_of(led, 0);
+  // the arm of a centre of mass moves a body whose attitude is given a little: only what goes far wrong speaks there
+  if (!turns.is_known && moves.z < 0.0 && moves.share > goes_far_wrong) return {};
   const Removed best = !turns.is_known || (moves.is_known && moves.z >= turns.z) ? moves : turns;
   const bool counts = std::abs(led_moves.share) >= does_something && !(turns.share < turns_wrongly && turns.z < surely);
   return counts && led_moves.z > best.z ? led_moves : best;
