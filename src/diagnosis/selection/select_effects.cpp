@@ -145,6 +145,7 @@ class Selector {
     return finished_like(before, more, refine(more, coefficients(grams, more, s_.value())));
   }
 
+  // these groups in place of those before, fitted anew
   Selection given(const Selection& before, const std::vector<int>& groups) {
     improve_ = Improve::no;
     anew_ = true;
