@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,7 @@ enum class Scale {
   arm,                     // mean horizontal distance of the hubs from the centre of mass, m
   rotor_torque_per_speed,  // m g · arm / sum of hover speeds, N m/(rad/s)
   yaw_inertia,             // J_zz, kg m²
+  weight_per_inflow,       // m g over the speed that rotors induce at hover (momentum theory), N s/m; 0: radius unknown
 };
 
 // When a number of an effect is a column of the diagnosis.
@@ -44,6 +46,8 @@ struct ParameterInfo {
   Scale scale = Scale::one;
   // what is larger either way would be seen without any flight (0: the bounds above hold for a fit, too)
   double plausible = 0.0;
+  std::optional<double> plausible_from = std::nullopt;  // if not from −plausible
+  std::optional<Scale> plausible_scale = std::nullopt;  // if not the scale of the size
   // Beforehand the vehicle file is wrong by this much (standard deviation, × scale); 0: nothing is known of it.
   double known_to = 0.0;
   // the tolerance where the logged attitude is an estimate, which follows the sensor that it is compared with

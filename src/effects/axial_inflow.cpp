@@ -1,7 +1,8 @@
 // axial_inflow: a rotor that climbs pushes less, one that sinks pushes more; at the hubs, so roll and pitch are damped.
 //
 // f_i −= (at_hover / (N Ω_h)) Ω_i v_iz. Blade element theory: Leishman, Principles of Helicopter Aerodynamics, 2006, §3.2;
-// for small multirotors: Bangura, Mahony, ACRA 2012; Svacha, Mohta, Kumar, ICUAS 2017.
+// for small multirotors: Bangura, Mahony, ACRA 2012; Svacha, Mohta, Kumar, ICUAS 2017. Plausible: a disc of ideal blades, whose flow a climb
+// does not change, loses the weight over the induced speed (momentum theory, Leishman §2.2); twice that, as wakes and ducts are neither.
 #include "effects/effects.hpp"
 
 namespace gustlab {
@@ -16,7 +17,9 @@ class AxialInflow final : public Effect {
                     .help = "thrust of the whole vehicle lost per speed of climb, at hover speed",
                     .min = 0.0,
                     .natural = 0.05,
-                    .scale = Scale::weight});
+                    .scale = Scale::weight,
+                    .plausible = 2.0,
+                    .plausible_scale = Scale::weight_per_inflow});
   }
 
   void prepare(const VehicleModel& vehicle, double, const RandomStream&) override {

@@ -1,6 +1,6 @@
 // rotor_loss: one rotor has lost a share of its thrust, and of its reaction torque: a nicked blade, a tired motor.
 //
-// f (1 − loss). Loss of effectiveness: Freddi, Lanzon, Longhi, IFAC 2011.
+// f (1 − loss). Loss of effectiveness: Freddi, Lanzon, Longhi, IFAC 2011. Plausible: the best of four rotors pushes no 30 % more than the file says.
 #include <fmt/format.h>
 
 #include "effects/effects.hpp"
@@ -20,7 +20,9 @@ class RotorLoss final : public Effect {
                     .min = -10.0,
                     .max = 1.0,
                     .natural = 0.05,
-                    .tolerance = 0.01});
+                    .tolerance = 0.01,
+                    .plausible = 1.0,
+                    .plausible_from = -0.3});
   }
 
   void prepare(const VehicleModel& vehicle, double, const RandomStream&) override {

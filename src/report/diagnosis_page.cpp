@@ -342,6 +342,41 @@ std::string evidence_table(const Json& diagnosis) {
          "</details>";
 }
 
+// which names were judged beside which others, and what was withdrawn then: where a name went that an expert would have expected
+std::string history(const Json& diagnosis) {
+  const Json& sets = part(diagnosis, "history");
+  if (sets.size() < 2) return "";
+  std::string rows;
+  int step = 0;
+  for (const Json& set : sets) {
+    std::vector<std::string> names, gone;
+    for (const Json& name : part(set, "names"))
+      names.push_back(fmt::format("{} ({})", plain_name(name), sure(number(name, "probability"))));
+    for (const Json& label : part(set, "withdrawn"))
+      if (label.is_string()) gone.push_back(plain_label(label.get<std::string>()));
+    const std::string instead = text(set, "in_its_place");
+    const std::string then =
+        !gone.empty() ? list_in_words(gone) +
+                            (instead.empty() ? " withdrawn" : " withdrawn for its rival " + plain_label(instead))
+        : set.value("answer", false) ? "this is the answer"
+                                     : "all stand; what was withdrawn is looked at again";
+    rows += fmt::format(
+        "<tr><td class=\"n\">{}</td><td class=\"where\">{}</td><td class=\"where\">{}</td><td class=\"n\">{}</td></tr>",
+        ++step, names.empty() ? "no name" : escape(list_in_words(names)), escape(then),
+        figure(std::round(number(set, "minus_two_log_likelihood"))));
+  }
+  return "<details><summary>In which order names were judged</summary>" +
+         card_table({{"", true}, {"judged together, with probability"}, {"then"}, {"−2 log likelihood", true}}, rows) +
+         paragraph(
+             "Names are fitted and judged together; the most doubtful one is withdrawn and the rest fitted anew, until "
+             "all "
+             "stand. Beside other names a name may be likelier or less likely. −2 log likelihood counts the noise of "
+             "each "
+             "set and a price for each number: smaller is likelier.",
+             "note") +
+         "</details>";
+}
+
 // why the rest has no name: the candidates that came nearest
 std::string nearest_names(const Json& diagnosis) {
   constexpr std::size_t most = 3;
@@ -419,7 +454,7 @@ std::string what(const Json& diagnosis, double weight_N) {
              "</div>";
   }
   if (const Json& habit = part(diagnosis, "habit"); !habit.empty()) cards += habit_card(habit, part(diagnosis, "fit"));
-  return cards + surprising_names(diagnosis) + evidence_table(diagnosis);
+  return cards + surprising_names(diagnosis) + evidence_table(diagnosis) + history(diagnosis);
 }
 
 bool anything_named(const Json& diagnosis) {

@@ -103,6 +103,9 @@ inline double scale_of(Scale scale, const VehicleModel& vehicle) {
       return vehicle.weight_N() * vehicle.arm_m() / (4 * vehicle.hover_speed_radps());
     case Scale::yaw_inertia:
       return vehicle.inertia_B_kgm2(2, 2);
+    case Scale::weight_per_inflow:
+      return std::sqrt(2.0 * 1.225 * vehicle.rotor_count * pi * std::pow(vehicle.rotor_radius_m, 2) *
+                       vehicle.weight_N());
   }
   return 1.0;
 }

@@ -587,6 +587,25 @@ TEST(DiagnosisPage, DoesNotContradictWhatItNames) {
               AllOf(HasSubstr("in place of actuation delay"), Not(HasSubstr("0 %"))));
 }
 
+TEST(DiagnosisPage, TheOrderOfJudgingShowsWhereANameWent) {
+  Json diagnosis = example_diagnosis();
+  EXPECT_THAT(page_as_read(diagnosis, {}), Not(HasSubstr("In which order")));
+  const Json lag = {{"effect", "motor_lag"}, {"probability", 0.93}},
+             loss = {{"effect", "rotor_loss"}, {"rotor", 3}, {"probability", 0.12}};
+  diagnosis["history"] = {
+      {{"names", {lag, loss}},
+       {"minus_two_log_likelihood", 812.4},
+       {"withdrawn", {"rotor_loss#3"}},
+       {"in_its_place", "center_of_mass"},
+       {"answer", false}},
+      {{"names", {lag}}, {"minus_two_log_likelihood", 801.2}, {"withdrawn", Json::array()}, {"answer", true}}};
+  const std::string html = page_as_read(diagnosis, {});
+  const std::string part = html.substr(html.find("In which order"));
+  EXPECT_THAT(part, AllOf(HasSubstr("motor lag (93 %) and loss of rotor 3 (12 %)"),
+                          HasSubstr("loss of rotor 3 withdrawn for its rival centre of mass"),
+                          HasSubstr("this is the answer"), HasSubstr("801")));
+}
+
 // lift was 144 times the noise on a page that began with "nothing changed"; which of two rotors; 1.64 × 10⁻⁵ ms
 TEST(DiagnosisPage, WhatIsOnlyLikelyIsSaidWithItsSize) {
   Json diagnosis = example_diagnosis();

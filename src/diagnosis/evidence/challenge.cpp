@@ -52,6 +52,13 @@ std::vector<int> likely(const std::vector<Evidence>& records) {
   return groups;
 }
 
+JudgedSet judged_set(const Selection& selection, const std::vector<Evidence>& records) {
+  JudgedSet set;
+  set.minus_two_log_likelihood = selection.how_unlikely;
+  for (const Evidence& record : records) set.names.push_back({record.effect, record.rotor, record.probability});
+  return set;
+}
+
 // All of a set stands: what a look at what was withdrawn is measured by.
 struct Stood {
   Selection selection;
@@ -76,6 +83,9 @@ class Looks {
       session.put_back(std::move(before_->learned));
       session.linearise(before_->linearised_at, session.all_columns());
       before_->judged.withdrawn = std::move(judged.withdrawn);
+      const std::size_t answer = before_->judged.history.size() - 1;
+      before_->judged.history = std::move(judged.history);
+      before_->judged.history[answer].answer = true;
       judged = std::move(before_->judged);
       return std::nullopt;
     }
@@ -147,6 +157,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       ask_sensors(session, selection, most_pose_latency_s, record);
       judge(record);
     }
+    result.history.push_back(judged_set(selection, result.records));
     const std::vector<int> means =
         result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{};
     const std::vector<std::size_t> failed = failing(selection, result.records, means, stands_from);
@@ -168,10 +179,13 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       without_forces_per_flight |= session.catalogue().group(groups.back()).row->per_flight;
       std::erase_if(result.withdrawn, [&](const Evidence& before) { return before.group == groups.back(); });
       result.withdrawn.push_back(result.records[i]);
+      result.history.back().withdrawn.push_back(session.catalogue().group(groups.back()).label);
     }
+    if (rival) result.history.back().in_its_place = session.catalogue().group(*rival).label;
     selection = rival ? exchange(session, selection, groups.front(), *rival, left_out)
                       : withdraw(session, selection, groups, left_out);
   }
+  if (std::ranges::none_of(result.history, &JudgedSet::answer)) result.history.back().answer = true;
   std::erase_if(result.withdrawn, [&](const Evidence& before) {
     return std::ranges::any_of(result.records, [&](const Evidence& r) { return r.group == before.group; });
   });

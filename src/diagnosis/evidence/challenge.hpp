@@ -22,6 +22,7 @@ struct HeldOut {
 struct Challenge {
   std::vector<Evidence> records;              // of the findings that are left, in their order
   std::vector<Evidence> withdrawn;            // as they were when they went
+  std::vector<JudgedSet> history;             // in the order in which they were judged; one of them is the answer
   std::vector<std::vector<Regimes>> regimes;  // of each finding that is left, the widest spread first
   Remainder rest;                             // what is left unexplained then
 };

@@ -140,6 +140,10 @@ double scale_of(Scale scale, const VehicleModel& vehicle) {
       return vehicle.weight_N() * vehicle.arm_m() / (vehicle.rotor_count * vehicle.hover_speed_radps());
     case Scale::yaw_inertia:
       return vehicle.inertia_B_kgm2(2, 2);
+    case Scale::weight_per_inflow: {
+      const double disc_m2 = vehicle.rotor_count * pi * vehicle.rotor_radius_m * vehicle.rotor_radius_m;
+      return std::sqrt(2.0 * air_density_kgpm3 * disc_m2 * vehicle.weight_N());  // W / v_i
+    }
   }
   return 1.0;
 }
@@ -200,8 +204,12 @@ Column Catalogue::column_of(const EffectRow& row, const Number& number) const {
   column.max = number.info.max;
   column.nominal = *number.value;
   column.known_to = number.info.known_to * scale;
-  if (number.info.plausible > 0.0)
-    column.max = number.info.plausible * scale, column.min = std::max(number.info.min, -column.max);
+  if (const double plausible =
+          number.info.plausible * scale_of(number.info.plausible_scale.value_or(number.info.scale), vehicle_);
+      plausible > 0.0) {
+    column.max = plausible;
+    column.min = std::max(number.info.min, number.info.plausible_from.value_or(-plausible));
+  }
   // below zero it would be as the number before it
   if (number.info.fitted == Fitted::unless_negative) column.min = 0.0;
   // a switch, near one

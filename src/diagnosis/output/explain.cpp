@@ -292,6 +292,7 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
 
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   describe_sensors(session, selection.noise_selected, out);
+  out.history = challenge.history;
   out.evidence = challenge.records;
   out.evidence.insert(out.evidence.end(), challenge.withdrawn.begin(), challenge.withdrawn.end());
   for (Evidence& record : out.evidence) record.weak_points = weak_points(record);

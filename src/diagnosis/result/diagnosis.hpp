@@ -53,6 +53,7 @@ struct Diagnosis {
   std::vector<EffectFinding> reference_effects;  // what the reference flights show against the vehicle file
   std::vector<EffectFinding> suspected;          // more likely than not, and not proved
   std::vector<Evidence> evidence;                // of every candidate that was judged
+  std::vector<JudgedSet> history;                // the sets in which they were judged, in that order
   std::vector<EffectFinding> calibration;        // below their reporting tolerance
   std::vector<Disturbance> disturbance;
   Air air;

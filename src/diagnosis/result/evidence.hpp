@@ -79,4 +79,18 @@ struct Evidence {
   int flights_against() const;  // in which it is clearly not: less than a quarter, two errors below one
 };
 
+// A set of names that was judged together on the way to the answer, and what was changed then.
+struct JudgedSet {
+  struct Name {
+    std::string effect;
+    int rotor = 0;
+    double probability = 0.0;
+  };
+  std::vector<Name> names;
+  double minus_two_log_likelihood = 0.0;  // with what its numbers cost; sets of different noise may be compared
+  std::vector<std::string> withdrawn;     // labels, as rotor_loss#3; empty: all of the set stood
+  std::string in_its_place;               // the rival that took the place of what was withdrawn; empty: none
+  bool answer = false;                    // what is named, suspected or calibration comes from this one
+};
+
 }  // namespace gustlab::diagnosis

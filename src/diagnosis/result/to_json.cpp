@@ -103,6 +103,23 @@ ordered_json records(const std::vector<Evidence>& evidence) {
   return result;
 }
 
+ordered_json history_of(const std::vector<JudgedSet>& history) {
+  ordered_json result = ordered_json::array();
+  for (const JudgedSet& set : history) {
+    ordered_json one = {{"names", ordered_json::array()}};
+    for (const JudgedSet::Name& name : set.names) {
+      one["names"].push_back({{"effect", name.effect}, {"probability", number(name.probability)}});
+      if (name.rotor > 0) one["names"].back()["rotor"] = name.rotor;
+    }
+    one["minus_two_log_likelihood"] = number(set.minus_two_log_likelihood);
+    one["withdrawn"] = set.withdrawn;
+    if (!set.in_its_place.empty()) one["in_its_place"] = set.in_its_place;
+    one["answer"] = set.answer;
+    result.push_back(one);
+  }
+  return result;
+}
+
 }  // namespace
 
 namespace {
@@ -169,6 +186,7 @@ ordered_json to_json(const Diagnosis& d) {
   if (!d.residual_model.is_null()) out["residual_model"] = d.residual_model;
   if (!d.habit.is_null()) out["habit"] = d.habit;
   out["evidence"] = records(d.evidence);
+  out["history"] = history_of(d.history);
   out["disturbance"] = ordered_json::array();
   for (const Disturbance& g : d.disturbance)
     out["disturbance"].push_back({{"group", g.group},

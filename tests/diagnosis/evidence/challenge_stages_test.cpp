@@ -40,6 +40,11 @@ TEST(Challenge, WhatTheHeldOutFlightHasTooStands) {
   EXPECT_EQ(find(result.withdrawn), nullptr);
   EXPECT_EQ(result.records.size(), selection.findings.size());
   EXPECT_EQ(result.regimes.size(), selection.findings.size());
+  const auto answer = std::ranges::find(result.history, true, &JudgedSet::answer);
+  ASSERT_EQ(std::ranges::count(result.history, true, &JudgedSet::answer), 1);
+  EXPECT_EQ(answer->names.size(), result.records.size());
+  EXPECT_EQ(answer->minus_two_log_likelihood, selection.how_unlikely);
+  EXPECT_TRUE(answer->withdrawn.empty());
 }
 
 // it is in the flight that was fitted, in every part of it, and that is no name
@@ -50,6 +55,10 @@ TEST(Challenge, WhatItHasNotIsNotNamed) {
   ASSERT_NE(record, nullptr);
   EXPECT_LT(record->probability, named_from);
   EXPECT_LT(record->held_out_delta_chi2, 0.0);
+  for (const Evidence& gone : result.withdrawn)
+    EXPECT_TRUE(std::ranges::any_of(result.history, [&](const JudgedSet& set) {
+      return std::ranges::count(set.withdrawn, gone.effect) > 0;
+    })) << gone.effect;
 }
 
 // where torques swing, a single reference flight may itself have been fitted by another latency

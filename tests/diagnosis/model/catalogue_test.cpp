@@ -57,6 +57,23 @@ TEST(Catalogue, AWindIsNearlyLevelAndNoHurricane) {
   EXPECT_EQ(all.column(wind.back()).known_to, 1.0);  // m/s, up
 }
 
+TEST(Catalogue, AnInflowIsNoLargerThanTwiceMomentumTheoryAndARotorHardlyGains) {
+  VehicleModel vehicle = read_vehicle("crazyflie");
+  const auto column_of = [&](std::string_view label) {
+    const Catalogue of(vehicle, 1, {.observable = pose});
+    return of.column(of.group(of.find(label)).columns.front());
+  };
+  vehicle.rotor_radius_m = 0.023;
+  const double disc_m2 = 4.0 * pi * 0.023 * 0.023;
+  const double induced_mps = std::sqrt(vehicle.weight_N() / (2.0 * 1.225 * disc_m2));
+  EXPECT_NEAR(column_of("axial_inflow").max, 2.0 * vehicle.weight_N() / induced_mps, 1e-12);
+  EXPECT_EQ(column_of("axial_inflow").min, 0.0);
+  vehicle.rotor_radius_m = 0.0;
+  EXPECT_TRUE(std::isinf(column_of("axial_inflow").max));
+  EXPECT_EQ(column_of("rotor_loss#2").min, -0.3);
+  EXPECT_EQ(column_of("rotor_loss#2").max, 1.0);
+}
+
 TEST(Catalogue, AGyroscopesScaleNeedsAGyroscopeAndNoTorque) {
   const Need without = Need::attitude | Need::motion;
   EXPECT_THAT(columns(catalogue({.observable = without}), "gyro_scale"), IsEmpty());
