@@ -72,6 +72,20 @@ std::string quoted(std::string_view text) {
 
 namespace {
 
+// of words that no path is as long as, the beginning
+std::string without_endless_words(std::string_view text) {
+  constexpr std::size_t longest = 4096, kept = 60;
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(" \n"), text.size());
+    const std::string_view word = text.substr(0, end);
+    result += end > longest ? fmt::format("{}… ({} characters)", word.substr(0, kept), end) : std::string(word);
+    text.remove_prefix(end);
+    if (!text.empty()) result += text.front(), text.remove_prefix(1);
+  }
+  return result;
+}
+
 // bytes of the character that begins here; 0: it is no UTF-8
 std::size_t character_size(std::string_view text) {
   const auto first = static_cast<unsigned char>(text[0]);
@@ -88,7 +102,9 @@ std::size_t character_size(std::string_view text) {
 
 }  // namespace
 
-std::string printable(std::string_view text) {
+std::string printable(std::string_view whole) {
+  const std::string shortened = without_endless_words(whole);
+  const std::string_view text = shortened;
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);

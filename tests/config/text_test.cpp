@@ -30,6 +30,13 @@ TEST(Text, ControlCharactersAreShownAndNotObeyed) {
   EXPECT_EQ(printable("\xff\xfe"), "\\xff\\xfe");
 }
 
+TEST(Text, OfAnEndlessWordTheBeginningIsShown) {
+  const std::string path(4096, 'p'), key(120000, 'k');
+  EXPECT_EQ(printable("at " + path + " now"), "at " + path + " now");
+  EXPECT_EQ(printable("unknown key " + key + "\nand more"),
+            "unknown key " + std::string(60, 'k') + "… (120000 characters)\nand more");
+}
+
 TEST(Text, LowerTouchesOnlyAsciiLetters) { EXPECT_EQ(lower("AbZ-9 Ω[`{@"), "abz-9 Ω[`{@"); }
 
 }  // namespace text_test
