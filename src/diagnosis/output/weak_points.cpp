@@ -66,7 +66,7 @@ struct Words {
 // of every feature of the judge
 constexpr Words words[] = {
     {"gain", of_gain},
-    {"alone", [](const Evidence&) -> std::string { return "it gains little when no other name is beside it"; }},
+    {"alone", [](const Evidence&) -> std::string { return "it gains little by itself"; }},
     {"surrogate", of_moved_signature},
     {"material",
      [](const Evidence&) -> std::string { return "it is hardly larger than the usual scatter of a build"; }},

@@ -140,6 +140,10 @@ inline constexpr double hardly_shown = 6.0;
 // Statistic: probability by its record (evidence/judge.cpp). From: of the names from 0.8 on 95 % are true on the data of the fit, of those between 0.5 and
 // 0.8 73 %; no derivation for hopeless. Costs: docs/proof/judge.md.
 inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.1;
+// A name gains far more than another one, and is left beside it where the other is asked what it gains by itself.
+// Statistic: ratio of Δχ². From: two that undo each other gain alike; a thrust scale beside a moment, a drag and an inflow of nanodrone that gain 3 to
+// 40 times as much. Costs: docs/decisions/59.
+inline constexpr double far_more = 2.0;
 // Rollouts need a finding: where it does not stand, its nearest rival is asked in its place.
 // Statistic: errors half a second ahead without it, less those with it, in standard errors. From: p = 0.02. Costs: not measured.
 inline constexpr double surely_needed = 2.0;

@@ -33,7 +33,7 @@ struct Evidence {
   double delta_chi2 = 0.0;  // Δχ² when it is left out and all else is fitted anew
   double delta_chi2_with_partner =
       std::numeric_limits<double>::infinity();  // Δχ² when another finding goes with it, the one that makes this least
-  double delta_chi2_alone = std::numeric_limits<double>::infinity();  // Δχ² when nothing else is beside it
+  double delta_chi2_alone = std::numeric_limits<double>::infinity();  // Δχ² beside those alone that gain far more
   double held_out_delta_chi2 = 0.0;  // Δχ² on the held-out flights, shared values as they were fitted
   double held_out_expected = 0.0;    // the same if the effect were there just as it was fitted
   SurrogateTest surrogates;

@@ -553,7 +553,7 @@ class Selector {
     finding.group = g;
     const std::vector<int> rest = search.without(chosen, g);
     finding.delta_chi2 = delta_chi2_of(g, solve(total, s_.with_biases(rest)).loss - fit.loss);
-    finding.delta_chi2_alone = result.loss_nominal - solve(total, s_.with_biases({g})).loss;
+    finding.delta_chi2_alone = delta_chi2_alone(total, chosen, finding);
     finding.delta_chi2_with_partner = finding.delta_chi2;
     for (const int partner : rest) {
       const double delta_chi2 = solve(total, s_.with_biases(search.without(rest, partner))).loss - fit.loss;
@@ -561,6 +561,21 @@ class Selector {
     }
     finding.calibration = below_tolerance(s_, result.value, g) || imitated_by_scatter(s_, total, chosen, g);
     return finding;
+  }
+
+  // What it gains beside those alone that gain far more, and do so without it: what it stands on does not stand on it. Of two that undo
+  // each other neither gains without the other.
+  double delta_chi2_alone(const Eigen::MatrixXd& total, const std::vector<int>& chosen, const Finding& finding) const {
+    const auto loss = [&](const std::vector<int>& groups) { return solve(total, s_.with_biases(groups)).loss; };
+    std::vector<int> rest = chosen, stronger;
+    std::erase(rest, finding.group);
+    const double without = loss(rest);
+    for (const int other : rest) {
+      std::vector<int> fewer = rest;
+      std::erase(fewer, other);
+      if (loss(fewer) - without >= decisions::far_more * finding.delta_chi2) stronger.push_back(other);
+    }
+    return loss(stronger) - loss(joined(stronger, {finding.group}));
   }
 
   // One effect exchanged for another, and the set to compare that with: a trim is at work beside the effect as well, and only

@@ -26,7 +26,7 @@ struct Finding {
   // the same when the other finding goes with it that makes this least: effects that undo each other gain much one by one,
   // and little together
   double delta_chi2_with_partner = 0.0;
-  double delta_chi2_alone = 0.0;  // fall of the loss when it alone is added to nothing
+  double delta_chi2_alone = 0.0;  // fall of the loss when it is added to those findings alone that gain far more
   double inclusion = 0.0;         // share of half samples that select it
   bool calibration = false;       // below its reporting tolerance: a trim, not missing physics
   std::vector<Rival> rivals;      // best first

@@ -61,9 +61,21 @@ TEST_F(SelectEffects, GainsAreLossesWithoutOrWithOne) {
       if (partner != finding.group)
         with_partner = std::min(with_partner, loss(all, finding.group, partner) - selection.loss_selected);
     EXPECT_NEAR(finding.delta_chi2, loss(all, finding.group) - loss(all), 1e-6 * finding.delta_chi2);
-    EXPECT_NEAR(finding.delta_chi2_alone, loss({}) - loss({finding.group}), 1e-6 * selection.loss_nominal);
     EXPECT_NEAR(finding.delta_chi2_with_partner, with_partner, 1e-6 * finding.delta_chi2);
   }
+}
+
+// the weaker of the two is asked beside the stronger one, which needs no help; the stronger one beside nothing
+TEST_F(SelectEffects, WhatANameGainsAloneIsBesideFarStrongerOnes) {
+  const Eigen::MatrixXd total = selection.grams.total();
+  const auto loss = [&](const std::vector<int>& groups) { return solve(total, session.with_biases(groups)).loss; };
+  ASSERT_EQ(selection.findings.size(), 2u);
+  const Finding *weak = &selection.findings[0], *strong = &selection.findings[1];
+  if (weak->delta_chi2 > strong->delta_chi2) std::swap(weak, strong);
+  const double without_weak = loss({}) - loss({strong->group});
+  ASSERT_GT(without_weak, decisions::far_more * weak->delta_chi2);
+  EXPECT_NEAR(weak->delta_chi2_alone, weak->delta_chi2, 1e-6 * selection.loss_nominal);
+  EXPECT_NEAR(strong->delta_chi2_alone, without_weak, 1e-6 * selection.loss_nominal);
 }
 
 TEST_F(SelectEffects, WhatIsWithdrawnComesBackWhenItStillPays) {
