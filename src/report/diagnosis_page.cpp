@@ -347,8 +347,9 @@ std::string history(const Json& diagnosis) {
   const Json& sets = part(diagnosis, "history");
   if (sets.size() < 2) return "";
   std::string rows;
-  int step = 0;
+  std::size_t step = 0;
   for (const Json& set : sets) {
+    ++step;
     std::vector<std::string> names, gone;
     for (const Json& name : part(set, "names"))
       names.push_back(fmt::format("{} ({})", plain_name(name), sure(number(name, "probability"))));
@@ -359,10 +360,11 @@ std::string history(const Json& diagnosis) {
         !gone.empty() ? list_in_words(gone) +
                             (instead.empty() ? " withdrawn" : " withdrawn for its rival " + plain_label(instead))
         : set.value("answer", false) ? "this is the answer"
+        : step == sets.size()        ? "costs a name and explains no more: the answer above stays"
                                      : "all stand; what was withdrawn is looked at again";
     rows += fmt::format(
         "<tr><td class=\"n\">{}</td><td class=\"where\">{}</td><td class=\"where\">{}</td><td class=\"n\">{}</td></tr>",
-        ++step, names.empty() ? "no name" : escape(list_in_words(names)), escape(then),
+        step, names.empty() ? "no name" : escape(list_in_words(names)), escape(then),
         figure(std::round(number(set, "minus_two_log_likelihood"))));
   }
   return "<details><summary>In which order names were judged</summary>" +

@@ -598,12 +598,14 @@ TEST(DiagnosisPage, TheOrderOfJudgingShowsWhereANameWent) {
        {"withdrawn", {"rotor_loss#3"}},
        {"in_its_place", "center_of_mass"},
        {"answer", false}},
-      {{"names", {lag}}, {"minus_two_log_likelihood", 801.2}, {"withdrawn", Json::array()}, {"answer", true}}};
+      {{"names", {lag}}, {"minus_two_log_likelihood", 801.2}, {"withdrawn", Json::array()}, {"answer", true}},
+      {{"names", Json::array()}, {"minus_two_log_likelihood", 840.0}, {"withdrawn", Json::array()}, {"answer", false}}};
   const std::string html = page_as_read(diagnosis, {});
   const std::string part = html.substr(html.find("In which order"));
-  EXPECT_THAT(part, AllOf(HasSubstr("motor lag (93 %) and loss of rotor 3 (12 %)"),
-                          HasSubstr("loss of rotor 3 withdrawn for its rival centre of mass"),
-                          HasSubstr("this is the answer"), HasSubstr("801")));
+  EXPECT_THAT(
+      part, AllOf(HasSubstr("motor lag (93 %) and loss of rotor 3 (12 %)"),
+                  HasSubstr("loss of rotor 3 withdrawn for its rival centre of mass"), HasSubstr("this is the answer"),
+                  HasSubstr("no name</td>"), HasSubstr("costs a name"), HasSubstr("801")));
 }
 
 // lift was 144 times the noise on a page that began with "nothing changed"; which of two rotors; 1.64 × 10⁻⁵ ms
