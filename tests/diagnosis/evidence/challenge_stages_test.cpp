@@ -97,11 +97,13 @@ TEST(ExplainsMore, IsTheSetWithWhatWasConcealed) {
   EXPECT_FALSE(explains_more(session, found, found));
 }
 
+// beside others that take from it what it gains
 Evidence candidate(const std::string& effect, double probability, double delta_chi2) {
   Evidence record;
   record.effect = effect;
   record.probability = probability;
   record.delta_chi2 = record.delta_chi2_with_partner = delta_chi2;
+  record.features = {{"undone", 0.1}, {"outweighed", 0.0}};
   return record;
 }
 
@@ -122,7 +124,12 @@ TEST(Weakest, IsTheLeastLikelyOneWhereNoneIsHopeless) {
 // beside wrong partners a right name may look hopeless; one that ran into its bound describes nothing
 TEST(Weakest, IsNotWhatGainsMostUnlessItRanIntoItsBound) {
   std::vector<Evidence> records = {candidate("thrust_scale", 0.003, 288.0), candidate("rotor_loss", 0.3, 83.0)};
+  EXPECT_GT(probability_without_others(records[0]), 0.8);
   EXPECT_EQ(weakest(records, {0, 1}), 1u);
+  // a wind where an attitude that is a little off would push just so: no other name makes it hopeless
+  records[0].features = {{"tilt", 0.3}, {"undone", 1.0}, {"outweighed", 0.9}};
+  EXPECT_EQ(weakest(records, {0, 1}), 0u);
+  records[0].features = {{"undone", 0.1}, {"outweighed", 0.0}};
   records[0].at_bound = true;
   EXPECT_EQ(weakest(records, {0, 1}), 0u);
 }
