@@ -116,14 +116,6 @@ bool explains_more(const Session& session, const Selection& one, const Selection
   return better > 0.0;
 }
 
-double probability_without_others(const Evidence& record) {
-  constexpr std::string_view of_others[] = {"alone", "rollout_100ms", "rollout_500ms", "rival", "undone", "outweighed"};
-  double odds = record.probability / (1.0 - record.probability);
-  for (const auto& [feature, value] : record.features)
-    if (std::ranges::count(of_others, feature) > 0) odds *= std::exp(weight_of(feature) * (1.0 - value));
-  return odds / (1.0 + odds);
-}
-
 std::size_t weakest(const std::vector<Evidence>& records, std::vector<std::size_t> doubtful) {
   const auto gains = [&](std::size_t i) { return records[i].at_bound ? 0.0 : records[i].robust_delta_chi2(); };
   const auto most = std::ranges::max_element(doubtful, {}, gains);

@@ -27,12 +27,10 @@ struct Challenge {
   Remainder rest;                             // what is left unexplained then
 };
 
-// How likely a name would be if no other name took anything from it (the judge's features alone, rollouts, rival, undone and outweighed at 1).
-double probability_without_others(const Evidence& record);
-
 // Of `doubtful` candidates (indices of `records`, at least one) the one that goes now. One at a time: beside a wrong partner a right name looks
-// hopeless, and two names of one thing gain little each beside the other. What gains most stays, unless it is alone, ran into its bound, or would be hopeless without others, too. Of
-// the others it is the hopeless one that gains least, and where none is hopeless the one that is least likely.
+// hopeless, and two names of one thing gain little each beside the other. What gains most stays, unless it is alone, ran into its bound, or would be
+// hopeless without the others, too (probability_without_others). Of the others it is the hopeless one that gains least, and where none is hopeless the
+// one that is least likely.
 std::size_t weakest(const std::vector<Evidence>& records, std::vector<std::size_t> doubtful);
 
 // What may be in the place of a finding that is not likely, where rollouts need it (without it held-out flights are predicted surely worse): the nearest

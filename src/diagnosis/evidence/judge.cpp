@@ -34,6 +34,7 @@ struct Feature {
   std::string_view name;
   double weight;
   double (*value)(const Evidence&);
+  bool of_others = false;  // other names beside it may lower it
 };
 
 // Fitted on the records of 99 trials of the independent reality (seed 21000, air from calm to ten times as rough; 20 of them with physics
@@ -78,7 +79,8 @@ constexpr Feature features[] = {
     {"alone", 2.0,
      [](const Evidence& e) {
        return 1.0 + 0.5 * std::log10(std::max(e.delta_chi2_alone, 1e-3) / std::max(e.delta_chi2, 1.0));
-     }},
+     },
+     true},
     // a signature that moving does not change has no such null
     {"surrogate", 2.9,
      [](const Evidence& e) {
@@ -100,12 +102,12 @@ constexpr Feature features[] = {
      [](const Evidence& e) { return e.spread_regimes == 1.0 ? unsaid(e) : 1.0 - e.spread_regimes; }},
     {"slow_fast", 4.0, [](const Evidence& e) { return 1.0 - (e.slow_fast - 0.45) / 0.35; }},
     {"rollout_100ms", 0.65,
-     [](const Evidence& e) { return e.recovered_z.empty() ? unsaid(e) : 0.5 + e.recovered_z[0] / 8.0; }},
+     [](const Evidence& e) { return e.recovered_z.empty() ? unsaid(e) : 0.5 + e.recovered_z[0] / 8.0; }, true},
     // nothing gained is nothing said, a loss speaks against it
     {"rollout_500ms", 4.0,
-     [](const Evidence& e) { return e.recovered_z.size() < 2 ? 1.0 : 1.0 + e.recovered_z[1] / 4.0; }},
+     [](const Evidence& e) { return e.recovered_z.size() < 2 ? 1.0 : 1.0 + e.recovered_z[1] / 4.0; }, true},
     {"rival", 1.65,
-     [](const Evidence& e) { return e.rival_z == 0.0 ? 1.0 : std::log10(1.0 + e.rival_delta_chi2) / 3.0; }},
+     [](const Evidence& e) { return e.rival_z == 0.0 ? 1.0 : std::log10(1.0 + e.rival_delta_chi2) / 3.0; }, true},
     {"commands", 3.0, [](const Evidence& e) { return 1.25 - e.unpredicted_commands / std::max(e.delta_chi2, 1.0); }},
     {"force_and_moment", 3.2,
      [](const Evidence& e) { return 1.0 - std::max(0.0, disagreement(e) - 2.0 * e.force_excess_sd) / 0.4; }},
@@ -114,8 +116,8 @@ constexpr Feature features[] = {
     {"bounds", 4.0, [](const Evidence& e) { return e.at_bound ? 0.0 : 1.0; }},
     {"single", 4.0, [](const Evidence& e) { return e.alike > 0 ? 0.0 : 1.0; }},
     {"latency", 4.0, [](const Evidence& e) { return e.lone_latency ? 0.0 : 1.0; }},
-    {"undone", 4.0, [](const Evidence& e) { return (1.0 - e.undone) / 0.5; }},
-    {"outweighed", 4.0, [](const Evidence& e) { return (1.4 - e.outweighed) / 0.4; }},
+    {"undone", 4.0, [](const Evidence& e) { return (1.0 - e.undone) / 0.5; }, true},
+    {"outweighed", 4.0, [](const Evidence& e) { return (1.4 - e.outweighed) / 0.4; }, true},
     {"constant", 3.0, [](const Evidence& e) { return e.constant ? 1.0 - (e.uneven - 0.13) / 0.12 : 1.0; }},
     {"tilt", 6.0, [](const Evidence& e) { return e.force_over_tilt; }}};
 
@@ -130,6 +132,15 @@ void judge(Evidence& record) {
     sum += feature.weight * value;
   }
   record.probability = 1.0 / (1.0 + std::exp(-sum));
+}
+
+double probability_without_others(const Evidence& record) {
+  double odds = record.probability / (1.0 - record.probability);
+  for (const auto& [name, value] : record.features) {
+    const auto* feature = std::ranges::find(features, name, &Feature::name);
+    if (feature != std::end(features) && feature->of_others) odds *= std::exp(feature->weight * (1.0 - value));
+  }
+  return odds / (1.0 + odds);
 }
 
 double weight_of(std::string_view feature) {
