@@ -30,19 +30,20 @@ namespace gustlab {
 #ifdef __SANITIZE_THREAD__
 
 // Debian's oneTBB is not instrumented, so the thread sanitizer sees no order between its tasks and calls everything a
-// race; plain threads let it judge the bodies
+// race; plain threads let it judge the bodies. Each has numbers of its own: to take the next of a common counter would put
+// bodies of different threads in an order, and one thread may take all that are short.
 void parallel_for(std::int64_t count, int jobs, const std::function<void(std::int64_t)>& body) {
   assert(jobs >= 1);
-  std::atomic<std::int64_t> next{0};
+  std::atomic<bool> stop{false};
   std::mutex mutex;
   std::exception_ptr thrown;
-  const auto work = [&] {
-    for (std::int64_t i = next++; i < count; i = next++) {
+  const auto work = [&](std::int64_t first) {
+    for (std::int64_t i = first; i < count && !stop.load(std::memory_order_relaxed); i += jobs) {
       try {
         throw_if_interrupted();
         body(i);
       } catch (...) {
-        next = count;
+        stop.store(true, std::memory_order_relaxed);
         const std::lock_guard lock(mutex);
         if (!thrown) thrown = std::current_exception();
       }
@@ -50,8 +51,8 @@ void parallel_for(std::int64_t count, int jobs, const std::function<void(std::in
   };
   {
     std::vector<std::jthread> threads;
-    for (int k = 1; k < jobs; ++k) threads.emplace_back(work);
-    work();
+    for (int k = 1; k < std::min<std::int64_t>(jobs, count); ++k) threads.emplace_back(work, k);
+    work(0);
   }
   if (thrown) std::rethrow_exception(thrown);
 }
