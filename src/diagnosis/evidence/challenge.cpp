@@ -61,9 +61,7 @@ JudgedSet judged_set(const Selection& selection, const std::vector<Evidence>& re
 
 // All of a set stands: what a look at what was withdrawn is measured by.
 struct Stood {
-  Selection selection;
-  Session::Learned learned;
-  Eigen::VectorXd linearised_at;
+  Settled settled;
   Challenge judged;
   std::vector<int> names;
   std::set<int> left_out;  // not asked any more
@@ -78,10 +76,8 @@ class Looks {
                                 const std::set<int>& left_out) {
     std::vector<int> names = likely(judged.records);
     if (before_ && !std::ranges::includes(names, before_->names) &&
-        !explains_more(session, selection, before_->selection)) {
-      selection = std::move(before_->selection);
-      session.put_back(std::move(before_->learned));
-      session.linearise(before_->linearised_at, session.all_columns());
+        !explains_more(session, selection, before_->settled.selection)) {
+      selection = go_back(session, std::move(before_->settled));
       before_->judged.withdrawn = std::move(judged.withdrawn);
       const std::size_t answer = before_->judged.history.size() - 1;
       before_->judged.history = std::move(judged.history);
@@ -92,7 +88,7 @@ class Looks {
     // a look that brings no name back is the last, but for what it leaves room for
     if ((before_ && names == before_->names && left_out == before_->left_out) || tried_.size() >= most_looks)
       return std::nullopt;
-    before_ = Stood{selection, session.learned(), session.value(), judged, std::move(names), left_out};
+    before_ = Stood{settled(session, selection), judged, std::move(names), left_out};
     return look_again(session, selection, tried_, left_out);
   }
 

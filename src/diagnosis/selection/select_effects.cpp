@@ -742,12 +742,7 @@ std::vector<int> groups_at_bounds(const Session& session, const Selection& selec
 template <typename Select>
 Selection within_bounds(Session& session, std::set<int> at_bounds, Select select) {
   const Session::Learned fresh = session.learned();
-  struct Left {
-    Selection selection;
-    Session::Learned learned;
-    Eigen::VectorXd value;
-  };
-  std::optional<Left> left;
+  std::optional<Settled> left;
   while (true) {
     Selection selection = select(Selector(session, at_bounds));
     selection.at_bounds = at_bounds;
@@ -756,16 +751,14 @@ Selection within_bounds(Session& session, std::set<int> at_bounds, Select select
     // what was asked for stays, wherever it ran to
     if (at_bounds == selection.at_bounds) {
       if (!left || selection.how_unlikely <= left->selection.how_unlikely) return selection;
-      session.put_back(left->learned);
-      session.linearise(left->value, session.all_columns());
       left->selection.at_bounds = at_bounds;
-      return left->selection;
+      return go_back(session, std::move(*left));
     }
     if (left && std::ranges::any_of(left->selection.groups(), [&](int g) { return at_bounds.contains(g); }))
       left.reset();
     Selection rest = Selector(session, at_bounds).without(selection, ran_away, Improve::freely);
     if (groups_at_bounds(session, rest).empty() && (!left || rest.how_unlikely < left->selection.how_unlikely))
-      left = Left{std::move(rest), session.learned(), session.value()};
+      left = settled(session, std::move(rest));
     session.put_back(fresh);
   }
 }

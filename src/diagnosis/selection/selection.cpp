@@ -1,6 +1,7 @@
 #include "diagnosis/selection/selection.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace gustlab::diagnosis {
 
@@ -14,6 +15,16 @@ const Finding* Selection::find(int group) const {
   for (const Finding& finding : findings)
     if (finding.group == group) return &finding;
   return nullptr;
+}
+
+Settled settled(const Session& session, Selection selection) {
+  return {std::move(selection), session.learned(), session.value()};
+}
+
+Selection go_back(Session& session, Settled before) {
+  session.put_back(std::move(before.learned));
+  session.linearise(before.linearised_at, session.all_columns());
+  return std::move(before.selection);
 }
 
 Eigen::VectorXd value_at(const Catalogue& catalogue, const std::vector<int>& columns, const Fit& fit) {

@@ -54,6 +54,16 @@ struct Selection {
   const Finding* find(int group) const;
 };
 
+// A selection and the session as it is beside it.
+struct Settled {
+  Selection selection;
+  Session::Learned learned;
+  Eigen::VectorXd linearised_at;  // SI, all columns
+};
+Settled settled(const Session& session, Selection selection);
+// Makes the session what it was.
+Selection go_back(Session& session, Settled before);
+
 // Values of all columns (SI) where a fit, counted from the nominal vehicle, has these columns; of the others the nominal ones.
 Eigen::VectorXd value_at(const Catalogue& catalogue, const std::vector<int>& columns, const Fit& fit);
 // Whether a group's values lie within their bounds.
