@@ -121,6 +121,12 @@ constexpr Feature features[] = {
     {"constant", 3.0, [](const Evidence& e) { return e.constant ? 1.0 - (e.uneven - 0.13) / 0.12 : 1.0; }},
     {"tilt", 6.0, [](const Evidence& e) { return e.force_over_tilt; }}};
 
+// nothing for what is none
+const Feature* feature_called(std::string_view name) {
+  const auto* found = std::ranges::find(features, name, &Feature::name);
+  return found == std::end(features) ? nullptr : found;
+}
+
 }  // namespace
 
 void judge(Evidence& record) {
@@ -137,15 +143,15 @@ void judge(Evidence& record) {
 double probability_without_others(const Evidence& record) {
   double odds = record.probability / (1.0 - record.probability);
   for (const auto& [name, value] : record.features) {
-    const auto* feature = std::ranges::find(features, name, &Feature::name);
-    if (feature != std::end(features) && feature->of_others) odds *= std::exp(feature->weight * (1.0 - value));
+    const Feature* feature = feature_called(name);
+    if (feature && feature->of_others) odds *= std::exp(feature->weight * (1.0 - value));
   }
   return odds / (1.0 + odds);
 }
 
 double weight_of(std::string_view feature) {
-  const auto* known = std::ranges::find(features, feature, &Feature::name);
-  return known == std::end(features) ? 0.0 : known->weight;
+  const Feature* known = feature_called(feature);
+  return known ? known->weight : 0.0;
 }
 
 }  // namespace gustlab::diagnosis
