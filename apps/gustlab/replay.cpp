@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -8,8 +10,12 @@
 
 #include "commands.hpp"
 #include "config/toml.hpp"
+#include "diagnosis/recording/attitude_check.hpp"
+#include "diagnosis/recording/log_checks.hpp"
 #include "diagnosis/recording/stretches.hpp"
+#include "diagnosis/result/finding_lines.hpp"
 #include "diagnosis/rollout/replay.hpp"
+#include "gustlab/effect.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -43,6 +49,7 @@ std::string_view in_words(std::string_view kind) {
   if (kind == "hold") return "values kept";
   if (kind == "before") return "model";
   if (kind == "after") return "with effects";
+  if (kind == "after_physics") return "without habit";
   return kind == "noise" ? "noise alone" : kind;
 }
 
@@ -52,7 +59,7 @@ void print_text(const nlohmann::ordered_json& block) {
   std::vector<std::string> kinds;
   for (const auto& [kind, values] : block["position_m"].items()) {
     kinds.push_back(kind);
-    fmt::print(" {:>12}", in_words(kind));
+    fmt::print(" {:>13}", in_words(kind));
   }
   fmt::print("\n");
   for (const std::string_view name : diagnosis::fit_quantity_names) {
@@ -61,70 +68,141 @@ void print_text(const nlohmann::ordered_json& block) {
       fmt::print("{:16} {:>9g}", h == 0 ? name : "", block["horizon_s"][h].get<double>());
       for (const std::string& kind : kinds) {
         const nlohmann::ordered_json& value = quantity[kind][h];
-        fmt::print(" {:>12}", value.is_null() ? "-" : fmt::format("{:.4g}", value.get<double>()));
+        fmt::print(" {:>13}", value.is_null() ? "-" : fmt::format("{:.4g}", value.get<double>()));
       }
       fmt::print("\n");
     }
   }
 }
 
-void run(const ReplayArguments& options) {
-  interrupted();
-  check_horizons(options.horizon_s);
-  std::optional<std::vector<EffectSpec>> with;
-  if (!options.with.empty()) {
-    config::Table document = config::Table::read_file(options.with);
-    with = config::read_effects(document);
-    document.finish();
-    // `effect = []` says that there is none, as a diagnosis that found nothing does
-    if (!document.has("effect"))
-      document.fail("", "there is no [[effect]]", "nothing to compare",
-                    "name the augmented.toml of a diagnosis, or leave --with out");
-  }
-  std::optional<VehicleModel> named;
-  if (!options.vehicle.empty()) named = read_vehicle(options.vehicle);
-  diagnosis::ReplayOptions wanted;
-  wanted.horizon_s = options.horizon_s;
-  wanted.stride = options.stride;
-  wanted.jobs = options.jobs;
+// what a diagnosis would say of units, frames and signs, and of numbers that cannot be
+std::vector<diagnosis::LogFinding> faults_of(FlightLog log, const VehicleModel& vehicle) {
+  std::vector<diagnosis::LogFinding> faults = diagnosis::check_attitude(log, vehicle);
+  const auto more = diagnosis::check_log(log, vehicle);
+  faults.insert(faults.end(), more.begin(), more.end());
+  std::erase_if(faults, [](const diagnosis::LogFinding& f) {
+    const bool contradicts = f.kind == "unit" || f.kind == "frame" || f.kind == "sign" || f.kind == "inconsistent",
+               impossible = f.kind == "out_of_range" && f.sets_flight_aside;
+    return !contradicts && !impossible;
+  });
+  return faults;
+}
 
-  std::vector<diagnosis::FitErrors> before, after;
-  double assumed_V = 0.0;
-  std::set<std::string> warned;
-  Progress progress;
-  for (std::size_t i = 0; i < options.flights.size(); ++i) {
-    const std::string& path = options.flights[i];
+// the model to compare, as --with names it
+std::vector<EffectSpec> read_model(const std::string& path) {
+  config::Table document = config::Table::read_file(path);
+  std::vector<EffectSpec> effects = config::read_effects(document);
+  document.finish();
+  // `effect = []` says that there is none, as a diagnosis that found nothing does
+  if (!document.has("effect"))
+    document.fail("", "there is no [[effect]]", "nothing to compare",
+                  "name the augmented.toml of a diagnosis, or leave --with out");
+  return effects;
+}
+
+class Replayer {
+ public:
+  explicit Replayer(const ReplayArguments& options) {
+    wanted_.horizon_s = options.horizon_s;
+    wanted_.stride = options.stride;
+    wanted_.jobs = options.jobs;
+    if (!options.with.empty()) models_.push_back(read_model(options.with));
+    if (with_habit(options))
+      spdlog::warn(
+          "{}: holds the habit of the recorded loop (recorded_loop), which is no physics; \"without habit\" is "
+          "without it",
+          options.with);
+    if (!options.vehicle.empty()) vehicle_ = read_vehicle(options.vehicle);
+    any_vehicle_ = vehicle_.has_value();
+  }
+
+  void add(const std::string& path) {
     sidecar_path(path);  // refuses what is no flight log
-    const std::size_t replayed = before.size();
+    const std::size_t replayed = errors_[0].size();
     std::optional<DataError> nothing;  // to replay in a part
     for (const std::vector<TimeRange>& part : diagnosis::parts_of(path)) {
       const FlightLog log = read_flight_log(path, part);
       for (const LogRepair& repair : log.repairs)
-        if (warned.insert(repair.says).second) spdlog::warn(repair.says);
-      if (!named && log.meta.vehicle.empty())
-        throw DataError(fmt::format(
-            "{}: \"vehicle\" is missing (whose flight is this?); name it here or with --vehicle", sidecar_path(path)));
-      VehicleModel vehicle = named ? *named : read_vehicle(log.meta.vehicle, sidecar_path(path));
-      if (vehicle.nominal_voltage_V == 0.0) vehicle.nominal_voltage_V = assumed_V;
-      assume_nominal_voltage(vehicle, log);
-      assumed_V = vehicle.nominal_voltage_V;
+        if (warned_.insert(repair.says).second) spdlog::warn(repair.says);
+      take_vehicle(path, log);
+      const auto found = faults_of(log, *vehicle_);
+      faults_.insert(faults_.end(), found.begin(), found.end());
       try {
-        wanted.with_noise = true;
-        diagnosis::FitErrors errors = diagnosis::replay(log, vehicle, vehicle.effects, wanted);
-        wanted.with_noise = false;
-        if (with)
-          after.push_back(diagnosis::replay(log, vehicle, config::merge_effects(vehicle.effects, *with), wanted));
-        before.push_back(std::move(errors));
+        add(log);
       } catch (const DataError& error) {
         nothing = error;
       }
     }
-    if (before.size() == replayed) throw *nothing;
+    if (errors_[0].size() == replayed) throw *nothing;
     if (nothing) spdlog::warn("a part is left out: {}", nothing->what());
+  }
+
+  // the fit block of all flights; what is wrong with them is said
+  nlohmann::ordered_json block(std::size_t flights) const {
+    for (const auto& [kind, says] : diagnosis::finding_lines(faults_, flights))
+      spdlog::warn("a diagnosis would say: {}: {}", kind, says);
+    if (!faults_.empty()) spdlog::warn("here the flights are replayed as they are");
+    return diagnosis::fit_block(errors_[0], errors_[1], errors_[2]);
+  }
+
+ private:
+  // a model with a habit is compared without it, too
+  bool with_habit(const ReplayArguments& options) {
+    if (options.with.empty()) return false;
+    std::vector<EffectSpec> physics = models_.front();
+    std::erase_if(physics, [](const EffectSpec& effect) {
+      return std::any_of(effect_registry().begin(), effect_registry().end(),
+                         [&](const EffectRow& row) { return row.replay_only && row.name == effect.type; });
+    });
+    if (physics.size() == models_.front().size()) return false;
+    models_.push_back(std::move(physics));
+    return true;
+  }
+
+  // the one that --vehicle names, or that all sidecars name
+  void take_vehicle(const std::string& path, const FlightLog& log) {
+    if (!any_vehicle_) {
+      if (log.meta.vehicle.empty())
+        throw DataError(fmt::format(
+            "{}: \"vehicle\" is missing (whose flight is this?); name it here or with --vehicle", sidecar_path(path)));
+      if (flown_.empty()) flown_.push_back({path, log.meta.vehicle});
+      VehicleModel vehicle = read_vehicle_of({flown_.front(), {path, log.meta.vehicle}});
+      if (!vehicle_) vehicle_ = std::move(vehicle);
+    }
+    assume_nominal_voltage(*vehicle_, log);
+  }
+
+  void add(const FlightLog& log) {
+    std::vector<diagnosis::FitErrors> errors;
+    wanted_.with_noise = true;
+    errors.push_back(diagnosis::replay(log, *vehicle_, vehicle_->effects, wanted_));
+    wanted_.with_noise = false;
+    for (const std::vector<EffectSpec>& model : models_)
+      errors.push_back(diagnosis::replay(log, *vehicle_, config::merge_effects(vehicle_->effects, model), wanted_));
+    for (std::size_t i = 0; i < errors.size(); ++i) errors_[i].push_back(std::move(errors[i]));
+  }
+
+  diagnosis::ReplayOptions wanted_;
+  std::vector<std::vector<EffectSpec>> models_;  // that of --with, and where that has a habit the same without it
+  std::optional<VehicleModel> vehicle_;
+  bool any_vehicle_ = false;                                 // --vehicle names it
+  std::vector<FlownBy> flown_;                               // the first
+  std::array<std::vector<diagnosis::FitErrors>, 3> errors_;  // the vehicle as it is, then of each model
+  std::vector<diagnosis::LogFinding> faults_;
+  std::set<std::string> warned_;
+};
+
+void run(const ReplayArguments& options) {
+  interrupted();
+  check_horizons(options.horizon_s);
+  Replayer replayer(options);
+  Progress progress;
+  for (std::size_t i = 0; i < options.flights.size(); ++i) {
+    replayer.add(options.flights[i]);
     progress.show(i + 1, options.flights.size(), "flights");
   }
   progress.end();
-  const nlohmann::ordered_json block = diagnosis::fit_block(before, after);
+  const nlohmann::ordered_json block = replayer.block(options.flights.size());
   if (options.format == "json") fmt::print("{}\n", block.dump(1));
   else print_text(block);
 }

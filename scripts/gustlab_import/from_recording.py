@@ -9,14 +9,13 @@ from .limits import cannot_tell
 from .outcome import Outcome
 from .problems import USAGE, Finding, ImportFailure
 from .progress import stage
-from .segments import running, split
+from .segments import END_s, flying_of, split
 from .streams import Recording
 from .vehicle_file import Vehicle
 from .write_log import sidecar_text
 
 PWM_TOP = 65535.0
 LEAST_V = 1.0
-LAST_s = 0.25           # before a log's end: the motors' last sample in it
 
 
 def import_recording(recording: Recording, name: str, vehicle, options) -> Outcome:
@@ -47,14 +46,13 @@ def import_recording(recording: Recording, name: str, vehicle, options) -> Outco
 
 
 def ends_in_the_air(recording: Recording) -> bool:
-    """Of logs that say when the vehicle flies, or when it is armed: then to the end of what the motors carry. What is said of a log's
-    end already says more."""
-    last_s = recording.end_s - LAST_s
-    if not recording.armed or recording.armed[-1][1] < last_s or recording.no_flight or any(f.from_s >= last_s for f in recording.findings):
+    """Of a flight computer's logs, unless they say that it is disarmed there. What is said of a log's end already says more."""
+    last_s = recording.end_s - END_s
+    if recording.armed is None and not recording.autopilot or recording.armed == [] or recording.armed and recording.armed[-1][1] < last_s:
         return False
-    flying = recording.flying
-    if flying is None:
-        flying = running(recording) if "u" in recording.streams else []
+    if recording.no_flight or any(f.from_s >= last_s for f in recording.findings) or "u" not in recording.streams:
+        return False
+    flying = flying_of(recording)
     return bool(flying) and flying[-1][1] >= last_s
 
 

@@ -14,6 +14,7 @@ BROWN_OUT_SHARE = 0.65  # of the flight's median: 2.5 V of a cell at 3.8 V, belo
 BROWN_OUT_s = 0.1       # one low reading is an error or a hard pull, however many rows repeat it
 BROWN_OUT_V = 4.3       # of a supply of 5 V: processors and sensors are specified down to here
 RUNNING_SHARE = 0.4     # of the median command of the running motors: below it, over a second, the vehicle does not fly
+END_s = 0.25            # between the motors' last sample and a log's end
 LONGEST_DIVE_s = 4.0    # with idle motors
 CLEAR_m = 0.1           # above where it stood: below that the ground may carry a part of the weight
 ON_THE_GROUND = ("armed, on the ground", "on the ground", "disarmed")   # how these reasons begin
@@ -28,7 +29,7 @@ def split(recording: Recording) -> tuple:
         return [], [(*whole, why)]
     armed = [whole] if recording.armed is None else [both for part in recording.armed if (both := common(whole, rounded(part)))]
     refused = [(*part, "disarmed") for part in without(whole, armed)]
-    flying = recording.flying if recording.flying is not None else running(recording)
+    flying = flying_of(recording)
     flights = []
     for span in armed:
         inside = [both for part in flying if (both := common(span, part))]
@@ -68,8 +69,14 @@ def not_judged(recording: Recording) -> str:
     return ""
 
 
+def flying_of(recording: Recording) -> list:
+    """Spans in the air, by the vehicle's own judgement or else by its motors."""
+    return recording.flying if recording.flying is not None else running(recording)
+
+
 def running(recording: Recording) -> list:
-    """Spans in which the motors carry something, for logs that do not say when the vehicle flies."""
+    """Spans in which the motors carry something, for logs that do not say when the vehicle flies. What runs in the motors' first or last
+    sample does so to the log's end beside it."""
     inputs = recording.streams.get("u") or recording.streams["rotor"]
     mean = np.nanmean(inputs.values, axis=1)
     if not np.any(mean > 0.0):
@@ -78,8 +85,10 @@ def running(recording: Recording) -> list:
     smooth = np.convolve(np.pad(mean, (width // 2, width - 1 - width // 2), mode="edge"), np.ones(width) / width, "valid")
     on = smooth > RUNNING_SHARE * float(np.median(mean[mean > 0.02 * mean.max()]))
     edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]])))
-    last = len(on) - 1
-    parts = [(float(inputs.time_s[a]), float(inputs.time_s[min(b, last)])) for a, b in zip(edges[::2], edges[1::2])]
+    times = np.append(inputs.time_s, inputs.time_s[-1])
+    times[0] = 0.0 if times[0] <= END_s else times[0]
+    times[-1] = recording.end_s if times[-1] >= recording.end_s - END_s else times[-1]
+    parts = [(float(times[a]), float(times[b])) for a, b in zip(edges[::2], edges[1::2])]
     out = parts[:1]
     for part in parts[1:]:
         # a dive with the motors idle is flight

@@ -205,13 +205,16 @@ bool torques_mislead(const Aligned& aligned, const Fitted& fitted) {
   return !aligned.attitude && !fitted.challenged.rest.alarms.empty();
 }
 
-std::string speeds_note(const Session& session, const Selection& selection, const std::vector<FlightData>& holdout) {
-  return fmt::format(
+// how well commands predict the measured speeds; nothing where no held-out flight has both
+void note_speeds(const Session& session, const Selection& selection, const std::vector<FlightData>& holdout,
+                 std::vector<std::string>& notes) {
+  const double before_radps = speeds_left_radps(holdout, session.catalogue(), session.catalogue().nominal());
+  if (before_radps == 0.0) return;
+  notes.push_back(fmt::format(
       "commands predict the rotors' speeds to {:.3g} rad/s instead of {:.3g} (rms, held-out flights); measured speeds "
       "drive "
       "the body's predictions, which that does not change",
-      speeds_left_radps(holdout, session.catalogue(), selection.value),
-      speeds_left_radps(holdout, session.catalogue(), session.catalogue().nominal()));
+      speeds_left_radps(holdout, session.catalogue(), selection.value), before_radps));
 }
 
 // what was found, and where the simulation and the recordings differ; the session is linearised at the nominal vehicle then
@@ -224,7 +227,7 @@ Diagnosis describe(Fitted& fitted) {
   explain(session, selection, fitted.challenged, out);
   if (std::any_of(out.effects.begin(), out.effects.end(),
                   [&](const EffectFinding& e) { return session.seen_in_speeds(session.catalogue().find(e.effect)); }))
-    out.notes.push_back(speeds_note(session, selection, fitted.holdout));
+    note_speeds(session, selection, fitted.holdout, out.notes);
   if (rest.names_gust) explain_gust(session, rest.gust, out);
   out.disturbance = disturbance_of(selection);
   out.air = air_of(session, selection.noise_selected);

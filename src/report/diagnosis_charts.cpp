@@ -190,7 +190,7 @@ std::string horizon_section(const nlohmann::ordered_json& diagnosis, const Diagn
 
 namespace {
 
-// the table of channels says that it is no larger than the noise, and its means may still follow a variable
+// the table of channels says that it is no larger than noise and air, and its means may still follow a variable
 bool is_within_noise(const Json& diagnosis, const std::string& channel) {
   const Json& channels = part(diagnosis, "mismatch");
   return std::any_of(channels.begin(), channels.end(),

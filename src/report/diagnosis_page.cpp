@@ -118,14 +118,15 @@ std::string shows(const Json& entry, bool acted_on) {
   }
   // many samples prove a pattern that is far below what matters
   const bool pattern = number(entry, "p_value") < 1e-3;
-  const char* words = !pattern ? (above < 0.5 ? "no more than noise" : "more than noise, in no pattern that is sure")
-                      : above < 0.5 ? "a pattern, too small to matter"
-                      : acted_on    ? "more than noise: what was found acts here"
-                                    : "more than noise, and still too small to matter";
+  const char* words =
+      !pattern ? (above < 0.5 ? "no more than noise and air" : "more than noise and air, in no pattern that is sure")
+      : above < 0.5 ? "a pattern, too small to matter"
+      : acted_on    ? "more than noise and air: what was found acts here"
+                    : "more than noise and air, and still too small to matter";
   return fmt::format("<span class=\"soft\">{}</span>", words);
 }
 
-// "1.12 ×": how many times the noise; a dash where that is not known
+// "1.12 ×": how many times noise and air; a dash where that is not known
 std::string times_noise(double above) {
   if (!std::isfinite(above)) return "–";
   return above < 9.0 ? fmt::format("{:.2f} ×", 1.0 + above) : fmt::format("{:.0f} ×", 1.0 + above);
@@ -175,7 +176,7 @@ std::string where(const Json& diagnosis) {
   for (const Json& entry : mismatch) {
     const std::string name = plain_channel(text(entry, "channel")), unjudged = no_size(diagnosis, entry);
     // many samples may prove a pattern that its size does not show
-    const std::string says = unjudged.empty() && !above_noise(entry) ? "no larger than the noise" : unjudged;
+    const std::string says = unjudged.empty() && !above_noise(entry) ? "no larger than noise and air" : unjudged;
     if (!says.empty()) {
       const auto same =
           std::find_if(no_rows.begin(), no_rows.end(), [&](const auto& one) { return one.first == says; });
@@ -195,11 +196,14 @@ std::string where(const Json& diagnosis) {
                          ? "between simulation and recording, channel by channel, before anything was added"
                      : has_reference(diagnosis) ? "from the reference flights, in hover, channel by channel"
                                                 : "from the flights taken as normal, in hover, channel by channel";
-  const char* tick = rows.empty() ? "" : " The tick is what noise and calm air alone would leave.";
-  std::string html = fmt::format("<p>The difference {}.{}</p>", from, tick);
+  const char* left = hover_alone(diagnosis)
+                         ? ""
+                         : " Noise and air: what is left of it when all that was found is taken out, whatever it is.";
+  const char* tick = rows.empty() ? "" : " The tick is noise and air alone.";
+  std::string html = fmt::format("<p>The difference {}.{}{}</p>", from, left, tick);
   if (!rows.empty())
     html += card_table(
-        {{"channel"}, {"against noise"}, {"rms", true}, {"noise", true}, {"rms over noise", true}, {"where"}}, rows);
+        {{"channel"}, {"size"}, {"rms", true}, {"noise and air", true}, {"rms over that", true}, {"where"}}, rows);
   for (const auto& [says, names] : no_rows) html += paragraph(capital(list_in_words(names)) + ": " + says + ".");
   return html;
 }
@@ -548,7 +552,7 @@ void say_once(std::vector<std::pair<std::string, std::string>>& lines) {
   if (!variables.empty()) lines[first].second = std::string(begin) + list_in_words(variables);
 }
 
-// every channel of an alarm that these logs tell is no larger than its noise
+// every channel of an alarm that these logs tell is no larger than noise and air
 bool within_noise(const Json& diagnosis, const Json& alarm) {
   const Json& channels = part(alarm, "channels");
   const bool told = torque_is_told(diagnosis);
@@ -567,7 +571,7 @@ bool within_noise(const Json& diagnosis, const Json& alarm) {
 std::string said_of(const Json& diagnosis, const Json& alarm) {
   const std::string says = in_plain_words(text(alarm, "says"));
   return text(alarm, "kind") == "floor" && within_noise(diagnosis, alarm)
-             ? says + ": it is the noise of these sensors or of this air, and counted as noise above"
+             ? says + ": no name explains it, and it is counted as noise and air above"
              : says;
 }
 
@@ -576,7 +580,7 @@ std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& diagnos
   std::vector<std::pair<std::string, std::string>> lines;
   std::vector<std::string> sensors;
   std::size_t at = 0;
-  bool faint = true;  // patterns that are smaller than the noise
+  bool faint = true;  // patterns that are no larger than noise and air
   for (const Json& alarm : part(diagnosis, "alarms")) {
     if (!torque_is_told(diagnosis) && of_torques_alone(alarm)) continue;
     const std::string sensor = text(alarm, "sensor");
@@ -589,7 +593,7 @@ std::vector<std::pair<std::string, std::string>> alarm_lines(const Json& diagnos
     lines[at].second = "what the model does not predict comes in runs of several samples in " + list_in_words(sensors);
   say_once(lines);
   for (auto& [kind, says] : lines) {
-    if (kind == "omnibus" && faint) says += ", and is no larger than the noise";
+    if (kind == "omnibus" && faint) says += ", and is no larger than noise and air";
     kind = plain_alarm(kind);
   }
   return lines;

@@ -98,7 +98,8 @@ std::string percent(double change_m, double before_m, int digits) {
 }
 
 std::string verdict_of(const GateCell& cell, double margin) {
-  if (!cell.failures.empty()) return "**worse**";
+  if (cell.failures.size() > cell.unpaired) return "**worse**";
+  if (cell.unpaired > 0) return "**other runs**";
   const GateChange& rmse = cell.changes[0];
   const double allowed = margin * rmse.before_m;
   if (rmse.p_better < significant && rmse.change_m < 0.0) return "improved";
@@ -185,12 +186,16 @@ GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>&
     }
     return place->second;
   };
+  const auto unpaired = [&](const ResultRow& row, std::string_view why) {
+    GateCell& cell = report.cells[place_of(row)];
+    cell.failures.push_back(fmt::format("replicate {} is {}", row.replicate, why));
+    ++cell.unpaired;
+  };
   for (const ResultRow& before : baseline) {
     const std::size_t place = place_of(before);
     const auto found = rows.find({cell_of(before), before.replicate});
     if (found == rows.end()) {
-      report.cells[place].failures.push_back(
-          fmt::format("replicate {} is missing: the baseline has it", before.replicate));
+      unpaired(before, "missing: the baseline has it");
       continue;
     }
     add_pair(*found->second, before, pairs[place], report.cells[place]);
@@ -199,8 +204,7 @@ GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>&
   // in plan order, not the map's
   for (const ResultRow& row : now)
     if (!rule.allow_extra && rows.count({cell_of(row), row.replicate}) > 0)
-      report.cells[place_of(row)].failures.push_back(
-          fmt::format("replicate {} is extra: the baseline does not have it", row.replicate));
+      unpaired(row, "extra: the baseline does not have it");
   for (std::size_t c = 0; c < pairs.size(); ++c)
     for (std::size_t i = 0; i < tracking_metrics.size(); ++i)
       report.cells[c].changes[i] = change_of(pairs[c].now[i], pairs[c].before[i]);

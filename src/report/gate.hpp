@@ -33,7 +33,9 @@ struct GateCell {
   std::array<GateChange, tracking_metrics.size()> changes{};
   bool configuration_changed = false;   // keys of the runs differ
   std::vector<std::string> failures{};  // empty: passed
-  std::string verdict{};  // worse, improved, equivalent, cannot tell; of the planar RMSE unless a metric failed
+  std::size_t unpaired = 0;             // of the failures: runs that only one of the two has
+  std::string
+      verdict{};  // worse, other runs, improved, equivalent, cannot tell; of the planar RMSE unless a metric failed
 };
 
 struct GateReport {

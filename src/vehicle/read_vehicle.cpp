@@ -195,4 +195,24 @@ VehicleModel read_vehicle(const std::string& name_or_path, const std::string& fr
   return vehicle;
 }
 
+VehicleModel read_vehicle_of(const std::vector<FlownBy>& flights) {
+  const FlownBy& first = flights.front();
+  VehicleModel vehicle = read_vehicle(first.vehicle, first.flight);
+  for (const FlownBy& other : flights) {
+    if (other.vehicle.empty()) continue;
+    try {
+      const VehicleModel its = read_vehicle(other.vehicle, other.flight);
+      if (its.source_bytes != vehicle.source_bytes)
+        throw DataError(
+            fmt::format("{} and {} are flights of two vehicles ({} and {}), and one model is for one vehicle; give "
+                        "flights of one, or "
+                        "say with --vehicle which it is",
+                        first.flight, other.flight, vehicle.source_path, its.source_path));
+    } catch (const ConfigError&) {
+      if (other.vehicle != first.vehicle) throw;
+    }
+  }
+  return vehicle;
+}
+
 }  // namespace gustlab

@@ -12,6 +12,13 @@ namespace gustlab {
 // `from_file`: a file whose folder relative paths resolve against; empty: the working directory.
 // Throws ConfigError with file:line:col: unknown name with suggestion, broken MJCF, missing site, 3–8 rotors, …
 VehicleModel read_vehicle(const std::string& name_or_path, const std::string& from_file = {});
+// A flight log and the vehicle that its sidecar names.
+struct FlownBy {
+  std::string flight, vehicle;
+};
+// The one vehicle of all flights. Throws DataError where two name vehicles whose files differ, and ConfigError as above. One that
+// names none flew with the first's, and so did one that says the same words in a folder without that vehicle.
+VehicleModel read_vehicle_of(const std::vector<FlownBy>& flights);
 // Names under models/.
 std::vector<std::string> vehicle_names();
 

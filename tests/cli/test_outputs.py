@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import stat
@@ -17,6 +18,7 @@ from processes import catches, wait_for
 from small_experiments import CIRCLE, GUST, TUNING, VARIANTS, calibration_toml, experiment_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+MODELS = Path(__file__).resolve().parents[2] / "models"
 PX4_LOG = str(Path(__file__).resolve().parents[1] / "data" / "logs" / "px4_sitl_jmavsim.ulg")
 
 EXPERIMENT = experiment_toml("hover", duration_s=1.0)
@@ -151,6 +153,19 @@ class Places(Commands):
             self.assertEqual((self.folder / name).read_text(), "mine")
 
 
+class Trials(Commands):
+    # score counted what was diagnosed of other recordings
+    def test_conceal_leaves_no_old_diagnosis_beside_new_recordings(self):
+        self.call("conceal", "t.toml", "--out", "trials", "--answers", "answers.jsonl")   # the same once more
+        for name in ("diagnosis", "fit_9.csv"):
+            (self.folder / "trials" / "nothing" / name).mkdir()
+            before = self.files()
+            _, err = self.call("conceal", "t.toml", "--out", "trials", "--answers", "answers.jsonl", "--set", "seed=7", code=2)
+            self.assertIn(f"trials/nothing/{name}: is there already (it would be taken for a part of this trial)", err)
+            self.assertEqual(self.files(), before)
+            (self.folder / "trials" / "nothing" / name).rmdir()
+
+
 class Models(Commands):
     def test_a_diagnosis_without_names_writes_a_model_that_replay_takes(self):
         _, err = self.call("diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg")
@@ -160,8 +175,42 @@ class Models(Commands):
         self.assertEqual(json.loads((model.parent / "diagnosis.json").read_text(encoding="utf-8"))["effects"], [])
         self.assertIn("with effects", self.call("replay", "trials/nothing/fit_1.csv", "--with", str(model))[0])
 
+    # a habit's errors stood as those of physics
+    def test_a_habit_of_the_recorded_loop_is_called_one(self):
+        mass = '[[effect]]\ntype = "mass"\ndelta = 0.002\n'
+        (self.folder / "mass.toml").write_text(mass)
+        (self.folder / "habit.toml").write_text(mass + '[[effect]]\ntype = "recorded_loop"\nroll = [-20.0, 0, 0, 0, 90.0, 0, 0, 0]\n')
+        replay = ["replay", "trials/nothing/fit_1.csv", "--format", "json", "--with"]
+        (physics, quiet), (habit, err) = (self.call(*replay, name) for name in ("mass.toml", "habit.toml"))
+        self.assertEqual(quiet, "")
+        self.assertIn("holds the habit of the recorded loop (recorded_loop), which is no physics", err)
+        physics, habit = json.loads(physics), json.loads(habit)
+        for quantity in ("position_m", "attitude_rad"):
+            self.assertNotIn("after_physics", physics[quantity])
+            self.assertEqual(habit[quantity]["after_physics"], physics[quantity]["after"])
+            self.assertNotEqual(habit[quantity]["after"], physics[quantity]["after"])
+
 
 class Inputs(Commands):
+    # one diagnosis was made of two vehicles, with the numbers of the first
+    def test_flights_of_two_vehicles_are_refused(self):
+        for folder in ("one", "same", "other"):
+            shutil.copytree(self.folder / "trials" / "nothing", self.folder / folder)
+            shutil.copytree(MODELS / "crazyflie", self.folder / folder / "vehicle")
+            for sidecar in (self.folder / folder).glob("*.meta.toml"):
+                sidecar.write_text(re.sub('vehicle = ".*"', 'vehicle = "vehicle/vehicle.toml"', sidecar.read_text()))
+        vehicle = self.folder / "other" / "vehicle" / "vehicle.toml"
+        vehicle.write_text(vehicle.read_text() + "# after a crash\n")
+        for command in (["diagnose", "one/fit_1.csv", "other/fit_2.csv", "--out", "dg"], ["replay", "one/fit_1.csv", "other/fit_2.csv"],
+                        ["diagnose", "one/fit_1.csv", "--holdout", "other/fit_2.csv", "--out", "dg"],
+                        ["diagnose", "one/fit_1.csv", "--reference", "other/fit_2.csv", "--out", "dg"]):
+            out, err = self.call(*command, code=3)
+            self.assertEqual(out, "")
+            self.assertRegex(err, r"one/fit_1\.csv and other/fit_2\.csv are flights of two vehicles \(one/.*other/.*\), and one model is")
+        self.assertFalse((self.folder / "dg").exists())
+        self.call("replay", "one/fit_1.csv", "same/fit_2.csv")
+        self.call("replay", "one/fit_1.csv", "other/fit_2.csv", "--vehicle", "one/vehicle")
+
     def test_an_input_is_never_written_over(self):
         log = "flown/flight.csv"
         (self.folder / "hard").hardlink_to(self.folder / log)

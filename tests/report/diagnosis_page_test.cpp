@@ -404,14 +404,15 @@ TEST(DiagnosisPage, SaysNoPatternEverywhereWhereTheNoiseIsAsLarge) {
   // a sentence, and no row
   for (const double rms : {0.401, 0.259})
     for (const bool significant : {true, false})
-      EXPECT_THAT(row(rms, 0.401, 1e-20, significant),
-                  AllOf(testing::StartsWith("push to the side: no larger than the noise.</p>"), Not(HasSubstr("<td"))));
-  EXPECT_THAT(row(0.5, 0.401, 0.4, false), HasSubstr("no more than noise"));
+      EXPECT_THAT(
+          row(rms, 0.401, 1e-20, significant),
+          AllOf(testing::StartsWith("push to the side: no larger than noise and air.</p>"), Not(HasSubstr("<td"))));
+  EXPECT_THAT(row(0.5, 0.401, 0.4, false), HasSubstr("no more than noise and air"));
   EXPECT_THAT(row(0.5, 0.401, 1e-20, false), HasSubstr("a pattern, too small to matter"));
-  EXPECT_THAT(row(3.1, 1.0, 0.4, false),
-              AllOf(HasSubstr("more than noise, in no pattern that is sure"), Not(HasSubstr("no more than noise"))));
+  EXPECT_THAT(row(3.1, 1.0, 0.4, false), AllOf(HasSubstr("more than noise and air, in no pattern that is sure"),
+                                               Not(HasSubstr("no more than noise and air"))));
   EXPECT_THAT(row(9.27, 3.0, 1e-20, false),
-              AllOf(HasSubstr("3.09 ×"), HasSubstr("more than noise, and still too small to matter")));
+              AllOf(HasSubstr("3.09 ×"), HasSubstr("more than noise and air, and still too small to matter")));
   EXPECT_THAT(row(4.0, 0.5, 1e-20, true), AllOf(HasSubstr("8.00 ×"), HasSubstr("everywhere")));
 }
 
@@ -469,7 +470,7 @@ TEST(DiagnosisPage, OfHoverBesideReferenceFlightsIsOfWhatChanged) {
   for (const char* wanted :
        {"farther forward than in the reference flights", "What changed since the reference flights",
         "The numbers are changes since the reference flights.", ">not told</td>",
-        ">Roll torque: no larger than the noise.</p>"})
+        ">Roll torque: no larger than noise and air.</p>"})
     EXPECT_THAT(html, HasSubstr(wanted));
   for (const char* wrong : {"the model has it", "gustlab replay", "What was left out"})
     EXPECT_THAT(html, Not(HasSubstr(wrong)));
@@ -515,7 +516,7 @@ TEST(DiagnosisPage, EndsSentencesOnceAndRoundsShares) {
   EXPECT_THAT(html, Not(HasSubstr("(z = ")));
 }
 
-// a page said of lift that it is no larger than the noise, beside a curve of it with small bars
+// a page said of lift that it is no larger than noise and air, beside a curve of it with small bars
 TEST(DiagnosisPage, ACurveOfWhatIsWithinTheNoiseSaysSo) {
   Json diagnosis = example_diagnosis();
   const char* note = "from one moment to the next, noise and air make as much";
@@ -578,8 +579,9 @@ TEST(DiagnosisPage, DoesNotContradictWhatItNames) {
     const std::size_t at = html.find(of, html.find(begin));
     return html.substr(at, html.find("</tr>", at) - at);
   };
-  EXPECT_THAT(row("Where it differs", "answer to commands"),
-              AllOf(HasSubstr("more than noise: what was found acts here"), Not(HasSubstr("too small to matter"))));
+  EXPECT_THAT(
+      row("Where it differs", "answer to commands"),
+      AllOf(HasSubstr("more than noise and air: what was found acts here"), Not(HasSubstr("too small to matter"))));
   EXPECT_THAT(row("Looked at and not named", "motor lag"),
               AllOf(HasSubstr("in place of actuation delay it would fit as well; beside it little is left for it"),
                     Not(HasSubstr("does not make")), Not(HasSubstr("11 ms"))));
@@ -758,7 +760,7 @@ TEST(DiagnosisPage, AnAxisIsSaidInWords) {
 }
 
 // three lines that say that something is left
-// a page said "no larger than the noise", "a pattern is left" and "3.3 times as much as in a calm room" of one channel
+// a page said "no larger than noise and air", "a pattern is left" and "3.3 times as much as in a calm room" of one channel
 TEST(DiagnosisPage, RemarksDoNotContradictTheTableOfChannels) {
   Json diagnosis = example_diagnosis();
   diagnosis["mismatch"].push_back(
@@ -775,16 +777,16 @@ TEST(DiagnosisPage, RemarksDoNotContradictTheTableOfChannels) {
   std::string html = page_as_read(diagnosis, {});
   EXPECT_THAT(
       html,
-      AllOf(HasSubstr(">Lift: no larger than the noise.</p>"),
-            HasSubstr("of lift follows how the vehicle moves, and is no larger than the noise.</li>"),
-            HasSubstr("in a calm room, slowly: it is the noise of these sensors or of this air, and counted "
-                      "as noise above.</li>"),
+      AllOf(HasSubstr(">Lift: no larger than noise and air.</p>"),
+            HasSubstr("of lift follows how the vehicle moves, and is no larger than noise and air.</li>"),
+            HasSubstr("in a calm room, slowly: no name explains it, and it is counted as noise and "
+                      "air above.</li>"),
             // a row of dashes each, before
             HasSubstr("<p>Pitch torque and roll torque: not judged, as these logs do not tell fast torques.</p>")));
   entry["rms"] = 0.5;
   html = page_as_read(diagnosis, {});
   EXPECT_THAT(html, AllOf(HasSubstr("follows how the vehicle moves.</li>"), HasSubstr("a calm room, slowly.</li>"),
-                          Not(HasSubstr("no larger than the noise"))));
+                          Not(HasSubstr("no larger than noise and air"))));
 }
 
 // a page said that nothing in the catalogue explains a constant force, beside the evidence of the constant force of the catalogue

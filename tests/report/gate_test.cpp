@@ -120,6 +120,9 @@ TEST(Gate, MissingRowsFailAndExtraOnesUnlessTheyAreAllowed) {
   fewer.pop_back();
   EXPECT_THAT(gate(fewer, baseline(), {}).cells[0].failures.front(), HasSubstr("replicate 8 is missing"));
   EXPECT_THAT(gate(baseline(), fewer, {}).cells[0].failures.front(), HasSubstr("replicate 8 is extra"));
+  // their errors rose by nothing, and the verdict was "worse"
+  EXPECT_EQ(gate(fewer, baseline(), {}).cells[0].verdict, "**other runs**");
+  EXPECT_EQ(gate(baseline(), fewer, {}).cells[0].verdict, "**other runs**");
   EXPECT_EQ(gate(baseline(), fewer, {.allow_extra = true}).failures(), 0u);
 }
 

@@ -198,7 +198,8 @@ class DataFlash(FormatCase):
 
     LAYOUT = {"Q": "Q", "f": "f", "C": "H", "H": "H", "B": "B", "c": "h", "N": "16s", "Z": "64s", "n": "4s", "h": "h", "M": "B"}
 
-    def write_log(self, version: str = "ArduCopter V4.5.1 (abcdef01)", speeds_every: int = 0, parameters=(), pulses=None, crash_s=None, ends_s=20.0):
+    def write_log(self, version: str = "ArduCopter V4.5.1 (abcdef01)", speeds_every: int = 0, parameters=(), pulses=None, crash_s=None, ends_s=20.0,
+                  says_when=True, motors_every=2):
         out, formats = b"", {}
 
         def define(number, name, kinds, columns):
@@ -232,7 +233,7 @@ class DataFlash(FormatCase):
         for k in range(round(100 * ends_s)):
             t = 0.01 * k
             us = 10**6 + round(1e6 * t)
-            for event, at in ((10, 2.0), (28, 3.0), (18, 17.0), (11, 18.0)):
+            for event, at in ((10, 2.0), (28, 3.0), (18, 17.0), (11, 18.0)) if says_when else ():
                 if abs(t - at) < 1e-9:
                     put("EV", us, event)
             put("ATT", us, round(100 * 5.0 * np.sin(2 * t)), 100, 9000)
@@ -246,7 +247,7 @@ class DataFlash(FormatCase):
                 put("ESC", us + 300 * output, output, 5000.0 + 1000.0 * output + 50.0 * np.sin(t))
             if crash_s is not None and abs(t - crash_s) < 1e-9:
                 put("ERR", 12, 1)
-            if k % 2 == 0:
+            if k % motors_every == 0:
                 others = noise.normal(size=2)
                 put("RCOU", us, *(pulses(t) if pulses else (1500, 1480, *(round(v) for v in 1500 + 20 * others))), 0, 0, 65000, 65000)
                 put("BAT", us, 12.0 - 0.02 * t)
@@ -288,6 +289,13 @@ class DataFlash(FormatCase):
                  if "ends in the air" in finding["says"]] for name, more in (("whole", {}), ("half", {"ends_s": 10.0}))]
         self.assertEqual(said[0], [])
         self.assertRegex(said[1][0], r"the log ends in the air, after 9\.\d\d s: it was cut off, or logging stopped in flight")
+
+    # seconds were left out as on the ground: within a hand's breadth of the height of the last sample
+    def test_a_log_that_is_cut_in_the_air_is_flight_to_its_end(self):
+        _, log, _ = self.take(self.write_log(says_when=False, ends_s=12.0, motors_every=10))
+        self.assertEqual([(f["from_s"], round(f["to_s"], 1)) for f in log["flights"]], [(0.0, 12.0)])
+        self.assertEqual(log["refused"], [])
+        self.assertTrue([f for f in log["findings"] if f["says"].startswith("the log ends in the air, after 11.9")], log["findings"])
 
     def test_speeds_of_the_controllers_follow_the_outputs(self):
         _, log, _ = self.take(self.write_log(speeds_every=2))

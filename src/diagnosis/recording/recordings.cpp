@@ -80,8 +80,10 @@ Recordings read_recordings(const std::vector<std::string>& fit, const std::vecto
   read.holdout = read_all(holdout, read);
   read.reference = read_all(reference, read);
   if (read.fit.empty()) throw DataError(read.remarks.findings.front().says);
-  const FlightLog& first = read.fit.front();
-  read.vehicle = vehicle ? read_vehicle(*vehicle) : read_vehicle(first.meta.vehicle, first.path);
+  std::vector<FlownBy> flown;
+  for (const auto* logs : {&read.fit, &read.holdout, &read.reference})
+    for (const FlightLog& log : *logs) flown.push_back({log.path, log.meta.vehicle});
+  read.vehicle = vehicle ? read_vehicle(*vehicle) : read_vehicle_of(flown);
   return read;
 }
 

@@ -22,7 +22,8 @@ struct Recordings {
   Remarks remarks;
 };
 
-// Reads the logs and their vehicle; what cannot be read is set aside, and said. Throws DataError when no flight is left to fit.
+// Reads the logs and their vehicle; what cannot be read is set aside, and said. Throws DataError when no flight is left to fit,
+// or when they are of two vehicles.
 Recordings read_recordings(const std::vector<std::string>& fit, const std::vector<std::string>& holdout,
                            const std::vector<std::string>& reference, const std::optional<std::string>& vehicle);
 // The same without what faults of the log make unusable. Where no flight was held out and there are several, the last is. Throws likewise.

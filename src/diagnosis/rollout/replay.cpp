@@ -189,7 +189,8 @@ FitErrors replay(const Recording& recording, const std::vector<EffectSpec>& effe
   return errors;
 }
 
-nlohmann::ordered_json fit_block(const std::vector<FitErrors>& before, const std::vector<FitErrors>& after) {
+nlohmann::ordered_json fit_block(const std::vector<FitErrors>& before, const std::vector<FitErrors>& after,
+                                 const std::vector<FitErrors>& physics) {
   using nlohmann::ordered_json;
   const std::vector<double>& horizon_s = before.front().horizon_s;
   std::size_t windows = 0;
@@ -213,6 +214,7 @@ nlohmann::ordered_json fit_block(const std::vector<FitErrors>& before, const std
     quantity["hold"] = means(before, q, &FitErrors::Quantity::hold);
     quantity["before"] = means(before, q, &FitErrors::Quantity::model);
     if (!after.empty()) quantity["after"] = means(after, q, &FitErrors::Quantity::model);
+    if (!physics.empty()) quantity["after_physics"] = means(physics, q, &FitErrors::Quantity::model);
     quantity["noise"] = means(before, q, &FitErrors::Quantity::noise);
   }
   return block;

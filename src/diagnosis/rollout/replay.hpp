@@ -46,7 +46,9 @@ FitErrors replay(const FlightLog& log, const VehicleModel& vehicle, const std::v
                  const ReplayOptions& options);
 FitErrors replay(const Recording& recording, const std::vector<EffectSpec>& effects, const ReplayOptions& options);
 
-// The `fit` block of FORMATS.md §4: means over all windows of all flights. `after` may be empty.
-nlohmann::ordered_json fit_block(const std::vector<FitErrors>& before, const std::vector<FitErrors>& after);
+// The `fit` block of FORMATS.md §4: means over all windows of all flights. `after` may be empty, and so may
+// `physics`: the same model without a habit of the recorded loop.
+nlohmann::ordered_json fit_block(const std::vector<FitErrors>& before, const std::vector<FitErrors>& after,
+                                 const std::vector<FitErrors>& physics = {});
 
 }  // namespace gustlab::diagnosis
