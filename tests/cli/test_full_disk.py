@@ -44,7 +44,7 @@ class FullDisk(unittest.TestCase):
                 "FULL_DISK_COUNT": str(count), "FULL_DISK_FROM": str(full_from or 10**9),
                 # of a build with the address sanitizer: it wants to be the first library
                 "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":verify_asan_link_order=0"}
-        done = subprocess.run([PROGRAM, *arguments], cwd=self.folder, text=True, capture_output=True, timeout=120, env=os.environ | more)
+        done = subprocess.run([PROGRAM, *arguments], cwd=self.folder, text=True, capture_output=True, env=os.environ | more)
         return done.returncode, done.stderr, count.stat().st_size
 
     def sound(self, *arguments):
