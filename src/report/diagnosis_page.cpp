@@ -116,6 +116,9 @@ std::string shows(const Json& entry, bool acted_on) {
     for (const Json& item : part(entry, "where")) regions.push_back(region(item));
     return regions.empty() ? "everywhere" : escape(list_in_words(regions));
   }
+  // the size of a lag or a delay stands beside the least that is reported
+  if (text(entry, "unit") == "s" && !acted_on && above > 0.0)
+    return "<span class=\"soft\">it would explain too little to be sure of it</span>";
   // many samples prove a pattern that is far below what matters
   const bool pattern = number(entry, "p_value") < 1e-3;
   const char* words =
@@ -171,6 +174,7 @@ std::string where(const Json& diagnosis) {
         std::isfinite(ratio) && no_size(diagnosis, entry).empty())
       full = std::max(full, ratio);
   std::string rows;
+  bool times = false;  // among them
   // channels without a size, by what is said of them
   std::vector<std::pair<std::string, std::vector<std::string>>> no_rows;
   for (const Json& entry : mismatch) {
@@ -184,6 +188,7 @@ std::string where(const Json& diagnosis) {
       continue;
     }
     const double rms = number(entry, "rms"), noise = number(entry, "noise_rms");
+    times = times || text(entry, "unit") == "s";
     const Display display = display_of("", text(entry, "unit"), rms);
     const auto size = [&](double value) { return figure(display.factor * value) + " " + display.unit; };
     rows += fmt::format(
@@ -199,7 +204,9 @@ std::string where(const Json& diagnosis) {
   const char* left = hover_alone(diagnosis)
                          ? ""
                          : " Noise and air: what is left of it when all that was found is taken out, whatever it is.";
-  const char* tick = rows.empty() ? "" : " The tick is noise and air alone.";
+  const char* tick = rows.empty() ? ""
+                     : times      ? " The tick is noise and air alone; of times, the least that is reported."
+                                  : " The tick is noise and air alone.";
   std::string html = fmt::format("<p>The difference {}.{}{}</p>", from, left, tick);
   if (!rows.empty())
     html += card_table(

@@ -694,6 +694,15 @@ TEST(DiagnosisPage, ALagThatCannotBeToldIsNotJudged) {
                            Not(HasSubstr("820"))));
 }
 
+// 58 ms of a lag, 14 times what is reported, were "too small to matter"
+TEST(DiagnosisPage, ALagThatExplainsTooLittleIsNotCalledSmall) {
+  Json diagnosis = late_answer(0.058, 0.004);
+  diagnosis["mismatch"].back()["significant"] = false;
+  diagnosis["mismatch"].back()["p_value"] = 1e-6;
+  EXPECT_THAT(answer_row(diagnosis), HasSubstr("it would explain too little to be sure of it"));
+  EXPECT_THAT(page_as_read(diagnosis, {}), HasSubstr("of times, the least that is reported."));
+}
+
 // 609 ms of a lag, where a wind was named that does as well
 TEST(DiagnosisPage, ALagThatLooksLikeWhatIsNamedIsNotJudged) {
   Json diagnosis = late_answer(0.609, 0.004);
