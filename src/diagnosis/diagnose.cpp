@@ -15,6 +15,7 @@
 #include "diagnosis/evidence/reference_fit.hpp"
 #include "diagnosis/evidence/suspect.hpp"
 #include "diagnosis/hover/quasi_static.hpp"
+#include "diagnosis/output/conclude.hpp"
 #include "diagnosis/output/explain.hpp"
 #include "diagnosis/output/habit.hpp"
 #include "diagnosis/output/next_flight.hpp"
@@ -253,14 +254,6 @@ void suspect_unfelt(const Session& session, const VehicleModel& vehicle, Diagnos
   if (!SubsetSearch(session.catalogue(), vehicle, 0.0).allowed(named))
     suspect(out, "only suspected: without a drag no wind is felt",
             [](const EffectFinding& effect) { return find_effect(effect.effect)->air != Airflow::wind; });
-}
-
-Verdict conclude(const Diagnosis& out, const Remainder& rest, bool at_bound, bool commands_jitter) {
-  if (commands_jitter && out.effects.empty()) return Verdict::insufficient_data;
-  if (out.effects.empty()) return rest.alarms.empty() && !at_bound ? Verdict::consistent : Verdict::unexplained;
-  const bool quiet =
-      std::all_of(rest.alarms.begin(), rest.alarms.end(), [](const Alarm& a) { return a.kind == "omnibus"; });
-  return quiet && rest.omnibus_share < decisions::explained_share ? Verdict::explained : Verdict::partly_explained;
 }
 
 // what goes before what a diagnosis says already
