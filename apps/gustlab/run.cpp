@@ -47,7 +47,7 @@ void run_command(const RunArguments& options) {
   wanted.replicate = options.replicate.value_or(static_cast<std::uint32_t>(experiment.first_replicate));
 
   check_files_can_be_written(options.out, {"flight.csv", "flight.meta.toml", "outcome.json"});
-  const auto [record, log] = run_logged(experiment, wanted);
+  auto [record, log] = run_logged(experiment, wanted);
   nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},         {"experiment", experiment.name},
                                  {"vehicle", experiment.vehicle.name},    {"trajectory", options.trajectory},
                                  {"controller", options.controller},      {"replicate", wanted.replicate},
@@ -57,7 +57,7 @@ void run_command(const RunArguments& options) {
   write_together([&, &log = log] {
     make_folder(options.out);
     const std::filesystem::path folder(options.out);
-    write_run_log(log, experiment, (folder / "flight.csv").string());
+    write_run_log(std::move(log), experiment, (folder / "flight.csv").string());
     write_file((folder / "outcome.json").string(), outcome.dump(2) + "\n");
   });
   spdlog::info("{}: {} after {:.3f} s", options.out, to_string(record.outcome), record.duration_s);
