@@ -106,18 +106,17 @@ std::vector<EffectSpec> read_model(const std::string& path) {
 
 class Replayer {
  public:
-  explicit Replayer(const ReplayArguments& options) {
+  explicit Replayer(const ReplayArguments& options) : options_(options) {
     wanted_.horizon_s = options.horizon_s;
     wanted_.stride = options.stride;
     wanted_.jobs = options.jobs;
     if (!options.with.empty()) models_.push_back(read_model(options.with));
-    if (with_habit(options))
+    if (with_habit())
       spdlog::warn(
           "{}: holds the habit of the recorded loop (recorded_loop), which is no physics; \"without habit\" is "
           "without it",
           options.with);
     if (!options.vehicle.empty()) vehicle_ = read_vehicle(options.vehicle);
-    any_vehicle_ = vehicle_.has_value();
   }
 
   void add(const std::string& path) {
@@ -145,8 +144,8 @@ class Replayer {
   }
 
   // the fit block of all flights; what is wrong with them is said
-  nlohmann::ordered_json block(std::size_t flights) const {
-    for (const auto& [kind, says] : diagnosis::finding_lines(faults_, flights))
+  nlohmann::ordered_json block() const {
+    for (const auto& [kind, says] : diagnosis::finding_lines(faults_, options_.flights.size()))
       spdlog::warn("a diagnosis would say: {}: {}", kind, says);
     if (!faults_.empty()) spdlog::warn("here the flights are replayed as they are");
     return diagnosis::fit_block(errors_[0], errors_[1], errors_[2]);
@@ -154,8 +153,8 @@ class Replayer {
 
  private:
   // a model with a habit is compared without it, too
-  bool with_habit(const ReplayArguments& options) {
-    if (options.with.empty()) return false;
+  bool with_habit() {
+    if (models_.empty()) return false;
     std::vector<EffectSpec> physics = models_.front();
     std::erase_if(physics, [](const EffectSpec& effect) {
       return std::any_of(effect_registry().begin(), effect_registry().end(),
@@ -168,12 +167,12 @@ class Replayer {
 
   // the one that --vehicle names, or that all sidecars name
   void take_vehicle(const std::string& path, const FlightLog& log) {
-    if (!any_vehicle_) {
+    if (options_.vehicle.empty()) {
       if (log.meta.vehicle.empty())
         throw DataError(fmt::format(
             "{}: \"vehicle\" is missing (whose flight is this?); name it here or with --vehicle", sidecar_path(path)));
-      if (flown_.empty()) flown_.push_back({path, log.meta.vehicle});
-      VehicleModel vehicle = read_vehicle_of({flown_.front(), {path, log.meta.vehicle}});
+      if (!first_) first_ = {path, log.meta.vehicle};
+      VehicleModel vehicle = read_vehicle_of({*first_, {path, log.meta.vehicle}});
       if (!vehicle_) vehicle_ = std::move(vehicle);
     }
     assume_nominal_voltage(*vehicle_, log);
@@ -189,11 +188,11 @@ class Replayer {
     for (std::size_t i = 0; i < errors.size(); ++i) errors_[i].push_back(std::move(errors[i]));
   }
 
+  const ReplayArguments& options_;
   diagnosis::ReplayOptions wanted_;
   std::vector<std::vector<EffectSpec>> models_;  // that of --with, and where that has a habit the same without it
   std::optional<VehicleModel> vehicle_;
-  bool any_vehicle_ = false;                                 // --vehicle names it
-  std::vector<FlownBy> flown_;                               // the first
+  std::optional<FlownBy> first_;
   std::array<std::vector<diagnosis::FitErrors>, 3> errors_;  // the vehicle as it is, then of each model
   std::vector<diagnosis::LogFinding> faults_;
   std::set<std::string> warned_;
@@ -209,7 +208,7 @@ void run(const ReplayArguments& options) {
     progress.show(i + 1, options.flights.size(), "flights");
   }
   progress.end();
-  const nlohmann::ordered_json block = replayer.block(options.flights.size());
+  const nlohmann::ordered_json block = replayer.block();
   if (options.format == "json") fmt::print("{}\n", block.dump(1));
   else print_text(block);
 }
