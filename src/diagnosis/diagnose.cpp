@@ -15,6 +15,7 @@
 #include "diagnosis/evidence/reference_fit.hpp"
 #include "diagnosis/evidence/suspect.hpp"
 #include "diagnosis/hover/quasi_static.hpp"
+#include "diagnosis/model/speed_comparison.hpp"
 #include "diagnosis/output/conclude.hpp"
 #include "diagnosis/output/explain.hpp"
 #include "diagnosis/output/habit.hpp"
@@ -207,8 +208,9 @@ bool torques_mislead(const Aligned& aligned, const Fitted& fitted) {
 }
 
 // how well commands predict the measured speeds; nothing where no held-out flight has both
-void note_speeds(const Session& session, const Selection& selection, const std::vector<FlightData>& holdout,
+void note_speeds(const Session& session, const Selection& selection, std::vector<FlightData> holdout,
                  std::vector<std::string>& notes) {
+  for (FlightData& flight : holdout) flight.measured_at_sample = measured_beside_commands(flight);
   const double before_radps = speeds_left_radps(holdout, session.catalogue(), session.catalogue().nominal());
   if (before_radps == 0.0) return;
   notes.push_back(fmt::format(

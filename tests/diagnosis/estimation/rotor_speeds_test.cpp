@@ -17,7 +17,7 @@ Diagnosis with_rotor_speeds(const std::string& concealed) {
 }
 
 using ::testing::Contains;
-using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 
 TEST(RotorSpeedsTrials, NameNothingWhereNothingIsConcealed) {
   const Diagnosis d = with_rotor_speeds("");
@@ -30,7 +30,9 @@ TEST(RotorSpeedsTrials, TellALagThatTheBodyCannot) {
   ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
   EXPECT_EQ(d.effects[0].effect, "motor_lag");
   EXPECT_NEAR(test::value_of(d.effects[0], "time_constant"), 0.06, 0.002);
-  EXPECT_THAT(d.notes, Contains(HasSubstr("commands predict the rotors' speeds")));
+  // held-out flights were not compared, and both figures were 0
+  EXPECT_THAT(d.notes, Contains(MatchesRegex("commands predict the rotors' speeds to [0-9.]*[1-9][0-9.]* rad/s instead "
+                                             "of [0-9.]*[1-9][0-9.]* .rms, held-out flights.*")));
 }
 
 TEST(RotorSpeedsTrials, TellADelay) {
