@@ -77,11 +77,13 @@ VehicleModel named_vehicle(const std::string& name, const FlightLog& log) {
   return vehicle;
 }
 
-// the residual force of one flight, in unbroken parts
-std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyArguments& options) {
+// the residual force of one flight, in unbroken parts; `first`: the first flight, whose vehicle all others have
+std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyArguments& options,
+                                        std::optional<FlownBy>& first) {
   const FlightLog log = read_flight_log(path);
-  VehicleModel vehicle =
-      options.vehicle.empty() ? read_vehicle(log.meta.vehicle, path) : named_vehicle(options.vehicle, log);
+  if (!first) first = {path, log.meta.vehicle};
+  VehicleModel vehicle = options.vehicle.empty() ? read_vehicle_of({*first, {path, log.meta.vehicle}})
+                                                 : named_vehicle(options.vehicle, log);
   vehicle.environment = log.meta.environment;
   const RecordedForces forces(log, vehicle, options.known == "thrust" ? Known::thrust : Known::vehicle);
   const KnownModel known = [&](std::size_t row, const VehicleState& state) {
@@ -94,9 +96,9 @@ std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyA
 }
 
 std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::string>& paths,
-                                                     const IdentifyArguments& options) {
+                                                     const IdentifyArguments& options, std::optional<FlownBy>& first) {
   std::vector<std::vector<ResidualSamples>> flights;
-  for (const std::string& path : paths) throw_if_interrupted(), flights.push_back(samples_of(path, options));
+  for (const std::string& path : paths) throw_if_interrupted(), flights.push_back(samples_of(path, options, first));
   return flights;
 }
 
@@ -112,7 +114,8 @@ void run(IdentifyArguments options, const CLI::App& command) {
   options.identify.refit = choice(options.refit, options.no_refit);
   check_options_are_read(command, options);
   check_flights_differ(options);
-  const auto fit = samples_of(options.logs, options), holdout = samples_of(options.holdout, options);
+  std::optional<FlownBy> first;
+  const auto fit = samples_of(options.logs, options, first), holdout = samples_of(options.holdout, options, first);
   if (!options.out.empty()) check_file_can_be_written(options.out);
   const Identification found = identify(fit, holdout, options.identify);
   const bool found_none = found.model().terms().empty();

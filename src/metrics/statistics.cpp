@@ -72,13 +72,17 @@ TTest paired_test(std::span<const double> a, std::span<const double> b) {
   return t_test(summary.mean, summary.sd / std::sqrt(n), n - 1.0);
 }
 
-Interval paired_interval(std::span<const double> a, std::span<const double> b, double confidence) {
-  const Summary summary = summarize(finite_differences(a, b));
+Interval mean_interval(const Summary& summary, double confidence) {
   if (summary.n < 2) return {nan, nan};
   const auto n = static_cast<double>(summary.n);
   const double half =
       boost::math::quantile(boost::math::students_t(n - 1.0), 0.5 + 0.5 * confidence) * summary.sd / std::sqrt(n);
   return {summary.mean - half, summary.mean + half};
+}
+
+Interval paired_interval(std::span<const double> a, std::span<const double> b, double confidence) {
+  const Summary summary = summarize(finite_differences(a, b));
+  return mean_interval(summary, confidence);
 }
 
 std::vector<double> holm(std::span<const double> p_values) {

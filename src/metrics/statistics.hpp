@@ -36,6 +36,8 @@ TTest t_test(double difference, double standard_error, double dof);
 TTest welch_test(const Summary& a, const Summary& b);
 // a[i] and b[i] met the same gust. Pairs with a NaN do not count. Precondition: equal lengths.
 TTest paired_test(std::span<const double> a, std::span<const double> b);
+// Student's interval of a mean; NaN when there are fewer than two values.
+Interval mean_interval(const Summary& summary, double confidence);
 // Student's interval of the mean of a[i] − b[i]; NaN when there are fewer than two pairs.
 Interval paired_interval(std::span<const double> a, std::span<const double> b, double confidence);
 // p-values as they count where many tests are made at once (Holm, Scand. J. Stat. 6, 1979). NaN stays, and is no test.

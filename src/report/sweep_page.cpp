@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "metrics/statistics.hpp"
 #include "report/diagnosis_words.hpp"
 #include "report/page_parts.hpp"
 #include "report/svg.hpp"
@@ -127,16 +128,15 @@ std::string Sweep::header() const {
                                              [](const ResultRow& row) { return row.outcome != Outcome::completed; }));
   // who has the least mean error, trajectory by trajectory and point by point
   std::map<std::string, std::size_t> best;
-  std::map<std::string, std::pair<double, std::string>> least;
+  std::map<std::string, const TableCell*> least;
   for (const TableCell& cell : cells_) {
     std::string block = cell.experiment + "/" + cell.vehicle + "/" + cell.trajectory;
     for (const NamedValue& axis : cell.axes) block += "/" + axis.value;
-    const double mean = cell.errors[rmse].mean;
-    const auto known = least.find(block);
-    if (std::isfinite(mean) && (known == least.end() || mean < known->second.first))
-      least[block] = {mean, cell.controller};
+    if (!std::isfinite(cell.errors[rmse].mean)) continue;
+    const TableCell*& known = least[block];
+    if (known == nullptr || is_better(cell, *known, rmse)) known = &cell;
   }
-  for (const auto& [block, winner] : least) ++best[winner.second];
+  for (const auto& [block, winner] : least) ++best[winner->controller];
   const auto most =
       std::max_element(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   std::string sentence = "No run has a sample that counts.";
@@ -276,11 +276,11 @@ std::string Sweep::axis_chart(const std::string& trajectory, std::size_t axis) c
     std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [x, cell] : points) {
       const Summary& error = cell->errors[rmse];
-      const double half = error.n > 1 ? 1.96 * error.sd / std::sqrt(static_cast<double>(error.n)) : 0.0;
+      const Interval interval = error.n > 1 ? mean_interval(error, 0.95) : Interval{error.mean, error.mean};
       series.x.push_back(x);
       series.y.push_back(error.mean);
-      series.low.push_back(error.mean - half);
-      series.high.push_back(error.mean + half);
+      series.low.push_back(interval.low);
+      series.high.push_back(interval.high);
     }
     chart.series.push_back(std::move(series));
   }

@@ -31,10 +31,7 @@ class Page {
   bool is_best(const TableCell& cell, std::size_t metric) const {
     if (!options_.bold_best) return false;
     return std::none_of(cells.begin(), cells.end(), [&](const TableCell& other) {
-      if (!together(other, cell)) return false;
-      // errors up to a crash are no better than those of a whole flight
-      const std::size_t theirs = other.completed * cell.total, ours = cell.completed * other.total;
-      return theirs != ours ? theirs > ours : other.errors[metric].mean < cell.errors[metric].mean;
+      return together(other, cell) && is_better(other, cell, metric);
     });
   }
 
@@ -220,6 +217,11 @@ std::optional<std::size_t> find_tracking_metric(std::string_view name) {
   for (std::size_t i = 0; i < tracking_metrics.size(); ++i)
     if (tracking_metrics[i].name.starts_with(name)) return i;
   return std::nullopt;
+}
+
+bool is_better(const TableCell& cell, const TableCell& other, std::size_t metric) {
+  const std::size_t share = cell.completed * other.total, others = other.completed * cell.total;
+  return share != others ? share > others : cell.errors[metric].mean < other.errors[metric].mean;
 }
 
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {

@@ -42,6 +42,9 @@ struct TableCell {
 };
 // In the order in which the cells first appear.
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows);
+// Completed the larger share of its runs, or as large a share with the lesser mean of a metric: errors up to a crash are no better
+// than those of a whole flight.
+bool is_better(const TableCell& cell, const TableCell& other, std::size_t metric);
 
 struct TableOptions {
   TableFormat format = TableFormat::md;

@@ -201,7 +201,7 @@ class Inputs(Commands):
                 sidecar.write_text(re.sub('vehicle = ".*"', 'vehicle = "vehicle/vehicle.toml"', sidecar.read_text()))
         vehicle = self.folder / "other" / "vehicle" / "vehicle.toml"
         vehicle.write_text(vehicle.read_text() + "# after a crash\n")
-        for command in (["diagnose", "one/fit_1.csv", "other/fit_2.csv", "--out", "dg"], ["replay", "one/fit_1.csv", "other/fit_2.csv"],
+        for command in (["diagnose", "one/fit_1.csv", "other/fit_2.csv", "--out", "dg"], ["identify", "one/fit_1.csv", "other/fit_2.csv"], ["replay", "one/fit_1.csv", "other/fit_2.csv"],
                         ["diagnose", "one/fit_1.csv", "--holdout", "other/fit_2.csv", "--out", "dg"],
                         ["diagnose", "one/fit_1.csv", "--reference", "other/fit_2.csv", "--out", "dg"]):
             out, err = self.call(*command, code=3)
