@@ -136,7 +136,12 @@ class Checker {
     Stretch straight;
     for (const auto* c : u) {
       still += never_changes(*c) ? 1 : 0;
-      straight = std::max(straight, straight_line(*c, 1e-9 * top));
+      double most = top;  // without one in the vehicle file the largest input that was given
+      if (!std::isfinite(top)) {
+        most = 0.0;
+        for (const double value : *c) most = std::abs(value) > most ? std::abs(value) : most;
+      }
+      straight = std::max(straight, straight_line(*c, 1e-9 * most));
     }
     if (still > 0) {
       add("u1…uN", "frozen", 0, log_.rows(),

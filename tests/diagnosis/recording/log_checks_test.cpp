@@ -171,5 +171,13 @@ TEST(LogChecksOfSlowColumns, MeasureTimeOnTheGroundByTheClock) {
   EXPECT_THAT(says(log), ElementsAre(HasSubstr("2.0 s with rotors too slow to fly")));
 }
 
+// within an infinite tolerance everything is a straight line
+TEST(LogChecksOfInputs, WithoutALargestInputInTheVehicleFileAreNoStraightLine) {
+  VehicleModel vehicle = racer();
+  vehicle.max_speed_radps = std::numeric_limits<double>::infinity();
+  FlightLog log = test::fly(test::loop, vehicle);
+  for (const LogFinding& finding : check_log(log, vehicle)) EXPECT_FALSE(finding.sets_flight_aside) << finding.says;
+}
+
 }  // namespace log_checks_test
 }  // namespace gustlab::diagnosis
