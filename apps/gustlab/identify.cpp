@@ -77,13 +77,11 @@ VehicleModel named_vehicle(const std::string& name, const FlightLog& log) {
   return vehicle;
 }
 
-// the residual force of one flight, in unbroken parts; `first`: the first flight, whose vehicle all others have
-std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyArguments& options,
-                                        std::optional<FlownBy>& first) {
+// the residual force of one flight, in unbroken parts; `flown`: the vehicle of all of them
+std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyArguments& options, OneVehicle& flown) {
   const FlightLog log = read_flight_log(path);
-  if (!first) first = {path, log.meta.vehicle};
-  VehicleModel vehicle = options.vehicle.empty() ? read_vehicle_of({*first, {path, log.meta.vehicle}})
-                                                 : named_vehicle(options.vehicle, log);
+  VehicleModel vehicle =
+      options.vehicle.empty() ? flown.of({path, log.meta.vehicle}) : named_vehicle(options.vehicle, log);
   vehicle.environment = log.meta.environment;
   const RecordedForces forces(log, vehicle, options.known == "thrust" ? Known::thrust : Known::vehicle);
   const KnownModel known = [&](std::size_t row, const VehicleState& state) {
@@ -96,9 +94,9 @@ std::vector<ResidualSamples> samples_of(const std::string& path, const IdentifyA
 }
 
 std::vector<std::vector<ResidualSamples>> samples_of(const std::vector<std::string>& paths,
-                                                     const IdentifyArguments& options, std::optional<FlownBy>& first) {
+                                                     const IdentifyArguments& options, OneVehicle& flown) {
   std::vector<std::vector<ResidualSamples>> flights;
-  for (const std::string& path : paths) throw_if_interrupted(), flights.push_back(samples_of(path, options, first));
+  for (const std::string& path : paths) throw_if_interrupted(), flights.push_back(samples_of(path, options, flown));
   return flights;
 }
 
@@ -114,8 +112,8 @@ void run(IdentifyArguments options, const CLI::App& command) {
   options.identify.refit = choice(options.refit, options.no_refit);
   check_options_are_read(command, options);
   check_flights_differ(options);
-  std::optional<FlownBy> first;
-  const auto fit = samples_of(options.logs, options, first), holdout = samples_of(options.holdout, options, first);
+  OneVehicle flown;
+  const auto fit = samples_of(options.logs, options, flown), holdout = samples_of(options.holdout, options, flown);
   if (!options.out.empty()) check_file_can_be_written(options.out);
   const Identification found = identify(fit, holdout, options.identify);
   const bool found_none = found.model().terms().empty();

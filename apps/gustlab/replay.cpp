@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -111,7 +110,7 @@ class Replayer {
     wanted_.stride = options.stride;
     wanted_.jobs = options.jobs;
     if (!options.with.empty()) models_.push_back(read_model(options.with));
-    if (with_habit())
+    if (add_physics())
       spdlog::warn(
           "{}: holds the habit of the recorded loop (recorded_loop), which is no physics; \"without habit\" is "
           "without it",
@@ -152,13 +151,13 @@ class Replayer {
   }
 
  private:
-  // a model with a habit is compared without it, too
-  bool with_habit() {
+  // a model with a habit is compared without it, too; says whether it has one
+  bool add_physics() {
     if (models_.empty()) return false;
     std::vector<EffectSpec> physics = models_.front();
     std::erase_if(physics, [](const EffectSpec& effect) {
-      return std::any_of(effect_registry().begin(), effect_registry().end(),
-                         [&](const EffectRow& row) { return row.replay_only && row.name == effect.type; });
+      const EffectRow* row = find_effect(effect.type);
+      return row != nullptr && row->replay_only;
     });
     if (physics.size() == models_.front().size()) return false;
     models_.push_back(std::move(physics));
@@ -171,9 +170,8 @@ class Replayer {
       if (log.meta.vehicle.empty())
         throw DataError(fmt::format(
             "{}: \"vehicle\" is missing (whose flight is this?); name it here or with --vehicle", sidecar_path(path)));
-      if (!first_) first_ = {path, log.meta.vehicle};
-      VehicleModel vehicle = read_vehicle_of({*first_, {path, log.meta.vehicle}});
-      if (!vehicle_) vehicle_ = std::move(vehicle);
+      const VehicleModel& vehicle = flown_.of({path, log.meta.vehicle});
+      if (!vehicle_) vehicle_ = vehicle;
     }
     assume_nominal_voltage(*vehicle_, log);
   }
@@ -192,7 +190,7 @@ class Replayer {
   diagnosis::ReplayOptions wanted_;
   std::vector<std::vector<EffectSpec>> models_;  // that of --with, and where that has a habit the same without it
   std::optional<VehicleModel> vehicle_;
-  std::optional<FlownBy> first_;
+  OneVehicle flown_;
   std::array<std::vector<diagnosis::FitErrors>, 3> errors_;  // the vehicle as it is, then of each model
   std::vector<diagnosis::LogFinding> faults_;
   std::set<std::string> warned_;

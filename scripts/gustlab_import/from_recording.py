@@ -48,9 +48,8 @@ def import_recording(recording: Recording, name: str, vehicle, options) -> Outco
 def ends_in_the_air(recording: Recording) -> bool:
     """Of a flight computer's logs, unless they say that it is disarmed there. What is said of a log's end already says more."""
     last_s = recording.end_s - END_s
-    if recording.armed is None and not recording.autopilot or recording.armed == [] or recording.armed and recording.armed[-1][1] < last_s:
-        return False
-    if recording.no_flight or any(f.from_s >= last_s for f in recording.findings) or "u" not in recording.streams:
+    armed = [(0.0, recording.end_s)] if recording.armed is None and recording.autopilot else recording.armed
+    if not armed or armed[-1][1] < last_s or recording.no_flight or any(f.from_s >= last_s for f in recording.findings) or "u" not in recording.streams:
         return False
     flying = flying_of(recording)
     return bool(flying) and flying[-1][1] >= last_s

@@ -34,8 +34,8 @@ struct GateCell {
   bool configuration_changed = false;   // keys of the runs differ
   std::vector<std::string> failures{};  // empty: passed
   std::size_t unpaired = 0;             // of the failures: runs that only one of the two has
-  std::string
-      verdict{};  // worse, other runs, improved, equivalent, cannot tell; of the planar RMSE unless a metric failed
+  // worse, other runs, improved, equivalent, cannot tell; of the planar RMSE unless a metric failed
+  std::string verdict{};
 };
 
 struct GateReport {

@@ -152,6 +152,23 @@ std::string answer(const ConcealedTrial& trial) {
   return line.dump() + "\n";
 }
 
+// whatever else is in a trial's folder would be taken for its own: an old diagnosis is scored, an old recording diagnosed
+void check_nothing_else_is_there(const std::vector<PlannedFlight>& flights, const std::filesystem::path& out) {
+  std::map<std::filesystem::path, std::set<std::string>> written;
+  for (const PlannedFlight& flight : flights)
+    written[out / flight.trial->name].insert({flight.file, sidecar_path(flight.file)});
+  for (const auto& [folder, names] : written) {
+    std::error_code error;
+    std::vector<std::string> others;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+      if (names.count(entry.path().filename().string()) == 0) others.push_back(entry.path().filename().string());
+    if (!others.empty())
+      throw ConfigError(
+          fmt::format("{}: is there already (it would be taken for a part of this trial); name another folder",
+                      (folder / *std::min_element(others.begin(), others.end())).string()));
+  }
+}
+
 }  // namespace
 
 TrialsFile read_trials_file(const std::string& path, const std::vector<std::string>& overrides) {
@@ -194,28 +211,6 @@ TrialsFile read_trials_file(const std::string& path, const std::vector<std::stri
   }
   return file;
 }
-
-namespace {
-
-// whatever else is in a trial's folder would be taken for its own: an old diagnosis is scored, an old recording diagnosed
-void check_nothing_else_is_there(const std::vector<PlannedFlight>& flights, const std::filesystem::path& out) {
-  std::map<std::filesystem::path, std::set<std::string>> written;
-  for (const PlannedFlight& flight : flights)
-    written[out / flight.trial->name].insert(
-        {flight.file, std::filesystem::path(flight.file).stem().string() + ".meta.toml"});
-  for (const auto& [folder, names] : written) {
-    std::error_code error;
-    std::vector<std::string> others;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-      if (names.count(entry.path().filename().string()) == 0) others.push_back(entry.path().filename().string());
-    if (!others.empty())
-      throw ConfigError(
-          fmt::format("{}: is there already (it would be taken for a part of this trial); name another folder",
-                      (folder / *std::min_element(others.begin(), others.end())).string()));
-  }
-}
-
-}  // namespace
 
 std::string fly_concealed_trials(const TrialsFile& file, const std::string& out, int jobs,
                                  const std::function<void(std::size_t, std::size_t)>& progress) {

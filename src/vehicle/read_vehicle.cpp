@@ -195,24 +195,23 @@ VehicleModel read_vehicle(const std::string& name_or_path, const std::string& fr
   return vehicle;
 }
 
-VehicleModel read_vehicle_of(const std::vector<FlownBy>& flights) {
-  const FlownBy& first = flights.front();
-  VehicleModel vehicle = read_vehicle(first.vehicle, first.flight);
-  for (const FlownBy& other : flights) {
-    if (other.vehicle.empty()) continue;
-    try {
-      const VehicleModel its = read_vehicle(other.vehicle, other.flight);
-      if (its.source_bytes != vehicle.source_bytes)
-        throw DataError(
-            fmt::format("{} and {} are flights of two vehicles ({} and {}), and one model is for one vehicle; give "
-                        "flights of one, or "
-                        "say with --vehicle which it is",
-                        first.flight, other.flight, vehicle.source_path, its.source_path));
-    } catch (const ConfigError&) {
-      if (other.vehicle != first.vehicle) throw;
-    }
+const VehicleModel& OneVehicle::of(const FlownBy& flight) {
+  if (!vehicle_) {
+    vehicle_ = read_vehicle(flight.vehicle, flight.flight);
+    first_ = flight;
   }
-  return vehicle;
+  if (flight.vehicle.empty() || flight.flight == first_.flight) return *vehicle_;
+  try {
+    const VehicleModel its = read_vehicle(flight.vehicle, flight.flight);
+    if (its.source_bytes != vehicle_->source_bytes)
+      throw DataError(
+          fmt::format("{} and {} are flights of two vehicles ({} and {}), and one model is for one vehicle; "
+                      "give flights of one, or say with --vehicle which it is",
+                      first_.flight, flight.flight, vehicle_->source_path, its.source_path));
+  } catch (const ConfigError&) {
+    if (flight.vehicle != first_.vehicle) throw;
+  }
+  return *vehicle_;
 }
 
 }  // namespace gustlab

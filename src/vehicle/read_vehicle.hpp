@@ -1,6 +1,7 @@
 // Reading a vehicle: a name under models/ or a path to a vehicle.toml or its folder (FORMATS.md §2).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,17 @@ VehicleModel read_vehicle(const std::string& name_or_path, const std::string& fr
 struct FlownBy {
   std::string flight, vehicle;
 };
-// The one vehicle of all flights. Throws DataError where two name vehicles whose files differ, and ConfigError as above. One that
-// names none flew with the first's, and so did one that says the same words in a folder without that vehicle.
-VehicleModel read_vehicle_of(const std::vector<FlownBy>& flights);
+// The one vehicle of flights that come one after the other.
+class OneVehicle {
+ public:
+  // Reads the first flight's. Throws DataError where another names a vehicle whose files differ, and ConfigError as above. One that
+  // names none flew with the first's, and so did one that says the same words in a folder without that vehicle.
+  const VehicleModel& of(const FlownBy& flight);
+
+ private:
+  FlownBy first_;
+  std::optional<VehicleModel> vehicle_;
+};
 // Names under models/.
 std::vector<std::string> vehicle_names();
 

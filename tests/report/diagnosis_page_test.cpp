@@ -516,7 +516,7 @@ TEST(DiagnosisPage, EndsSentencesOnceAndRoundsShares) {
   EXPECT_THAT(html, Not(HasSubstr("(z = ")));
 }
 
-// a page said of lift that it is no larger than noise and air, beside a curve of it with small bars
+// a page said of lift that it is no larger than the noise, beside a curve of it with small bars
 TEST(DiagnosisPage, ACurveOfWhatIsWithinTheNoiseSaysSo) {
   Json diagnosis = example_diagnosis();
   const char* note = "from one moment to the next, noise and air make as much";
@@ -769,7 +769,7 @@ TEST(DiagnosisPage, AnAxisIsSaidInWords) {
 }
 
 // three lines that say that something is left
-// a page said "no larger than noise and air", "a pattern is left" and "3.3 times as much as in a calm room" of one channel
+// a page said "no larger than the noise", "a pattern is left" and "3.3 times as much as in a calm room" of one channel
 TEST(DiagnosisPage, RemarksDoNotContradictTheTableOfChannels) {
   Json diagnosis = example_diagnosis();
   diagnosis["mismatch"].push_back(

@@ -80,10 +80,13 @@ Recordings read_recordings(const std::vector<std::string>& fit, const std::vecto
   read.holdout = read_all(holdout, read);
   read.reference = read_all(reference, read);
   if (read.fit.empty()) throw DataError(read.remarks.findings.front().says);
-  std::vector<FlownBy> flown;
+  if (vehicle) {
+    read.vehicle = read_vehicle(*vehicle);
+    return read;
+  }
+  OneVehicle flown;
   for (const auto* logs : {&read.fit, &read.holdout, &read.reference})
-    for (const FlightLog& log : *logs) flown.push_back({log.path, log.meta.vehicle});
-  read.vehicle = vehicle ? read_vehicle(*vehicle) : read_vehicle_of(flown);
+    for (const FlightLog& log : *logs) read.vehicle = flown.of({log.path, log.meta.vehicle});
   return read;
 }
 
