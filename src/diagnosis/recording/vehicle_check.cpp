@@ -24,6 +24,7 @@ struct Response {
   Eigen::MatrixXd gram, right;     // rotors × rotors of (Ω/Ω_h)², rotors × 3 with ω̇
   Vector3 norm = Vector3::Zero();  // of the part of each ω̇ that the speeds explain, rad/s²
   double explained = 0.0;          // share of the variance of roll and pitch acceleration
+  double yaw_explained = 0.0;      // share of the variance of yaw acceleration
 
   // correlation of what these gains (rad/s² per (Ω/Ω_h)²) predict with what the speeds can explain at all, -1…1: rotors
   // that never moved apart (a mixer of six has four dimensions) count for nothing
@@ -36,7 +37,7 @@ struct Response {
 Response measured_response(const std::vector<FlightData>& flights, const VehicleModel& vehicle, double delay_s) {
   const int rotors = vehicle.rotor_count;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(rotors, rotors), right = Eigen::MatrixXd::Zero(rotors, 3);
-  double total = 0.0;
+  Vector3 total = Vector3::Zero();
   const double hover = vehicle.hover_speed_radps();
   for (const FlightData& flight : flights) {
     if (flight.collective_only) continue;
@@ -56,7 +57,7 @@ Response measured_response(const std::vector<FlightData>& flights, const Vehicle
       if (!x.allFinite() || !y.allFinite()) continue;
       gram += x.transpose() * x;
       right += x.transpose() * y.transpose();
-      total += y.head<2>().squaredNorm();
+      total += y.cwiseAbs2();
     }
   }
   const Eigen::VectorXd alike = gram.rowwise().sum();
@@ -65,7 +66,8 @@ Response measured_response(const std::vector<FlightData>& flights, const Vehicle
   Eigen::MatrixXd ridged = gram;
   ridged.diagonal().array() += 1e-6 * gram.trace() / rotors + 1e-12;
   const Vector3 explained = right.cwiseProduct(ridged.ldlt().solve(right)).colwise().sum();
-  return {gram, right, explained.cwiseMax(0.0).cwiseSqrt(), explained.head<2>().sum() / (total + 1e-300)};
+  return {gram, right, explained.cwiseMax(0.0).cwiseSqrt(),
+          explained.head<2>().sum() / (total.head<2>().sum() + 1e-300), explained.z() / (total.z() + 1e-300)};
 }
 
 // how strongly each rotor turns the vehicle about each axis by the vehicle file, rotor i standing where `place[i]` stands
@@ -132,7 +134,8 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
       for (std::size_t i = 0; i < best.size(); ++i) vehicle.rotors[i] = rotors[static_cast<std::size_t>(best[i])];
     }
   }
-  if (level(place) > 1.0 && vehicle.rotors[0].torque_ratio_m > 0.0) {
+  // a part that small is noise, which agrees with any torque or its opposite
+  if (level(place) > 1.0 && found.yaw_explained > 0.05 && vehicle.rotors[0].torque_ratio_m > 0.0) {
     const double yaw = found.agreement(2, nominal_gains(vehicle, place).row(2));
     if (yaw < -0.6) {
       LogFinding finding;

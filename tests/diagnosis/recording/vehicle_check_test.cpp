@@ -80,6 +80,19 @@ TEST(CheckRotors, FindsThatAllTurnTheOtherWayRound) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(vehicle.rotors[i].direction, truth().rotors[i].direction) << i;
 }
 
+// of what the speeds explain of such a yaw nearly all is against the torque of the file
+TEST(CheckRotors, LeavesDirectionsAloneWhereTheRotorsHardlyExplainYaw) {
+  VehicleModel vehicle = truth();
+  FlightData flight = turning();
+  const RandomStream random(6, 0, "vehicle_check_test");
+  for (std::size_t k = 0; k < flight.motion.size(); ++k) {
+    double& yaw = flight.motion[k].angular_acceleration_B_radps2.z();
+    yaw = -yaw + 0.1 * random.normal4(k)[2];
+  }
+  EXPECT_THAT(check_rotors({flight}, vehicle), IsEmpty());
+  EXPECT_EQ(vehicle.rotors[0].direction, truth().rotors[0].direction);
+}
+
 // a flight that tells nothing changes nothing
 TEST(CheckRotors, LeavesTheFileAloneWhereTurningTellsNothing) {
   VehicleModel vehicle = truth();
