@@ -153,7 +153,7 @@ void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::
   for (const std::string& old : {stand.input, key}) drop_key(text, "actuator", old);
   fmt::print("{:<20} {} (rms of the residual {:.2g} N)\n", key, map, stand.thrust_misfit_N);
   if (stand.coefficient_Ns2 || vehicle.rotor_speed_known) return set_key(text, "actuator", key, map, says);
-  const double full = stand.input == "pwm" ? 65535.0 : 1.0, linear = c[1] * full, square = c[2] * full * full;
+  const double full = stand.full_input(), linear = c[1] * full, square = c[2] * full * full;
   const double wanted_N = vehicle.hover_thrust_N() - c[0];
   const double hover = square == 0.0 ? wanted_N / linear
                                      : (std::sqrt(linear * linear + 4.0 * square * wanted_N) - linear) / (2.0 * square);
@@ -166,6 +166,17 @@ void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::
           fmt::format("{} that carries the weight: {}", stand.input, source));
   set_key(text, "actuator", "throttle_curve", fmt::format("{:.4g}", std::clamp(square / (linear + square), 0.0, 1.0)),
           source);
+}
+
+// the fastest that a rotor turns, of its thrust at full input
+void take_max_speed(const ThrustStand& stand, const std::string& source, std::string& text) {
+  const auto& c = *stand.input_thrust;
+  const double full = stand.full_input(), thrust_N = c[0] + c[1] * full + c[2] * full * full;
+  if (!(thrust_N > 0.0)) return;
+  const double speed_radps = std::sqrt(thrust_N / stand.coefficient_Ns2->value);
+  set_key(text, "thrust", "max_speed_radps", fmt::format("{:.5g}", speed_radps),
+          fmt::format("rad/s, at {} {:g}: {}", stand.input, full, source));
+  fmt::print("{:<20} {:.4g} rad/s\n", "max_speed_radps", speed_radps);
 }
 
 void fit_stand(const FitArguments& options) {
@@ -184,8 +195,13 @@ void fit_stand(const FitArguments& options) {
   if (stand.coefficient_Ns2) {
     drop_key(text, "thrust", "hover");
     drop_key(text, "actuator", "throttle_curve");
+    // `hover` told it, on a scale that is not that of the measured speeds
+    if (!vehicle.rotor_speed_known) drop_key(text, "thrust", "max_speed_radps");
   }
   if (stand.input_thrust) take_map(stand, vehicle, options.thrust_stand, source, text);
+  if (stand.coefficient_Ns2 && stand.input_thrust &&
+      !(vehicle.rotor_speed_known && std::isfinite(vehicle.max_speed_radps)))
+    take_max_speed(stand, source, text);
   set("coefficient", stand.coefficient_Ns2, "N/(rad/s)^2");
   set("torque_ratio", stand.torque_ratio_m, "m");
   if (stand.nominal_voltage_V)

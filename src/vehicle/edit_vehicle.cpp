@@ -48,6 +48,11 @@ bool sets(const std::string& line, std::string_view key) {
   return text.starts_with(key) && trimmed(text.substr(key.size())).starts_with('=');
 }
 
+// `# key = …`: a number that was only proposed
+bool proposes(const std::string& line, std::string_view key) {
+  return is_comment(line) && sets(line.substr(line.find('#') + 1), key);
+}
+
 // takes a line and the comment lines right above it out; returns where it was
 std::size_t erase_with_comments(Lines& lines, std::size_t at, std::size_t first) {
   std::size_t from = at;
@@ -82,11 +87,8 @@ void set_key(std::string& text, std::string_view table, std::string_view key, st
     place = find_table(lines, table);
   }
   std::size_t at = place->first;
-  for (std::size_t i = place->first; i < place->second; ++i)
-    if (sets(lines[i], key)) {
-      at = erase_with_comments(lines, i, place->first);
-      break;
-    }
+  for (std::size_t i = place->second; i-- > place->first;)
+    if (sets(lines[i], key) || proposes(lines[i], key)) i = at = erase_with_comments(lines, i, place->first);
   lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(at),
                {fmt::format("# {}", source), fmt::format("{} = {}", key, literal)});
   text = join(lines);

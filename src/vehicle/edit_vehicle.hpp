@@ -6,8 +6,8 @@
 
 namespace gustlab {
 
-// Sets `key = literal  # source` in a table ("thrust"), which is added when it is not there. The key's old line goes, and so do the
-// comment lines right above it, which told the old number's source.
+// Sets `key = literal  # source` in a table ("thrust"), which is added when it is not there. The key's old line and one that proposes
+// it (`# key = …`) go, and so do the comment lines right above them, which told the old number's source.
 void set_key(std::string& text, std::string_view table, std::string_view key, std::string_view literal,
              std::string_view source);
 // Takes a key and its comment lines out of a table.

@@ -23,6 +23,8 @@ struct ThrustStand {
   double thrust_misfit_N = 0.0;                       // rms of the best map's residual
   std::size_t rows = 0;
   std::vector<std::string> unknown;  // what was not measured, or not varied
+
+  [[nodiscard]] double full_input() const { return input == "pwm" ? 65535.0 : 1.0; }
 };
 
 // Columns: thrust_N | thrust_gf | thrust_kgf, and any of torque_Nm, speed_radps | speed_rpm, voltage_V, and throttle (0..1) |

@@ -47,6 +47,13 @@ TEST(EditVehicle, SetsAKeyAndItsSourceInItsTableAlone) {
   EXPECT_EQ(again, text);
 }
 
+TEST(EditVehicle, PutsAKeyInPlaceOfAProposal) {
+  const std::string without = replaced(file, "# from the shop\n# (they say)\ncoefficient = 1e-5\n", "");
+  std::string text = replaced(without, "# mine\n", "# mine\n# when speeds are logged\n# coefficient = 1e-5\n");
+  set_key(text, "thrust", "coefficient", "2e-5", "thrust stand");
+  EXPECT_EQ(text, replaced(without, "# mine\n", "# mine\n# thrust stand\ncoefficient = 2e-5\n"));
+}
+
 TEST(EditVehicle, AddsAKeyAndATableBeforeTheEffects) {
   std::string text = file;
   set_key(text, "actuator", "pwm", "7", "guess");
