@@ -9,20 +9,22 @@
 #include "config/text.hpp"
 #include "config/toml.hpp"
 #include "control/rotors.hpp"
+#include "plant/force_model.hpp"
+#include "simulation/make_effects.hpp"
 #include "simulation/recorder.hpp"
 
 namespace gustlab {
 
 namespace {
 
-constexpr double hover_s = 10.0;
+constexpr double hover_s = 10.0, step_s = 0.0005;
 
 Experiment hover_of(const VehicleModel& vehicle) {
   config::Table document = config::Table::parse(
       fmt::format(
           "name = \"hover\"\nvehicle = {}\ntrajectories = [\"hover\"]\ncontrollers = [\"geometric\"]\nduration_s = {}\n"
-          "step_s = 0.0005\nlog_source = \"truth\"\n",
-          config::quoted(std::filesystem::absolute(vehicle.source_path).string()), hover_s),
+          "step_s = {}\nlog_source = \"truth\"\n",
+          config::quoted(std::filesystem::absolute(vehicle.source_path).string()), hover_s, step_s),
       "hover");
   return make_experiment(document, "");
 }
@@ -46,20 +48,45 @@ std::optional<double> input_for(double speed_radps, const Rotor& rotor,
   return (-c1 + std::sqrt(std::max(c1 * c1 + 4.0 * c2 * wanted_N, 0.0))) / (2.0 * c2);
 }
 
+// a command that never changes
+struct Steady final : Actuation::Past {
+  explicit Steady(double speed_radps) { command_radps.fill(speed_radps); }
+  void command(double, RotorArray& speed_radps) const override { speed_radps = command_radps; }
+  RotorArray command_radps;
+};
+
+// upward force of all rotors at the largest command, standing in still air a metre above the ground
+double most_thrust_N(const ForceModel& forces) {
+  const VehicleModel& vehicle = forces.vehicle();
+  const Steady most(vehicle.max_speed_radps);
+  Actuation actuation{.voltage_V = vehicle.nominal_voltage_V,
+                      .command_radps = most.command_radps,
+                      .start_speed_radps = most.command_radps,
+                      .past = &most};
+  forces.actuate(actuation);
+  VehicleState state;
+  state.position_W_m.z() = 1.0;
+  Flow flow = forces.flow(state, vehicle.nominal_voltage_V);
+  RotorSet rotors;
+  forces.rotors(actuation.end_speed_radps, {}, flow, rotors);
+  double total_N = 0.0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rotors.count); ++i)
+    total_N += rotors.thrust_N[i] * rotors.axis_B[i].z();
+  return total_N;
+}
+
 }  // namespace
 
 VehicleReport examine_vehicle(const VehicleModel& vehicle) {
   VehicleReport report;
-  report.mass_kg = vehicle.mass_kg;
-  report.weight_N = vehicle.weight_N();
-  report.arm_m = vehicle.arm_m();
-  const Mixer mixer(vehicle);
-  report.authority_radps2 = (vehicle.inertia_B_kgm2.inverse() * mixer.torque_authority_B_Nm()).cwiseAbs();
-  if (std::isfinite(vehicle.max_speed_radps)) {
-    RotorArray most{};
-    std::fill_n(most.begin(), vehicle.rotor_count, vehicle.max_speed_radps);
-    report.thrust_to_weight = mixer.force_B_N(most).z() / vehicle.weight_N();
-  }
+  ForceModel forces(vehicle, make_flown_effects(vehicle.effects));
+  forces.prepare(step_s, 0, 0);
+  const VehicleModel& flown = forces.vehicle();
+  report.mass_kg = flown.mass_kg;
+  report.weight_N = flown.weight_N();
+  report.arm_m = flown.arm_m();
+  report.authority_radps2 = (flown.inertia_B_kgm2.inverse() * Mixer(flown).torque_authority_B_Nm()).cwiseAbs();
+  if (std::isfinite(flown.max_speed_radps)) report.thrust_to_weight = most_thrust_N(forces) / flown.weight_N();
   for (const EffectSpec& effect : vehicle.effects)
     for (const auto& [key, value] : effect.values) {
       if (find_effect(effect.type)->latency != Latency::lag) continue;

@@ -15,6 +15,7 @@ struct RotorTrim {
   std::optional<double> throttle, pwm;  // inputs that ask for this speed, where the vehicle file has a map
 };
 
+// All of it with the file's own effects.
 struct VehicleReport {
   double mass_kg = 0.0, weight_N = 0.0, arm_m = 0.0;
   std::optional<double> thrust_to_weight;      // std::nullopt: the file does not limit the rotors

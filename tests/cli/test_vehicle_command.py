@@ -60,6 +60,15 @@ class NewVehicle(InFolder):
         for rotor in said["hover"]["trim"]:
             self.assertAlmostEqual(rotor["throttle"], HOVER, places=3)
 
+    def test_effects_of_the_file_count(self):
+        self.write(LEAST + "coefficient = 1e-5\nmax_speed_radps = 900\n")
+        plain = self.check("vehicle.toml")
+        self.write(LEAST + "coefficient = 1e-5\nmax_speed_radps = 900\n"
+                   '[[effect]]\ntype = "mass"\ndelta = 0.25\n[[effect]]\ntype = "thrust_scale"\ndelta = 0.1\n[[effect]]\ntype = "saturation"\nmax_speed = 810\n')
+        said = self.check("vehicle.toml")
+        self.assertAlmostEqual(said["mass_kg"], plain["mass_kg"] * 1.25)
+        self.assertAlmostEqual(said["thrust_to_weight"] * said["weight_N"], plain["thrust_to_weight"] * plain["weight_N"] * 1.1 * 0.81)
+
     def test_every_number_says_where_it_comes_from(self):
         self.new(*NEW)
         lines = (self.folder / "mine" / "vehicle.toml").read_text(encoding="utf-8").splitlines()
@@ -182,12 +191,18 @@ class FitOnAThrustStand(InFolder):
             self.assertAlmostEqual(vehicle["thrust"]["coefficient"], 1.5e-5, delta=1e-8)
             self.assertAlmostEqual(vehicle["thrust"]["torque_ratio"], 0.018, places=5)
             self.assertNotIn("hover", vehicle["thrust"])
+            self.assertAlmostEqual(vehicle["thrust"]["max_speed_radps"] ** 2 * 1.5e-5 * (15.4 / vehicle["thrust"]["nominal_voltage_V"]) ** 1.6, 7.2, delta=0.05)
             self.assertEqual(vehicle["effect"][0]["type"], "battery_sag")
             self.assertAlmostEqual(vehicle["effect"][0]["exponent"], 1.6, places=2)
             for got, wanted in zip(vehicle["actuator"]["throttle_thrust"], (0.2, 1.0, 6.0)):
                 self.assertAlmostEqual(got * (15.4 / vehicle["thrust"]["nominal_voltage_V"]) ** 1.6, wanted, delta=0.02)
             for path in (self.folder / "fitted").iterdir():
                 path.unlink()
+
+    def test_the_fastest_speed_of_the_file_stays(self):
+        self.write(LEAST + "coefficient = 1e-5\nmax_speed_radps = 800\n")
+        self.stand(("throttle", "thrust_N", "speed_radps"))
+        self.assertEqual(self.fit()[1]["thrust"]["max_speed_radps"], 800)
 
     def test_what_was_not_measured_stays_unknown_and_as_it_was(self):
         self.write(LEAST + "# from a data sheet\ntorque_ratio = 0.02\n# a guess\ncoefficient = 1e-5\n")
