@@ -44,9 +44,9 @@ struct Identification {
   double condition_number = 0.0;             // of Θ
   double condition_number_normalized = 0.0;  // of Θ with columns of length one
   double error_fit = 0.0;                    // N, root mean square over samples and targets
-  double error_holdout = 0.0;                // N, on flights not used, or on each fold by the fit on the others
-  double force_rms = 0.0;                    // N, of the residual force itself where it was fitted
-  double force_rms_holdout = 0.0;            // N, where error_holdout was measured
+  double error_holdout = 0.0;      // N, on flights not used, or on each fold by what the others find at this λ
+  double force_rms = 0.0;          // N, of the residual force itself where it was fitted
+  double force_rms_holdout = 0.0;  // N, where error_holdout was measured
   bool holdout_is_cross_validation = false;
   std::vector<std::string> notes;  // what a reader should know, in sentences
 

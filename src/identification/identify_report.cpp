@@ -84,12 +84,13 @@ std::string to_markdown(const Identification& found) {
     out += markdown_row(cells);
   }
   out += fmt::format(
-      "\nresidual force {:.4g} N, of which the model leaves {:.4g} N where it was fitted; {} {:.4g} N, of which it "
-      "leaves "
-      "{:.4g} N; condition number {:.4g}, with columns of equal length {:.4g}\n",
+      "\nresidual force, rms per axis: {:.4g} N, of which the model leaves {:.4g} N where it was fitted; {} {:.4g} N, "
+      "of "
+      "which {:.4g} N are left; condition number {:.4g}, with columns of equal length {:.4g}\n",
       found.force_rms, found.error_fit,
-      found.holdout_is_cross_validation ? "cross-validated" : "on the held-out flights", found.force_rms_holdout,
-      found.error_holdout, found.condition_number, found.condition_number_normalized);
+      found.holdout_is_cross_validation ? "cross-validated, each fold by what the others find at this lambda,"
+                                        : "on the held-out flights",
+      found.force_rms_holdout, found.error_holdout, found.condition_number, found.condition_number_normalized);
   for (const std::string& note : found.notes) out += "\nnote: " + note + "\n";
   return out;
 }
@@ -119,7 +120,7 @@ std::string to_toml(const Identification& found, std::span<const std::string> fl
   }
   return fmt::format(
       "# the force that the known model leaves over, identified by `gustlab identify` from {}\n"
-      "# {}; {} samples; {:.4g} N before, {:.4g} N left, {:.4g} N {}\n"
+      "# {}; {} samples; rms per axis {:.4g} N before, {:.4g} N left, {:.4g} N {}\n"
       "# fx, fy, fz: N in the world frame per unit of each term; T: total thrust, N; angles: rad\n"
       "[[effect]]\n"
       "type = \"sindy_residual\"\n"
