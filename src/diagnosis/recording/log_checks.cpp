@@ -114,7 +114,7 @@ class Checker {
     return std::max(weights * vehicle_.weight_N(), kind == ActuatorKind::thrust ? most : sum);
   }
 
-  // ranges of the input, copies, straight lines (interpolated over a loss of telemetry)
+  // ranges of the input, copies, straight lines (interpolated over a loss of telemetry, which a simulation does not have)
   void actuator() {
     const ActuatorKind kind = log_.meta.actuator;
     const double top = most_input(kind);
@@ -146,7 +146,7 @@ class Checker {
     if (still > 0) {
       add("u1…uN", "frozen", 0, log_.rows(),
           fmt::format("{} of {} inputs never change: the flight is set aside", still, u.size()), true);
-    } else if (straight.lasts_s > 0.5) {
+    } else if (straight.lasts_s > 0.5 && log_.meta.source == "recording") {
       add("u1…uN", "inconsistent", straight.first, straight.last + 1,
           fmt::format(
               "the inputs are a straight line for {:.1f} s (interpolated over lost telemetry): the flight is set aside",

@@ -29,10 +29,10 @@ RotorArray speeds(double t) {
 }
 
 // the torque of its rotors, some time later, over as long as an angular acceleration is fitted
-FlightData turning(double delay_s = 0.0) {
+FlightData turning(double delay_s = 0.0, const std::function<RotorArray(double)>& commanded = speeds) {
   const VehicleModel vehicle = truth();
   FlightData flight = test::flight_of(
-      vehicle, 12.0, sample_s, [](double) { return Motion{}; }, speeds);
+      vehicle, 12.0, sample_s, [](double) { return Motion{}; }, commanded);
   for (std::size_t k = 0; k < flight.samples.size(); ++k) {
     const double t = flight.samples[k].time_s - delay_s;
     const RotorArray mean = flight.commands.mean(t - 0.5 * average_s, t + 0.5 * average_s);
@@ -91,6 +91,22 @@ TEST(CheckRotors, LeavesDirectionsAloneWhereTheRotorsHardlyExplainYaw) {
   }
   EXPECT_THAT(check_rotors({flight}, vehicle), IsEmpty());
   EXPECT_EQ(vehicle.rotors[0].direction, truth().rotors[0].direction);
+}
+
+// at 4 Hz half a swing is an eighth of a second
+TEST(CheckRotors, TakesTheLesserOfTwoDelaysThatExplainAsMuch) {
+  VehicleModel vehicle = truth();
+  FlightData flight = turning(0.125, [](double t) {
+    RotorArray out{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double n = static_cast<double>(i);
+      out[i] = truth().hover_speed_radps() * (1.0 + 0.03 * std::sin((24.0 + 0.6 * n) * t + n));
+    }
+    return out;
+  });
+  for (Motion& motion : flight.motion) motion.angular_acceleration_B_radps2 *= -1.0;
+  EXPECT_THAT(check_rotors({flight}, vehicle), IsEmpty());
+  EXPECT_EQ(vehicle.rotors[0].position_B_m, truth().rotors[0].position_B_m);
 }
 
 // a flight that tells nothing changes nothing
