@@ -29,9 +29,8 @@ std::string store_path(const std::string& folder) { return (fs::path(folder) / "
 std::string csv_path(const std::string& folder) { return (fs::path(folder) / "runs.csv").string(); }
 
 void check_same_sweep(const std::string& path, const Provenance& there, const Provenance& here) {
-  if (there.at("experiment") != here.at("experiment"))
-    throw ConfigError(fmt::format(
-        "{}: this store is of another experiment (its resolved configuration differs); use another --out", path));
+  if (const std::string differs = experiment_difference(there, here); !differs.empty())
+    throw ConfigError(fmt::format("{}: this store is of another experiment ({}); use another --out", path, differs));
   if (there.at("shard") != here.at("shard"))
     throw ConfigError(fmt::format("{}: this store is of shard {}, not {}; use another --out", path, there.at("shard"),
                                   here.at("shard")));
@@ -287,6 +286,17 @@ void merge(const std::vector<std::string>& folders, const std::string& out) {
     merge_stores(shards, (fs::path(out) / variant).string());
   }
   write_combined(out);
+}
+
+Results read_results_of(const Experiment& experiment, const std::string& out) {
+  const std::string folder = variant_folder(out, experiment);
+  const std::string differs =
+      experiment_difference(open_to_read(folder)->provenance(), provenance_of(experiment, Shard{}));
+  if (!differs.empty())
+    throw DataError(fmt::format(
+        "{}: these results are of another experiment ({}); give the experiment, --set and --seed of the sweep",
+        store_path(folder), differs));
+  return read_store(folder);
 }
 
 Results read_results(const std::string& folder) {

@@ -44,5 +44,7 @@ void merge(const std::vector<std::string>& folders, const std::string& out);
 // Every planned run of a finished sweep, of all its variants where it has some. Throws DataError when there is no store, or runs
 // are missing.
 Results read_results(const std::string& folder);
+// Those of one experiment, or variant, in the folder of its sweep. Throws DataError also when they are of another experiment.
+Results read_results_of(const Experiment& experiment, const std::string& out);
 
 }  // namespace gustlab

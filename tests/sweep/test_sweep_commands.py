@@ -162,7 +162,7 @@ class Mistakes(Commands):
     def test_store_is_never_overwritten_nor_mixed(self):
         self.sweep("a")
         self.expect(2, "there are results already", "sweep", self.experiment, "--out", "a")
-        self.expect(2, "another experiment", "sweep", self.experiment, "--out", "a", "--seed", "2", "--resume")
+        self.expect(2, "another experiment (seed = 1 there, seed = 2 here)", "sweep", self.experiment, "--out", "a", "--seed", "2", "--resume")
 
     def test_place_that_is_a_file_is_exit_2(self):
         (self.folder / "file").write_text("")
@@ -263,6 +263,23 @@ class Axes(Commands):
         self.assertIn("\n| strength_2_period_10 |", text)
         self.assertNotIn("strength_0.5", text)
         self.assertIn("no results here", self.call("compare", self.experiment, "a", code=3)[1])
+
+    def test_results_of_another_experiment_are_not_compared(self):
+        point = ["--variant", "strength_2_period_10"]
+        self.sweep("a", *point, "--set", "replicates=2")
+        for more, says in ((["--set", "replicates=2", "--seed", "2"], "seed = 1 there, seed = 2 here"),
+                           (["--set", "replicates=2", "--set", "trajectory.circle.radius_m=1.2"],
+                            "radius_m = 1.1 there, [trajectory.circle] radius_m = 1.2 here"),
+                           (["--set", "replicates=2", "--set", "effect.gust.sigma_xy=0.04"],
+                            "[[effect]] \"gust\" sigma_xy = 0.03 there, [[effect]] \"gust\" sigma_xy = 0.04 here"),
+                           (["--set", "replicates=2", "--set", "name=other"],
+                            "its name is small.strength_2_period_10 there, other.strength_2_period_10 here"),
+                           ([], "replicates = 2 there, replicates = 3 here")):
+            out, err = self.call("compare", self.experiment, "a", *point, *more, code=3)
+            self.assertEqual(out, "")
+            self.assertIn("runs.sqlite: these results are of another experiment", err)
+            self.assertIn(says, err)
+        self.call("compare", self.experiment, "a", *point, "--set", "replicates=2")
 
     def test_what_an_axis_sets_cannot_be_overridden(self):
         _, err = self.sweep("a", "--set", "effect.gust.strength=1", code=2)
