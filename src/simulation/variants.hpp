@@ -23,6 +23,9 @@ struct Variant {
 // when there is neither. The points of an axis that is `alone` are variants of their own, after the others. Throws ConfigError with file:line:col.
 std::vector<Variant> read_variant_tables(config::Table& document);
 
+// The key that two settings (key=value) both set, a table and its own key included; "" when there is none.
+std::string key_of_both(const std::string& setting, const std::string& other);
+
 // names go into CSV cells and file names as they are
 void check_name(const config::Table& table, std::string_view key, const std::string& name);
 
