@@ -159,6 +159,7 @@ std::vector<Variant> read_variant_tables(config::Table& document) {
     variants = std::move(grid);
   }
   variants.insert(variants.end(), alone.begin(), alone.end());
+  for (std::size_t place = 0; place < variants.size(); ++place) variants[place].place = place;
   return variants;
 }
 

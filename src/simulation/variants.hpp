@@ -17,6 +17,7 @@ struct Variant {
   std::string where;                    // file:line:col of what sets the most
   std::vector<NamedValue> axis_keys{};  // first key of each [[axis]] that is crossed
   NamedValue alone{};                   // the axis that it alone moves along; none of a grid
+  std::size_t place = 0;                // among the variants of the file
 };
 
 // Every point of the grid that the axes span, the last axis fastest, for each [[variant]] (or once, where there is none); empty

@@ -97,6 +97,23 @@ class Sweeps(Commands):
         self.sweep("a", "--resume")
         self.assertEqual(self.runs("a"), before)
 
+    def test_resume_writes_the_logs_of_runs_that_are_done(self):
+        self.sweep("a")
+        self.sweep("b", "--logs")
+        before = self.runs("a")
+        self.sweep("a", "--resume", "--logs")
+        self.assertEqual(self.runs("a"), before)
+        logs = sorted(path.name for path in (self.folder / "b").iterdir() if path.name.startswith(("circle", "hover")))
+        self.assertEqual(len(logs), 12)
+        for name in logs:
+            self.assertEqual((self.folder / "a" / name).read_bytes(), (self.folder / "b" / name).read_bytes(), name)
+        # a log that is there stays
+        (self.folder / "a" / logs[0]).write_text("mine")
+        (self.folder / "a" / "hover_pid_2.csv").unlink()
+        self.sweep("a", "--resume", "--logs")
+        self.assertEqual((self.folder / "a" / logs[0]).read_text(), "mine")
+        self.assertTrue((self.folder / "a" / "hover_pid_2.csv").exists())
+
     def peak_KiB(self, replicates, duration_s):
         """of the program itself (what wait4 says of a child counts the memory of Python, which it was before), and what of it no
         file stands behind: how much of its code is in memory is the system's choice. In small pages: huge ones (2 MiB) are too. The address
@@ -251,10 +268,29 @@ class Axes(Commands):
 
     def test_one_point_flies_alone(self):
         self.sweep("a", "--variant", "strength_2_period_10")
-        self.assertEqual([path.name for path in (self.folder / "a").iterdir()], ["strength_2_period_10"])
+        self.assertEqual(sorted(path.name for path in (self.folder / "a").iterdir()), ["runs.csv", "strength_2_period_10"])
         self.assertIn("| 2 | 10 |", self.call("table", "a")[0])
         _, err = self.sweep("a", "--variant", "strength_3", code=2)
         self.assertIn("there is no variant", err)
+
+    def points(self, out):
+        return {(row["strength"], row["period"]) for row in csv.DictReader(self.runs(out).decode().splitlines())}
+
+    def test_points_that_are_flown_one_by_one_make_one_runs_csv(self):
+        self.sweep("whole")
+        for strength in ("0.5", "2"):
+            for period in ("10", "5"):
+                self.sweep("a", "--variant", f"strength_{strength}_period_{period}")
+        self.assertEqual(self.runs("a"), self.runs("whole"))
+
+    def test_a_point_that_is_not_finished_is_not_in_the_whole(self):
+        self.sweep("a", "--variant", "strength_2_period_10")
+        (self.folder / "a" / "strength_2_period_10" / "runs.csv").unlink()
+        _, err = self.sweep("a", "--variant", "strength_2_period_5")
+        self.assertIn("runs.csv is without strength_2_period_10 (not finished); go on with --resume", err)
+        self.assertEqual(self.points("a"), {("2", "5")})
+        self.sweep("a", "--variant", "strength_2_period_10", "--resume")
+        self.assertEqual(self.points("a"), {("2", "5"), ("2", "10")})
 
     def test_points_that_were_flown_alone_are_compared_alone(self):
         few = ["--variant", "strength_2_period_10", "--variant", "strength_2_period_5"]
