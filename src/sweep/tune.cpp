@@ -268,11 +268,11 @@ std::vector<TuneResult> tune(const std::string& experiment_path, const std::vect
   return results;
 }
 
-std::string to_toml(const std::vector<TuneResult>& results, const Tuning& tuning, const std::string& experiment) {
+std::string to_toml(const std::vector<TuneResult>& results, const Tuning& tuning, const std::string& command) {
   std::string text = fmt::format(
-      "# written by `gustlab tune {}`: {} searches of at most {} flights per controller, replicates {} to {}, {} "
+      "# written by `{}`: {} searches of at most {} flights per controller, replicates {} to {}, {} "
       "scenarios\n",
-      experiment, tuning.search_seeds.size(), tuning.flights, tuning.first_replicate,
+      command, tuning.search_seeds.size(), tuning.flights, tuning.first_replicate,
       tuning.first_replicate + tuning.replicates - 1, tuning.scenarios.size());
   for (std::size_t k = 0; k < results.size(); ++k) {
     const TuneResult& result = results[k];

@@ -7,6 +7,7 @@ import functools
 import json
 import os
 import re
+import shlex
 import shutil
 import signal
 import sqlite3
@@ -19,7 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "cli"))
 
-from small_experiments import CIRCLE, GUST, experiment_toml  # noqa: E402
+from small_experiments import CIRCLE, GUST, TUNING, experiment_toml  # noqa: E402
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 
@@ -321,6 +322,50 @@ class Axes(Commands):
         _, err = self.sweep("a", "--set", "effect.gust.strength=1", code=2)
         self.assertIn("its value would be lost", err)
         self.assertFalse((self.folder / "a").exists())
+
+
+WINDS = """
+[[variant]]
+name = "north"
+set = ["effect.gust.drift_x=0.02"]
+[[variant]]
+name = "west"
+set = ["effect.gust.drift_y=0.02"]
+"""
+
+
+class CommandsThatFilesName(Commands):
+    def again(self, text, file):
+        """what the command that `text` names writes into `file`"""
+        command = re.search(r"(gustlab (?:train|tune) [^`\n]*)", text)[1]
+        subprocess.run(["bash", "-c", f"{command.replace('gustlab', shlex.quote(PROGRAM), 1)} --out again"], cwd=self.folder, check=True,
+                       capture_output=True, timeout=600)
+        return (self.folder / "again" / file if file else self.folder / "again").read_text()
+
+    def test_weights_are_made_again_by_it(self):
+        self.experiment.write_text(experiment_toml("circle", replicates=1, duration_s=4.0, more="seed = 3\n" + CIRCLE + GUST + WINDS))
+        settings = ["--set", "controller.pid.position_gain=1.5", "--set", "duration_s = 5.0 # it's\n"]
+        for k, more in enumerate(([], settings, [*settings, "--seed", "7"])):
+            self.call("train", self.experiment, "--epochs", "2", *more, "--out", f"w{k}")
+            text = (self.folder / f"w{k}").read_text()
+            self.assertEqual(text, self.again(text, ""))
+        self.assertIn("--set controller.pid.position_gain=1.5 --set ", text)
+        self.assertIn(" --seed 7 --epochs 2", text)
+
+    def test_gains_are_made_again_by_it(self):
+        (self.folder / "own.toml").write_text(TUNING)
+        self.call("tune", self.experiment, "--tuning", self.folder / "own.toml", "--set", "trajectories=circle", "--set", "duration_s = 0.5", "--seed", "5",
+                  "--out", "a")
+        text = (self.folder / "a" / "gains.toml").read_text()
+        self.assertIn("`gustlab tune experiment.toml --set trajectories=circle --set 'duration_s = 0.5' --seed 5 --tuning own.toml`", text)
+        self.assertEqual(text, self.again(text, "gains.toml"))
+
+    def test_an_outcome_says_seed_and_settings(self):
+        run = ["run", self.experiment, "--trajectory", "hover", "--controller", "pid"]
+        self.call(*run, "--out", "a")
+        self.call(*run, "--out", "b", "--seed", "9", "--set", "duration_s=0.5")
+        outcomes = [json.loads((self.folder / name / "outcome.json").read_text()) for name in "ab"]
+        self.assertEqual([(outcome["seed"], outcome["set"]) for outcome in outcomes], [(1, []), (9, ["duration_s=0.5"])])
 
 
 class Gates(Commands):
