@@ -111,10 +111,16 @@ TunedParameter read_parameter(config::Table table) {
 
 // what the search would stumble over later
 void check_controllers(const std::string& path, const std::vector<std::string>& overrides, const Tuning& tuning) {
+  std::vector<std::string> listed;
+  for (const Choice& choice : read_experiment(path, overrides).controllers) listed.push_back(choice.name);
   for (const Tuning::Controller& controller : tuning.controllers) {
     std::vector<std::string> settings = overrides;
     const std::string alone = fmt::format("controllers=[\"{}\"]", controller.name);
     check_override(path, settings, alone, controller.where);
+    if (std::find(listed.begin(), listed.end(), controller.name) == listed.end())
+      throw ConfigError(worded(
+          fmt::format("{}: \"{}\" is none of the controllers of the experiment", controller.where, controller.name),
+          fmt::format("it has {}", fmt::join(listed, ", ")), "add it to \"controllers\", or leave it out here"));
     settings.push_back(alone);
     for (const TunedParameter& parameter : controller.parameters)
       check_override(

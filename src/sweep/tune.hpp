@@ -26,7 +26,7 @@ struct Tuning {
   std::vector<std::vector<std::string>> scenarios{
       {}};  // [[scenario]]: key=value lists that are flown alike; the mean counts
   struct Controller {
-    std::string name;  // as in the experiment
+    std::string name;  // one of the experiment's list
     std::vector<TunedParameter> parameters;
     std::string where = {};  // file:line:col
   };
