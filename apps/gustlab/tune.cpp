@@ -24,7 +24,6 @@ struct Options {
 
 void tune_command(const Options& options) {
   const std::string path = find_experiment(options.experiment.experiment);
-  options.experiment.read();
   const Tuning tuning = read_tuning(options.tuning.empty() ? tuning_path(path) : options.tuning);
   check_files_can_be_written(options.out, {"gains.toml"});
   const std::atomic<bool>& stop = interrupted();

@@ -130,7 +130,7 @@ void write_merged(const std::vector<std::unique_ptr<RunStore>>& shards, const Pr
       throw IoError(fmt::format("{}: cannot write ({})", path(out), std::strerror(errno)));
 }
 
-// of the log of a run, beside the store
+// where the log of a run goes: beside the store
 std::string log_path(const Experiment& experiment, const RunSpec& spec, const std::string& folder) {
   return (fs::path(folder) / fmt::format("{}_{}_{}.csv", experiment.trajectories[spec.trajectory].name,
                                          experiment.controllers[spec.controller].name, spec.replicate))
