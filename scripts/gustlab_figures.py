@@ -1,9 +1,13 @@
 """What the figures share: reading flights, one look, and files that are the same bytes each time."""
 
+import contextlib
 import csv
 import gzip
 import io
 import json
+import math
+import sqlite3
+import textwrap
 import zlib
 from pathlib import Path
 
@@ -29,8 +33,36 @@ plt.rcParams.update({
 })
 
 
+def read_number(text, place, column):
+    """a cell as a number, NaN where it is empty; place: file:line:column of it"""
+    text = text.strip()
+    try:
+        value = float(text or "nan")
+    except ValueError:
+        value = math.inf
+    if text and not math.isfinite(value):
+        raise DataError(f'{place}: "{text[:40]}" in column {column} is not a finite number (a missing one is an empty cell)')
+    return value
+
+
+def said_of_run(path):
+    """what the store of a sweep says of the run whose log `gustlab sweep --logs` wrote, as outcome.json would; nothing where there is none"""
+    store = path.parent / "runs.sqlite"
+    if not store.is_file():
+        return {}
+    try:
+        with contextlib.closing(sqlite3.connect(f"{store.resolve().as_uri()}?mode=ro", uri=True)) as database:
+            run = database.execute("SELECT trajectory, controller, replicate, outcome FROM runs "
+                                   "WHERE trajectory || '_' || controller || '_' || replicate = ?", (path.name.removesuffix(".csv"),)).fetchone()
+            provenance = dict(database.execute("SELECT name, value FROM provenance WHERE name IN ('name', 'vehicle', 'settle_s')"))
+            return {} if run is None else {"experiment": provenance["name"], "vehicle": provenance["vehicle"], "settle_s": float(provenance["settle_s"]),
+                                           **dict(zip(("trajectory", "controller", "replicate", "outcome"), run))}
+    except (sqlite3.Error, KeyError, ValueError) as error:
+        raise DataError(f"{store}: cannot be read ({error})") from None
+
+
 class Flight:
-    """one flight: columns by name (FORMATS: SI, world z up), and what `gustlab run` said of it"""
+    """one flight: columns by name (FORMATS: SI, world z up), and what `gustlab run` or the sweep said of it"""
 
     def __init__(self, path):
         path = Path(path)
@@ -40,25 +72,34 @@ class Flight:
             if not found:
                 raise DataError(f"{path}: no flight.csv (is it the --out of `gustlab run`?)")
             path = found[0]
+        self.file = path
         outcome = path.parent / "outcome.json"
         try:
-            self.outcome = json.loads(outcome.read_text(encoding="utf-8")) if outcome.is_file() else {}
-            with gzip.open(path, "rt") if path.suffix == ".gz" else open(path, encoding="utf-8") as file:
-                names = file.readline().strip().split(",")
-                table = np.genfromtxt(file, delimiter=",", ndmin=2)
+            self.outcome = json.loads(outcome.read_text(encoding="utf-8")) if outcome.is_file() else said_of_run(path)
+            with gzip.open(path, "rt", encoding="utf-8-sig") if path.suffix == ".gz" else open(path, encoding="utf-8-sig") as file:
+                self.columns = {name.strip(): k for k, name in enumerate(file.readline().split(","))}
+                self.rows = [(number, line.rstrip("\n").split(",")) for number, line in enumerate(file, 2) if line.strip()]
         except (OSError, EOFError, zlib.error, ValueError) as error:
             raise DataError(f"{path}: cannot be read ({' '.join(str(error).split())})") from None
-        if table.size == 0 or table.shape[1] != len(names):
-            raise DataError(f"{path}: no table (a header and rows of {len(names)} numbers are needed)")
-        self.columns = dict(zip(names, table.T))
+        for number, cells in self.rows:
+            if len(cells) != len(self.columns):
+                raise DataError(f"{path}:{number}:1: cannot be read (this row has {len(cells)} cells, the header {len(self.columns)})")
+        if not self.rows:
+            raise DataError(f"{path}: no table (a header and rows of {len(self.columns)} numbers are needed)")
         self.time_s = self.need("time_s")
+
+    def column(self, name):
+        """its numbers; only what is shown is read, as a log may have columns of its own"""
+        k = self.columns[name]
+        return [read_number(cells[k], f"{self.file}:{number}:{sum(map(len, cells[:k])) + k + 1}", name) for number, cells in self.rows]
 
     def need(self, *names):
         """the columns as one array, shape (samples,) or (len(names), samples)"""
         missing = [name for name in names if name not in self.columns]
         if missing:
             raise DataError(f"{self.path}: no column {', '.join(missing)} (the figure shows it)")
-        return np.array([self.columns[name] for name in names]).squeeze()
+        columns = np.array([self.column(name) for name in names])
+        return columns[0] if len(names) == 1 else columns
 
     def rotor_speeds(self):
         """measured rotor speeds, else the actuator inputs, shape (rotors, samples); and what they are"""
@@ -79,12 +120,22 @@ def read_runs(folder):
     path = Path(folder) / "runs.csv"
     try:
         with open(path, encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
+            reader = csv.DictReader(file)
+            lines = [(row, reader.line_num) for row in reader]
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror})") from None
+    rows = [row for row, _ in lines]
     wanted = {"experiment", "vehicle", "trajectory", "controller", "outcome", "rmse_xy_m", "p95_xy_m"}
     if not rows or not wanted <= set(rows[0]):
         raise DataError(f"{path}: not the runs of a sweep (columns {', '.join(sorted(wanted))} and a row are needed)")
+    for row, line in lines:
+        if None in row or None in row.values():
+            raise DataError(f"{path}:{line}:1: cannot be read (this row has other cells than the header's {len(rows[0])})")
+        begin = 1
+        for name, text in list(row.items()):
+            if name in METRICS:
+                row[name] = read_number(text, f"{path}:{line}:{begin}", name)
+            begin += len(text) + 1
     return rows
 
 
@@ -124,6 +175,12 @@ def runs_per_point(rows):
         at = tuple(row[name] for name in ("experiment", "vehicle", "trajectory", "controller", *axes_of(rows)))
         cells[at] = cells.get(at, 0) + 1
     return " or ".join(map(str, sorted(set(cells.values()))))
+
+
+def note(figure, text, write="supxlabel"):
+    """small words below the figure, or above it (suptitle), in as many lines as its width needs"""
+    letters_per_inch = 21  # of 6 points
+    getattr(figure, write)("\n".join(textwrap.wrap(text, int(letters_per_inch * figure.get_size_inches()[0]))), fontsize=6)
 
 
 def save(figure, stem):

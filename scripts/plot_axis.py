@@ -32,7 +32,7 @@ def draw_panel(axis, rows, options):
             if row["controller"] == controller:
                 points.setdefault(figures.number(row[options.x]), []).append(row)
         x = sorted(points)
-        mean, half = np.array([interval([float(row[options.metric] or "nan") for row in points[at]]) for at in x]).T
+        mean, half = np.array([interval([row[options.metric] for row in points[at]]) for at in x]).T
         axis.errorbar(x, mean, half, color=color, label=controller, capsize=1.5, linewidth=1.0)
         whole = [all(row["outcome"] == "completed" for row in points[at]) for at in x]
         axis.scatter(x, mean, s=10, edgecolors=color, facecolors=[color if done else "white" for done in whole], zorder=3)
@@ -53,8 +53,11 @@ def draw(options):
         axis.set_title(title)
     for axis in axes.flat[len(panels):]:
         axis.set_visible(False)
+    for axis in axes.flat[len(panels) - columns:len(panels)]:
+        axis.set_xlabel(options.x)
     axes.flat[0].legend()
-    figure.supxlabel(f"{options.x}; mean and its 95 % interval, N = {figures.runs_per_point(rows)}; hollow: not every run was completed")
+    figures.note(figure, f"mean and its 95 % interval, N = {figures.runs_per_point(rows)}; hollow: not every run was completed; "
+                         "none: all were over before the settling was")
     figure.supylabel(f"{options.metric} / m")
     figures.save(figure, Path(options.out) / f"{options.metric}_over_{options.x}")
 

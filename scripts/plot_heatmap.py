@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Draws heat maps of RMSE and P95 over trajectories and controllers, one panel for each sweep; or over two axes of one sweep, one
-panel for each controller and trajectory. As PDF, SVG and PNG."""
+"""Draws heat maps of RMSE and P95 over trajectories and controllers, one panel for each sweep and each point of its axes; or over two axes
+of one sweep, one panel for each controller, trajectory and point of the other axes. As PDF, SVG and PNG."""
 
 import project_python  # noqa: F401, I001 (first: it may start this script again in .venv)
 import argparse
@@ -18,20 +18,26 @@ def cells(rows, column, down, across):
     table = {}
     for row in rows:
         values, completed = table.setdefault((row[down], row[across]), ([], []))
-        values.append(float(row[column] or "nan"))
+        values.append(row[column])
         completed.append(row["outcome"] == "completed")
     return table
 
 
+def mean(values):
+    """of the runs that have an error; NaN where none has"""
+    counted = [value for value in values if np.isfinite(value)]
+    return np.mean(counted) if counted else np.nan
+
+
 def label(values, completed):
-    """mean ± sample standard deviation of the runs; completed/total where not all were"""
-    if not np.isfinite(values).any():
-        text = "–"  # over before the settling was
-    else:
-        text = f"{np.mean(values):.3f}"
-        if len(values) > 1:
-            text += f"\n± {np.std(values, ddof=1):.3f}"
-    return text if all(completed) else text + f"\n{sum(completed)}/{len(completed)}"
+    """mean ± sample standard deviation of the runs; completed/total where not all were, and how many have an error where not all have"""
+    counted = [value for value in values if np.isfinite(value)]
+    text = f"{mean(values):.3f}" if counted else "–"  # over before the settling was
+    if len(counted) > 1:
+        text += f"\n± {np.std(counted, ddof=1):.3f}"
+    if not all(completed):
+        text += f"\n{sum(completed)}/{len(completed)}"
+    return text if len(counted) == len(values) else text + f", n = {len(counted)}"
 
 
 def draw_panel(axis, rows, column, down="controller", across="trajectory", most=None):
@@ -41,7 +47,7 @@ def draw_panel(axis, rows, column, down="controller", across="trajectory", most=
     acrosses = list(dict.fromkeys(second for _, second in table))
     means = np.full((len(downs), len(acrosses)), np.nan)
     for (first, second), (values, _) in table.items():
-        means[downs.index(first), acrosses.index(second)] = np.mean(values)
+        means[downs.index(first), acrosses.index(second)] = mean(values)
     largest = np.nanmax(means) if np.isfinite(means).any() else 1
     image = axis.imshow(means, cmap="Blues", vmin=0, vmax=largest if most is None else most, aspect="auto")
     for (first, second), cell in table.items():
@@ -58,7 +64,7 @@ def draw_panel(axis, rows, column, down="controller", across="trajectory", most=
 
 
 NOTE = ("mean ± sample standard deviation of N{} runs; completed/N where some were not, whose errors count up to their end;"
-        " –: over before the settling was")
+        " n: so many have an error, the others were over before the settling was")
 
 
 def draw_axes(options, column, name):
@@ -66,27 +72,32 @@ def draw_axes(options, column, name):
     rows = figures.read_axes(options.sweeps[0], [options.x, options.y], column)
     panels = {}
     for row in rows:
-        panels.setdefault((row["controller"], row["trajectory"]), []).append(row)
+        at = [f"{axis} {row[axis]}" for axis in figures.axes_of(rows) if axis not in (options.x, options.y)]
+        panels.setdefault(", ".join([row["controller"], row["trajectory"], *at]), []).append(row)
     tables = [cells(panel, column, options.y, options.x) for panel in panels.values()]
-    most = max((np.mean(values) for table in tables for values, _ in table.values() if np.isfinite(values).all()), default=1)
+    most = max((mean(values) for table in tables for values, _ in table.values() if np.isfinite(values).any()), default=1)
     height = 1.2 + 0.4 * len({row[options.y] for row in rows})
     figure, axes = plt.subplots(1, len(panels), figsize=(2.8 * len(panels), height), squeeze=False)
-    for axis, ((controller, trajectory), panel) in zip(axes[0], panels.items()):
+    for axis, (title, panel) in zip(axes[0], panels.items()):
         image = draw_panel(axis, panel, column, options.y, options.x, most)
-        axis.set_title(f"{controller}, {trajectory}")
+        axis.set_title(title)
         axis.set(xlabel=options.x, ylabel=options.y)
     figure.colorbar(image, ax=axes[0].tolist(), label=f"mean {name.upper()} XY / m")
-    figure.supxlabel(NOTE.format(f" = {figures.runs_per_point(rows)}"), fontsize=6)
+    figures.note(figure, NOTE.format(f" = {figures.runs_per_point(rows)}"))
     figures.save(figure, Path(options.out) / f"heatmap_{name}")
 
 
 def draw_sweeps(options, column, name):
-    sweeps = [figures.read_runs(folder) for folder in options.sweeps]
+    points = {}
+    for folder in options.sweeps:
+        for row in figures.read_runs(folder):
+            points.setdefault((folder, row["experiment"]), []).append(row)
+    sweeps = list(points.values())
     height = 1.2 + 0.5 * max(len({row["controller"] for row in rows}) for rows in sweeps)
     figure, axes = plt.subplots(1, len(sweeps), figsize=(3.4 * len(sweeps), height), squeeze=False)
     for axis, rows in zip(axes[0], sweeps):
         figure.colorbar(draw_panel(axis, rows, column), ax=axis, label=f"mean {name.upper()} XY / m")
-    figure.supxlabel(NOTE.format(""), fontsize=6)
+    figures.note(figure, NOTE.format(""))
     figures.save(figure, Path(options.out) / f"heatmap_{name}")
 
 

@@ -32,7 +32,7 @@ void add_compare(CLI::App& app) {
     std::vector<NamedResults> results;
     for (const Experiment& variant : options->experiment.read_variants(options->variants))
       results.push_back({variant.variant.empty() ? variant.name : variant.variant,
-                         read_results(variant_folder(options->folder, variant)), variant.alone});
+                         read_results_of(variant, options->folder), variant.alone});
     const std::vector<ComparedVariant> compared = compare(results, options->limit_m);
     const std::string text =
         options->format == "json" ? to_json(compared, options->limit_m) : to_markdown(compared, options->limit_m);

@@ -202,6 +202,8 @@ std::string model_file(const diagnosis::Diagnosis& result) {
 diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted,
                                    const std::string& key) {
   check_folder_can_be_made(out);
+  // where it is there, it is replaced by one that is made beside it
+  check_folder_can_be_made(std::filesystem::weakly_canonical(std::filesystem::absolute(out)).parent_path().string());
   check_out(out);
   check_flights(wanted);
 #ifdef __GLIBC__

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <limits>
 
@@ -33,6 +36,28 @@ Experiment ExperimentOptions::read() const { return read_experiment(find_experim
 
 std::vector<Experiment> ExperimentOptions::read_variants(const std::vector<std::string>& only) const {
   return gustlab::read_variants(find_experiment(experiment), overrides(), only);
+}
+
+std::string ExperimentOptions::words() const {
+  std::string text = shell_word(std::filesystem::path(experiment).filename().string());
+  for (const std::string& setting : set) text += " --set " + shell_word(setting);
+  return seed ? fmt::format("{} --seed {}", text, *seed) : text;
+}
+
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view plain = "_-./=,:+@%";
+  const auto is_plain = [&](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || plain.find(c) < plain.size();
+  };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+  // only $'…' can hold everything on one line
+  std::string text = "$'";
+  for (const char c : word)
+    if (const auto code = static_cast<unsigned char>(c); code < 32 || code == 127)
+      text += fmt::format("\\x{:02x}", code);
+    else text += fmt::format("{}{}", c == '\'' || c == '\\' ? "\\" : "", c);
+  text += "'";
+  return text.find('\\') == std::string::npos ? text.substr(1) : text;
 }
 
 namespace {

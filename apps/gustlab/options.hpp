@@ -22,7 +22,12 @@ struct ExperimentOptions {
   std::vector<Experiment> read_variants(const std::vector<std::string>& only = {}) const;
   // --set and --seed as overrides
   std::vector<std::string> overrides() const;
+  // as a shell takes them, for files that say which command made them; of a path only the file's name
+  std::string words() const;
 };
+
+// A word of a command line as a shell takes it, on one line.
+std::string shell_word(const std::string& word);
 
 // Checks of a number, which is finite: at least 0; above 0; from 0 to `most`.
 CLI::Validator not_negative();

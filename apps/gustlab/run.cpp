@@ -48,11 +48,12 @@ void run_command(const RunArguments& options) {
 
   check_files_can_be_written(options.out, {"flight.csv", "flight.meta.toml", "outcome.json"});
   auto [record, log] = run_logged(experiment, wanted);
-  nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},         {"experiment", experiment.name},
-                                 {"vehicle", experiment.vehicle.name},    {"trajectory", options.trajectory},
-                                 {"controller", options.controller},      {"replicate", wanted.replicate},
-                                 {"outcome", to_string(record.outcome)},  {"duration_s", record.duration_s},
-                                 {"settle_s", experiment.flight.settle_s}};
+  nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},          {"experiment", experiment.name},
+                                 {"vehicle", experiment.vehicle.name},     {"trajectory", options.trajectory},
+                                 {"controller", options.controller},       {"replicate", wanted.replicate},
+                                 {"outcome", to_string(record.outcome)},   {"duration_s", record.duration_s},
+                                 {"settle_s", experiment.flight.settle_s}, {"seed", experiment.seed},
+                                 {"set", options.experiment.set}};
   outcome["tracking"] = to_json(record.error);
   write_together([&, &log = log] {
     make_folder(options.out);

@@ -70,7 +70,10 @@ void sweep_command(const SweepArguments& options) {
   if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results); or use --dry-run");
 
   for (const Experiment& variant : variants) sweep_into(variant_folder(options.out, variant), variant, shard, options);
-  if (!variants.front().variant.empty() && options.variants.empty()) write_combined(options.out);
+  if (variants.front().variant.empty()) return;
+  if (const std::vector<std::string> left_out = write_combined(options.out); !left_out.empty())
+    spdlog::warn("{}/runs.csv is without {} (not finished); go on with --resume", options.out,
+                 fmt::join(left_out, ", "));
 }
 
 }  // namespace
@@ -90,8 +93,10 @@ void add_sweep(CLI::App& app) {
       ->type_name("i/N")
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "goes on where OUT stands");
-  command->add_flag("--logs", options->logs,
-                    "writes the flight log of every run, too: TRAJECTORY_CONTROLLER_REPLICATE.csv");
+  command->add_flag(
+      "--logs", options->logs,
+      "writes the flight log of every run, too: TRAJECTORY_CONTROLLER_REPLICATE.csv; with --resume also of those "
+      "that are done, which are flown again for it");
   command->add_flag("--dry-run", options->dry_run, "prints the plan and flies nothing");
   add_jobs(*command, options->jobs);
   command->callback([options] { sweep_command(*options); });

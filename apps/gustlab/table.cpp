@@ -136,7 +136,8 @@ void add_table(CLI::App& app) {
   command->add_option("--columns", options->columns, "figures to show: rmse, mae, p95, max, rmse_z")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_flag("--bold-best", options->table.bold_best, "the least mean of each trajectory in bold");
+  command->add_flag("--bold-best", options->table.bold_best,
+                    "the least mean of each trajectory in bold, of those that completed most");
   command->add_option("--names", options->names, "what the table calls ours: daiml=ADAIML,lemniscate=infinity")
       ->delimiter(',')
       ->allow_extra_args(false);

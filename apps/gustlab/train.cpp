@@ -40,12 +40,16 @@ std::vector<std::pair<std::string, std::string>> account(const TrainArguments& o
                                                          const Training& training) {
   std::string resolved;
   for (const Experiment& variant : variants) resolved += resolved_text(variant);
-  const std::string name = variants.front().name.substr(0, variants.front().name.rfind('.'));
+  // said also where it was not given, if it is that of all flights, too: --seed is both
+  const bool one_seed =
+      !options.experiment.seed && std::all_of(variants.begin(), variants.end(), [&](const Experiment& v) {
+        return static_cast<std::uint64_t>(v.seed) == options.training.seed;
+      });
   const std::size_t epochs = training.prediction.size(), tenth = std::max<std::size_t>(1, epochs / 10);
   const TrainingOptions& t = options.training;
   std::vector<std::pair<std::string, std::string>> lines{
-      {"made by",
-       fmt::format("gustlab train {} --seed {} --epochs {} --adversary {}", name, t.seed, t.epochs, t.loss.adversary)},
+      {"made by", fmt::format("gustlab train {}{} --epochs {} --adversary {}", options.experiment.words(),
+                              one_seed ? fmt::format(" --seed {}", t.seed) : "", t.epochs, t.loss.adversary)},
       {"experiment sha256", sha256(resolved)},
       {"vehicle", variants.front().vehicle.name},
       {"prediction loss",

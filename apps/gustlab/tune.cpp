@@ -24,7 +24,6 @@ struct Options {
 
 void tune_command(const Options& options) {
   const std::string path = find_experiment(options.experiment.experiment);
-  const std::string name = options.experiment.read().name;
   const Tuning tuning = read_tuning(options.tuning.empty() ? tuning_path(path) : options.tuning);
   check_files_can_be_written(options.out, {"gains.toml"});
   const std::atomic<bool>& stop = interrupted();
@@ -33,7 +32,10 @@ void tune_command(const Options& options) {
                                                [&](std::size_t done, std::size_t all) { progress.show(done, all); });
   progress.end();
   if (results.size() < tuning.controllers.size()) throw ExitCode{130};
-  const std::string text = to_toml(results, tuning, name);
+  std::string command = "gustlab tune " + options.experiment.words();
+  if (!options.tuning.empty())
+    command += " --tuning " + shell_word(std::filesystem::path(options.tuning).filename().string());
+  const std::string text = to_toml(results, tuning, command);
   write_together([&] {
     make_folder(options.out);
     write_file((std::filesystem::path(options.out) / "gains.toml").string(), text);

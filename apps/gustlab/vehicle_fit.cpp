@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "commands.hpp"
 #include "config/toml.hpp"
@@ -60,6 +61,14 @@ bool is_constant(const EffectRow& row) {
 }
 
 std::string with_spread(double value, double deviation) { return fmt::format("{:.4g} ± {:.2g}", value, deviation); }
+
+// of several logs the last may be held out, and a log may be set aside
+std::size_t flights_fitted(const diagnosis::Diagnosis& found) {
+  std::set<std::string> files;
+  for (const diagnosis::FlightUse& flight : found.flights)
+    if (flight.role == "fit") files.insert(flight.file);
+  return files.size();
+}
 
 std::string source_of(const diagnosis::EffectFinding& finding, std::size_t flights) {
   std::string text =
@@ -124,6 +133,7 @@ void fit_flights(const FitArguments& options) {
   progress.end();
   std::string text = read_file<ConfigError>(vehicle.source_path);
   bool with_rest = !found.residual_model.is_null();
+  const std::size_t flights = flights_fitted(found);
   for (const auto* findings : {&found.effects, &found.calibration})
     for (const diagnosis::EffectFinding& finding : *findings) {
       const EffectRow* row = find_effect(finding.effect);
@@ -131,7 +141,15 @@ void fit_flights(const FitArguments& options) {
         with_rest = true;
         continue;
       }
-      take(finding, vehicle, source_of(finding, options.logs.size()), text);
+      // the time stamps of a log are no better than that
+      if (findings == &found.calibration && row->latency == Latency::delay) {
+        with_rest = true;
+        const auto& delay = finding.parameters.front();
+        fmt::print("{:<20} not written: {} {} is within its tolerance\n", finding.effect,
+                   with_spread(delay.value, delay.deviation), delay.unit);
+        continue;
+      }
+      take(finding, vehicle, source_of(finding, flights), text);
       for (const auto& value : finding.parameters)
         fmt::print("{:<20} {} = {}{}\n", finding.effect, value.name, with_spread(value.value, value.deviation),
                    value.unit == "-" ? "" : " " + value.unit);

@@ -142,8 +142,12 @@ std::vector<ComparedVariant> compare(std::span<const NamedResults> variants, dou
     if (errors.names != first.names || errors.runs != first.runs)
       throw DataError(fmt::format("{} and {} do not have the same controllers and runs (a comparison is paired)",
                                   variants.front().name, name));
+    if (results.settle_s != variants.front().results.settle_s)
+      throw DataError(fmt::format("{} and {} settle for {} s and for {} s (no comparison has both); leave one out",
+                                  variants.front().name, name, variants.front().results.settle_s, results.settle_s));
     compared.push_back(compare_one(name, errors, limit_m));
     compared.back().alone = alone;
+    compared.back().settle_s = results.settle_s;
   }
   return compared;
 }
@@ -171,14 +175,17 @@ std::string to_markdown(std::span<const ComparedVariant> variants, double limit_
   text += "---|--:|";
   for (const ComparedVariant& variant : variants) text += variant_row(variant);
   text += fmt::format(
-      "\n\nMean planar RMSE in m over the runs that were completed, of {} in each cell, the same gusts for all; "
+      "\n\nMean planar RMSE in m, samples from {} s on, over the runs that were completed, of {} in each cell, the "
+      "same "
+      "gusts for all; "
       "held/all where a run "
       "was not held: a run is held when it reaches its end with a planar RMSE of at most {} m. In brackets the 95 % "
       "interval of the "
       "paired difference (bootstrap over gusts, each with all its trajectories). † broken: fewer than 95 % of the runs "
       "are held.\n\n"
       "| controller | rotor speeds in {}, rad/s | their rate, rad/s² | best in | breaks in |\n|---|--:|--:|---|---|\n",
-      columns.front().total, config::shortest(limit_m), variants.front().name);
+      config::shortest(variants.front().settle_s), columns.front().total, config::shortest(limit_m),
+      variants.front().name);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     std::vector<std::string> best, broken;
     for (const ComparedVariant& variant : variants) {
@@ -209,8 +216,10 @@ std::string to_markdown(std::span<const ComparedVariant> variants, double limit_
 }
 
 std::string to_json(std::span<const ComparedVariant> variants, double limit_m) {
-  nlohmann::ordered_json json{
-      {"format", "gustlab-comparison/2"}, {"limit_m", limit_m}, {"variants", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json json{{"format", "gustlab-comparison/2"},
+                              {"limit_m", limit_m},
+                              {"settle_s", variants.front().settle_s},
+                              {"variants", nlohmann::ordered_json::array()}};
   const auto number = [](double value) {
     return std::isnan(value) ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
   };

@@ -28,7 +28,8 @@ struct ComparedVariant {
   std::string name;
   std::size_t best = 0;  // the least error of those that held 95 %; where nobody did, whoever held most
   std::vector<ComparedController> controllers;
-  NamedValue alone{};  // the axis that it alone moves along
+  NamedValue alone{};     // the axis that it alone moves along
+  double settle_s = 0.0;  // the same in all
 };
 
 struct NamedResults {
@@ -37,7 +38,7 @@ struct NamedResults {
   NamedValue alone{};
 };
 // Every controller flew every variant in the same gusts. A gust is a replicate: intervals resample gusts with all trajectories
-// that met them. Throws DataError when the runs differ.
+// that met them. Throws DataError when the runs differ, or the time from which samples count.
 std::vector<ComparedVariant> compare(std::span<const NamedResults> variants, double limit_m);
 
 // How far a controller goes along an axis whose points were flown alone, in the order of the file: the last value before the first at

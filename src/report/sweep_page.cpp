@@ -113,6 +113,14 @@ class Sweep {
       if (is_axis(a) && std::find(drawn.begin(), drawn.end(), a) == drawn.end()) said.push_back(axes_[a].at(at[a]));
     return list_in_words(said);
   }
+  // of the runs that ended before a sample counted
+  std::string without_error() const {
+    std::size_t without = 0;
+    for (const TableCell& cell : cells_) without += cell.total - cell.errors[rmse].n;
+    return without == 0 ? ""
+                        : fmt::format(" {} ended before {:g} s and have none: means are over the n others.", without,
+                                      results_.settle_s);
+  }
   std::string axis_chart(const std::string& trajectory, std::size_t axis) const;
 
   const Results& results_;
@@ -152,8 +160,8 @@ std::string Sweep::header() const {
       "<header><p class=\"kind\">Sweep {} · {} · {} runs{}</p><h1>{}</h1>{}</header>", escape(experiment),
       escape(cells_.front().vehicle), runs, escape(axes), escape(sentence),
       paragraph(failed == 0 ? "Every run was completed."
-                            : fmt::format("{} of {} runs were not completed; they keep their errors up to their end.",
-                                          failed, runs)));
+                            : fmt::format("{} of {} runs were not completed; they keep their errors up to their end.{}",
+                                          failed, runs, without_error())));
 }
 
 std::string Sweep::table() const {
@@ -173,8 +181,8 @@ std::string Sweep::table() const {
     rows += "<tr>";
     for (std::size_t a = 0; a < axes_.size(); ++a)
       if (is_axis(a)) rows += fmt::format("<td>{}</td>", escape(cell.axes[a].value));
-    rows += fmt::format("<td>{}</td><td class=\"name\">{}</td><td class=\"n\">{}/{}</td>", escape(cell.trajectory),
-                        escape(cell.controller), cell.completed, cell.total);
+    rows += fmt::format("<td>{}</td><td class=\"name\">{}</td><td class=\"n\">{}</td>", escape(cell.trajectory),
+                        escape(cell.controller), completed_of(cell));
     for (std::size_t m = 0; m < tracking_metrics.size(); ++m) {
       const Summary& error = cell.errors[m];
       const int digits = digits_of(cells_, m);
@@ -213,9 +221,8 @@ std::string Sweep::heat_maps() const {
   const auto heat = [&](const TableCell* cell) -> std::string {
     if (!cell) return "<td></td>";
     const double mean = cell->errors[rmse].mean;
-    const std::string failed = cell->completed == cell->total
-                                   ? ""
-                                   : fmt::format(" <span class=\"soft\">{}/{}</span>", cell->completed, cell->total);
+    const std::string failed =
+        cell->completed == cell->total ? "" : fmt::format(" <span class=\"soft\">{}</span>", completed_of(*cell));
     return fmt::format("<td style=\"--heat:{:.3f}\">{}{}</td>", std::isfinite(mean) && full > 0.0 ? mean / full : 0.0,
                        metres(mean), failed);
   };

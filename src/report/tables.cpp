@@ -29,7 +29,7 @@ class Page {
     return a.experiment == b.experiment && a.vehicle == b.vehicle && a.trajectory == b.trajectory;
   }
   bool is_best(const TableCell& cell, std::size_t metric) const {
-    if (!options_.bold_best) return false;
+    if (!options_.bold_best || cell.errors[metric].n == 0) return false;
     return std::none_of(cells.begin(), cells.end(), [&](const TableCell& other) {
       return together(other, cell) && is_better(other, cell, metric);
     });
@@ -53,6 +53,10 @@ class Page {
     if (std::any_of(cells.begin(), cells.end(), [](const TableCell& cell) { return cell.completed < cell.total; }))
       text +=
           " Completed: flown to the end, however large the error. A run that was not keeps its errors up to its end.";
+    if (std::any_of(cells.begin(), cells.end(),
+                    [](const TableCell& cell) { return cell.errors.front().n < cell.total; }))
+      text += fmt::format(" n: so many runs have an error, and means are over these; the others ended before {} s.",
+                          config::shortest(settle_s));
     return text;
   }
 
@@ -87,8 +91,8 @@ std::string to_markdown(const Page& page, const TableOptions& options) {
   for (const TableCell& cell : page.cells) {
     text += "\n|";
     for (const NamedValue& axis : cell.axes) text += fmt::format(" {} |", axis.value);
-    text += fmt::format(" {} | {} | {} | {}/{} |", page.name(cell.vehicle), page.name(cell.trajectory),
-                        page.name(cell.controller), cell.completed, cell.total);
+    text += fmt::format(" {} | {} | {} | {} |", page.name(cell.vehicle), page.name(cell.trajectory),
+                        page.name(cell.controller), completed_of(cell));
     for (const std::size_t metric : options.columns) {
       const Summary& error = cell.errors[metric];
       const std::string stars = page.is_best(cell, metric) ? "**" : "";
@@ -102,6 +106,7 @@ std::string to_csv(const Page& page, const TableOptions& options) {
   std::string text = "experiment,vehicle,trajectory,controller,settle_s,completed,total";
   for (const std::size_t metric : options.columns)
     text += fmt::format(",{0}_mean,{0}_sd,{0}_median", tracking_metrics[metric].name);
+  text += ",counted";
   for (const NamedValue& axis : axes_of(page.cells)) text += "," + axis.name;
   const auto number = [](double value) { return std::isnan(value) ? "" : config::shortest(value); };
   for (const TableCell& cell : page.cells) {
@@ -111,6 +116,7 @@ std::string to_csv(const Page& page, const TableOptions& options) {
       const Summary& error = cell.errors[metric];
       text += fmt::format(",{},{},{}", number(error.mean), number(error.sd), number(error.median));
     }
+    text += fmt::format(",{}", cell.errors.front().n);
     for (const NamedValue& axis : cell.axes) text += "," + axis.value;
   }
   return text + "\n";
@@ -176,7 +182,7 @@ std::string to_latex(const Page& page, const TableOptions& options) {
       text += (begins ? fmt::format("\\multirow{{{}}}{{*}}{{{}}}", rows, latex_text(axis.value)) : "") + " & ";
     if (begins) text += fmt::format("\\multirow{{{}}}{{*}}{{{}}}", rows, latex_text(page.name(cell.trajectory)));
     text += " & " + latex_text(page.name(cell.controller));
-    if (cell.completed < cell.total) text += fmt::format(" ({}/{})", cell.completed, cell.total);
+    if (cell.completed < cell.total) text += fmt::format(" ({})", completed_of(cell));
     for (const std::size_t metric : options.columns)
       text += " & " + latex_number(cell.errors[metric], page.is_best(cell, metric));
     text += ends ? " \\\\\n\\hline\n" : fmt::format(" \\\\\n\\cline{{{}-{}}}\n", leading + 1, all);
@@ -219,9 +225,17 @@ std::optional<std::size_t> find_tracking_metric(std::string_view name) {
   return std::nullopt;
 }
 
+std::string completed_of(const TableCell& cell) {
+  const std::size_t counted = cell.errors.front().n;
+  return fmt::format("{}/{}", cell.completed, cell.total) +
+         (counted < cell.total ? fmt::format(", n = {}", counted) : "");
+}
+
 bool is_better(const TableCell& cell, const TableCell& other, std::size_t metric) {
-  const std::size_t share = cell.completed * other.total, others = other.completed * cell.total;
-  return share != others ? share > others : cell.errors[metric].mean < other.errors[metric].mean;
+  const Summary &error = cell.errors[metric], &others = other.errors[metric];
+  for (const auto& [runs, theirs] : {std::pair{cell.completed, other.completed}, {error.n, others.n}})
+    if (runs * other.total != theirs * cell.total) return runs * other.total > theirs * cell.total;
+  return error.mean < others.mean;
 }
 
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {

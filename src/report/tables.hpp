@@ -38,18 +38,21 @@ struct TableCell {
   std::string experiment, vehicle, trajectory, controller;
   std::vector<NamedValue> axes;
   std::size_t completed = 0, total = 0;
-  std::array<Summary, tracking_metrics.size()> errors;  // over all runs, crashed ones too
+  // over all runs, crashed ones too, but for those that ended before a sample counted
+  std::array<Summary, tracking_metrics.size()> errors;
 };
 // In the order in which the cells first appear.
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows);
-// Completed the larger share of its runs, or as large a share with the lesser mean of a metric: errors up to a crash are no better
-// than those of a whole flight.
+// "2/3", and how many runs have an error where some have none: "1/3, n = 2".
+std::string completed_of(const TableCell& cell);
+// Completed the larger share of its runs; or as large a share, and more of them have an error; or both alike, with the lesser mean of
+// a metric. Errors up to a crash are no better than those of a whole flight, and no crash is better for its errors not being counted.
 bool is_better(const TableCell& cell, const TableCell& other, std::size_t metric);
 
 struct TableOptions {
   TableFormat format = TableFormat::md;
   std::vector<std::size_t> columns{0, 1, 2, 3, 4};  // of tracking_metrics
-  // the least mean of each trajectory (and point of the axes), of those that completed the largest share of their runs
+  // the best of each trajectory (and point of the axes), by is_better
   bool bold_best = false;
   std::map<std::string, std::string> names{};  // what a vehicle, trajectory, controller or axis is called in the table
   std::string label{};                         // LaTeX's; empty: the experiment's name

@@ -161,7 +161,8 @@ void check_nothing_else_is_there(const std::vector<PlannedFlight>& flights, cons
     std::error_code error;
     std::vector<std::string> others;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-      if (names.count(entry.path().filename().string()) == 0) others.push_back(entry.path().filename().string());
+      if (names.count(entry.path().filename().string()) == 0 && !remove_if_left_beside(entry.path().string()))
+        others.push_back(entry.path().filename().string());
     if (!others.empty())
       throw ConfigError(
           fmt::format("{}: is there already (it would be taken for a part of this trial); name another folder",

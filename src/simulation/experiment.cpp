@@ -166,16 +166,13 @@ void choose(std::vector<Variant>& variants, const std::vector<std::string>& only
 // an override above what a variant sets would make variants alike
 void check_not_lost(const std::vector<std::string>& overrides, const std::vector<Variant>& variants) {
   for (const std::string& text : overrides)
-    for (const std::string& key : config::override_keys(text))
-      for (const Variant& variant : variants)
-        for (const std::string& setting : variant.set)
-          for (const std::string& own : config::override_keys(setting))
-            if (own == key || own.starts_with(key + ".") || key.starts_with(own + "."))
-              throw ConfigError(
-                  fmt::format("--set {}: variant \"{}\" sets {} itself ({}; its value would be lost); fly others with "
-                              "--variant, or change "
-                              "the file",
-                              text, variant.name, own, variant.where));
+    for (const Variant& variant : variants)
+      for (const std::string& setting : variant.set)
+        if (const std::string own = key_of_both(text, setting); !own.empty())
+          throw ConfigError(
+              fmt::format("--set {}: variant \"{}\" sets {} itself ({}; its value would be lost); fly others with "
+                          "--variant, or change the file",
+                          text, variant.name, own, variant.where));
 }
 
 // a flight of each trajectory and each controller is made once, so that what does not fit shows before anything runs
@@ -300,7 +297,7 @@ std::vector<Experiment> read_variants(const std::string& path, const std::vector
     Experiment& experiment = experiments.back();
     experiment.name += "." + variant.name;
     experiment.variant = variant.name;
-    experiment.variant_place = experiments.size() - 1;
+    experiment.variant_place = variant.place;
     experiment.axes = variant.axes;
     for (const NamedValue& axis : variant.axis_keys)
       if (const std::string unit = unit_of_setting(experiment, axis.value); !unit.empty())

@@ -75,6 +75,16 @@ Axis read_axis(config::Table& table) {
   return axis;
 }
 
+// of two values for one key the first would be lost
+void check_not_lost(const config::Table& table, const Variant& variant, const Axis& axis, const Axis::Point& point) {
+  for (const std::string& setting : point.set)
+    for (const std::string& other : variant.set)
+      if (const std::string key = key_of_both(other, setting); !key.empty())
+        table.fail(table.has("key") ? "key" : "keys", fmt::format("axis \"{}\" sets {} anew", axis.name, key),
+                   fmt::format("the value of {} at {} would be lost", variant.name, variant.where),
+                   "leave it out of one of them");
+}
+
 Variant at(const Variant& variant, const Axis& axis, const Axis::Point& point) {
   Variant result = variant;
   result.name += fmt::format("{}{}_{}", result.name.empty() ? "" : "_", axis.name, point.value);
@@ -86,6 +96,17 @@ Variant at(const Variant& variant, const Axis& axis, const Axis::Point& point) {
 }
 
 }  // namespace
+
+std::string key_of_both(const std::string& setting, const std::string& other) {
+  try {
+    for (const std::string& key : config::override_keys(setting))
+      for (const std::string& own : config::override_keys(other))
+        if (own == key || own.starts_with(key + ".") || key.starts_with(own + ".")) return own;
+  } catch (const ConfigError&) {
+    // what is no setting is refused where it is read
+  }
+  return "";
+}
 
 void check_name(const config::Table& table, std::string_view key, const std::string& name) {
   if (name.empty() || !std::all_of(name.begin(), name.end(), is_plain))
@@ -131,10 +152,14 @@ std::vector<Variant> read_variant_tables(config::Table& document) {
     if (variants.empty()) variants.emplace_back();
     std::vector<Variant> grid;
     for (const Variant& variant : variants)
-      for (const Axis::Point& point : axis.points) grid.push_back(at(variant, axis, point));
+      for (const Axis::Point& point : axis.points) {
+        check_not_lost(table, variant, axis, point);
+        grid.push_back(at(variant, axis, point));
+      }
     variants = std::move(grid);
   }
   variants.insert(variants.end(), alone.begin(), alone.end());
+  for (std::size_t place = 0; place < variants.size(); ++place) variants[place].place = place;
   return variants;
 }
 

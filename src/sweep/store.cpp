@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <sstream>
@@ -57,6 +58,22 @@ std::vector<NamedValue> from_lines(const std::string& text) {
   return values;
 }
 
+// a resolved configuration, line by line: "seed = 1", "[trajectory.circle] period_s = 5"
+std::vector<std::string> settings_of(const std::string& resolved) {
+  std::vector<std::string> settings;
+  std::string table;
+  std::istringstream lines(resolved);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("[")) table = line + " ";
+    settings.push_back(line.starts_with("[") ? line : table + line);
+    // effects have their type in the place of a name
+    if (line.starts_with("type = ") && table.starts_with("[[")) table += line.substr(7) + " ";
+    // behind the tables that all runs share stand keys of none
+    if (line.starts_with("name = ")) settings.back() = line, table.clear();
+  }
+  return settings;
+}
+
 }  // namespace
 
 Provenance provenance_of(const Experiment& experiment, const Shard& shard) {
@@ -86,6 +103,18 @@ std::vector<std::string> differences(const Provenance& a, const Provenance& b) {
       names.push_back(name);
   }
   return names;
+}
+
+std::string experiment_difference(const Provenance& there, const Provenance& here) {
+  if (there.at("experiment") == here.at("experiment")) return "";
+  for (const char* name : {"name", "vehicle"})
+    if (there.at(name) != here.at(name))
+      return fmt::format("its {} is {} there, {} here", name, there.at(name), here.at(name));
+  const std::vector<std::string> a = settings_of(there.at("experiment")), b = settings_of(here.at("experiment"));
+  const auto [one, other] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+  const auto said = [](const auto& at, const auto& end) { return at == end ? std::string("nothing more") : *at; };
+  if (one != a.end() && one->starts_with("model = ")) return "the files of its vehicle differ";
+  return fmt::format("{} there, {} here", said(one, a.end()), said(other, b.end()));
 }
 
 RunStore::RunStore(const std::string& path, Database::Mode mode) : database_(path, mode) {

@@ -28,6 +28,8 @@ Provenance provenance_of(const Experiment& experiment, const Shard& shard);
 // Names under which two provenances differ although results may only be put together when they agree: the experiment,
 // or the program that flew it. Shard and CPU may differ.
 std::vector<std::string> differences(const Provenance& a, const Provenance& b);
+// How the experiment of a store (`there`) differs from another one, in words: the first difference; empty when they are equal.
+std::string experiment_difference(const Provenance& there, const Provenance& here);
 
 class RunStore {
  public:

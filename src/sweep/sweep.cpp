@@ -29,9 +29,8 @@ std::string store_path(const std::string& folder) { return (fs::path(folder) / "
 std::string csv_path(const std::string& folder) { return (fs::path(folder) / "runs.csv").string(); }
 
 void check_same_sweep(const std::string& path, const Provenance& there, const Provenance& here) {
-  if (there.at("experiment") != here.at("experiment"))
-    throw ConfigError(fmt::format(
-        "{}: this store is of another experiment (its resolved configuration differs); use another --out", path));
+  if (const std::string differs = experiment_difference(there, here); !differs.empty())
+    throw ConfigError(fmt::format("{}: this store is of another experiment ({}); use another --out", path, differs));
   if (there.at("shard") != here.at("shard"))
     throw ConfigError(fmt::format("{}: this store is of shard {}, not {}; use another --out", path, there.at("shard"),
                                   here.at("shard")));
@@ -52,12 +51,16 @@ std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   return store;
 }
 
-// the names of the variants that have a store in the folder, in the order of the experiment
-std::vector<std::string> variants_in(const std::string& folder) {
+bool has_store(const std::string& folder) { return fs::is_regular_file(store_path(folder)); }
+// all its runs are flown: that is when a sweep writes the table
+bool is_finished(const std::string& folder) { return has_store(folder) && fs::is_regular_file(csv_path(folder)); }
+
+// the names of the variants in the folder whose own folder is `wanted`, in the order of the experiment
+std::vector<std::string> variants_in(const std::string& folder, bool (*wanted)(const std::string&) = has_store) {
   std::vector<std::pair<std::size_t, std::string>> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (!fs::is_regular_file(store_path(entry.path().string()))) continue;
+    if (!wanted(entry.path().string())) continue;
     const std::string place = open_to_read(entry.path().string())->provenance().at("variant_place");
     found.emplace_back(0, entry.path().filename().string());
     std::from_chars(place.data(), place.data() + place.size(), found.back().first);
@@ -127,12 +130,15 @@ void write_merged(const std::vector<std::unique_ptr<RunStore>>& shards, const Pr
       throw IoError(fmt::format("{}: cannot write ({})", path(out), std::strerror(errno)));
 }
 
-// a run, and its log beside the store
+// where the log of a run goes: beside the store
+std::string log_path(const Experiment& experiment, const RunSpec& spec, const std::string& folder) {
+  return (fs::path(folder) / fmt::format("{}_{}_{}.csv", experiment.trajectories[spec.trajectory].name,
+                                         experiment.controllers[spec.controller].name, spec.replicate))
+      .string();
+}
 RunRecord run_with_log(const Experiment& experiment, const RunSpec& spec, const std::string& folder) {
   LoggedRun flown = run_logged(experiment, spec);
-  const std::string name = fmt::format("{}_{}_{}.csv", experiment.trajectories[spec.trajectory].name,
-                                       experiment.controllers[spec.controller].name, spec.replicate);
-  write_run_log(std::move(flown.log), experiment, (fs::path(folder) / name).string());
+  write_run_log(std::move(flown.log), experiment, log_path(experiment, spec, folder));
   return flown.record;
 }
 
@@ -202,6 +208,14 @@ std::string start_over_if_different(RunStore& store, const Provenance& here) {
   return because;
 }
 
+// To open a store for writing changes it: one that was closed well is asked before. One with a log beside it is not, because
+// only a writer can take the log in where memory is not shared (a network file system), nor one with a journal beside it,
+// which only a writer can roll back (a disk that was full at the very end).
+void check_closed(const std::string& path, const std::function<void(const RunStore&)>& check) {
+  if (fs::exists(path) && !fs::exists(path + "-wal") && !fs::exists(path + "-journal"))
+    check(RunStore(path, Database::Mode::read));
+}
+
 }  // namespace
 
 SweepReport sweep(const Experiment& experiment, const SweepOptions& options, const std::atomic<bool>& stop,
@@ -218,11 +232,7 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   const auto check = [&](const RunStore& there) {
     if (!there.provenance().empty()) check_same_sweep(path, there.provenance(), here);
   };
-  // to open a store for writing changes it: one that was closed well is asked before. One with a log beside it is not, because
-  // only a writer can take the log in where memory is not shared (a network file system), nor one with a journal beside it,
-  // which only a writer can roll back (a disk that was full at the very end)
-  if (fs::exists(path) && !fs::exists(path + "-wal") && !fs::exists(path + "-journal"))
-    check(RunStore(path, Database::Mode::read));
+  check_closed(path, check);
   RunStore store(path, Database::Mode::create);
   try {
     check(store);
@@ -237,19 +247,23 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
   if (done.size() != runs.size())
     throw DataError(fmt::format("{}: {} runs are planned here, {} there (the store was changed by another program)",
                                 path, runs.size(), done.size()));
+  // a run that is in the store and has no log is flown again for it
+  const auto is_left = [&](std::size_t run) {
+    return !done[run] || (options.logs && !fs::exists(log_path(experiment, runs[run], options.out)));
+  };
   for (std::size_t run = options.shard.index_of(0); run < runs.size(); run = options.shard.index_of(++report.planned))
-    report.done += done[run] ? 1 : 0;
+    report.done += is_left(run) ? 0 : 1;
   progress(report.done, report.planned);
   std::mutex one_at_a_time;
   // whoever is free takes the next run, so that the order is one for any number of jobs
   std::atomic<std::size_t> next{0};
   const auto fly = [&](std::int64_t) {
     const std::size_t number = runs.in_turn(next++);
-    if (stop || !options.shard.has(number) || done[number]) return;
+    if (stop || !options.shard.has(number) || !is_left(number)) return;
     const RunSpec spec = runs[number];
     const RunRecord record = options.logs ? run_with_log(experiment, spec, options.out) : run(experiment, spec);
     const std::lock_guard lock(one_at_a_time);
-    store.add(record);
+    if (!done[number]) store.add(record);
     progress(++report.done, report.planned);
   };
   try {
@@ -267,14 +281,20 @@ std::string variant_folder(const std::string& out, const Experiment& experiment)
   return experiment.variant.empty() ? out : (fs::path(out) / experiment.variant).string();
 }
 
-void write_combined(const std::string& out) {
+std::vector<std::string> write_combined(const std::string& out) {
   std::vector<std::unique_ptr<RunStore>> stores;
   std::vector<RunStore*> all;
-  for (const std::string& folder : store_folders(out)) {
-    stores.push_back(open_to_read(folder));
+  for (const std::string& variant : variants_in(out, is_finished)) {
+    stores.push_back(open_to_read((fs::path(out) / variant).string()));
     all.push_back(stores.back().get());
   }
   write_csv(all, out);
+  std::vector<std::string> left_out;
+  for (const auto& entry : fs::directory_iterator(out))
+    if (has_store(entry.path().string()) && !is_finished(entry.path().string()))
+      left_out.push_back(entry.path().filename().string());
+  std::sort(left_out.begin(), left_out.end());
+  return left_out;
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out) {
@@ -287,6 +307,17 @@ void merge(const std::vector<std::string>& folders, const std::string& out) {
     merge_stores(shards, (fs::path(out) / variant).string());
   }
   write_combined(out);
+}
+
+Results read_results_of(const Experiment& experiment, const std::string& out) {
+  const std::string folder = variant_folder(out, experiment);
+  const std::string differs =
+      experiment_difference(open_to_read(folder)->provenance(), provenance_of(experiment, Shard{}));
+  if (!differs.empty())
+    throw DataError(fmt::format(
+        "{}: these results are of another experiment ({}); give the experiment, --set and --seed of the sweep",
+        store_path(folder), differs));
+  return read_store(folder);
 }
 
 Results read_results(const std::string& folder) {

@@ -20,11 +20,11 @@ struct SweepOptions {
   Shard shard;
   int jobs = 1;
   bool resume = false;
-  bool logs = false;  // writes the flight log of every run that is flown: OUT/TRAJECTORY_CONTROLLER_REPLICATE.csv
+  bool logs = false;  // writes the flight log of every run that has none: OUT/TRAJECTORY_CONTROLLER_REPLICATE.csv
 };
 struct SweepReport {
   std::size_t planned = 0;     // runs of the shard
-  std::size_t done = 0;        // of those, now in the store
+  std::size_t done = 0;        // of those, now in the store, and with a log where it was asked for
   std::string redone_because;  // not empty: runs of another program were thrown away
 };
 
@@ -35,8 +35,9 @@ SweepReport sweep(const Experiment& experiment, const SweepOptions& options, con
 
 // Where the results of a variant are in the folder of a sweep: in one of its name.
 std::string variant_folder(const std::string& out, const Experiment& experiment);
-// The runs of all variants in one OUT/runs.csv, the values of the axes in columns of their own.
-void write_combined(const std::string& out);
+// The runs of all variants that are finished in one OUT/runs.csv, the values of the axes in columns of their own. Returns
+// the names of those that are not.
+std::vector<std::string> write_combined(const std::string& out);
 
 // Joins shards of one experiment, of each of its variants, into `out`. Throws DataError when they differ, overlap, or leave a run out.
 void merge(const std::vector<std::string>& folders, const std::string& out);
@@ -44,5 +45,7 @@ void merge(const std::vector<std::string>& folders, const std::string& out);
 // Every planned run of a finished sweep, of all its variants where it has some. Throws DataError when there is no store, or runs
 // are missing.
 Results read_results(const std::string& folder);
+// Those of one experiment, or variant, in the folder of its sweep. Throws DataError also when they are of another experiment.
+Results read_results_of(const Experiment& experiment, const std::string& out);
 
 }  // namespace gustlab

@@ -111,10 +111,16 @@ TunedParameter read_parameter(config::Table table) {
 
 // what the search would stumble over later
 void check_controllers(const std::string& path, const std::vector<std::string>& overrides, const Tuning& tuning) {
+  std::vector<std::string> listed;
+  for (const Choice& choice : read_experiment(path, overrides).controllers) listed.push_back(choice.name);
   for (const Tuning::Controller& controller : tuning.controllers) {
     std::vector<std::string> settings = overrides;
     const std::string alone = fmt::format("controllers=[\"{}\"]", controller.name);
     check_override(path, settings, alone, controller.where);
+    if (std::find(listed.begin(), listed.end(), controller.name) == listed.end())
+      throw ConfigError(worded(
+          fmt::format("{}: \"{}\" is none of the controllers of the experiment", controller.where, controller.name),
+          fmt::format("it has {}", fmt::join(listed, ", ")), "add it to \"controllers\", or leave it out here"));
     settings.push_back(alone);
     for (const TunedParameter& parameter : controller.parameters)
       check_override(
@@ -268,11 +274,11 @@ std::vector<TuneResult> tune(const std::string& experiment_path, const std::vect
   return results;
 }
 
-std::string to_toml(const std::vector<TuneResult>& results, const Tuning& tuning, const std::string& experiment) {
+std::string to_toml(const std::vector<TuneResult>& results, const Tuning& tuning, const std::string& command) {
   std::string text = fmt::format(
-      "# written by `gustlab tune {}`: {} searches of at most {} flights per controller, replicates {} to {}, {} "
+      "# written by `{}`: {} searches of at most {} flights per controller, replicates {} to {}, {} "
       "scenarios\n",
-      experiment, tuning.search_seeds.size(), tuning.flights, tuning.first_replicate,
+      command, tuning.search_seeds.size(), tuning.flights, tuning.first_replicate,
       tuning.first_replicate + tuning.replicates - 1, tuning.scenarios.size());
   for (std::size_t k = 0; k < results.size(); ++k) {
     const TuneResult& result = results[k];

@@ -26,7 +26,7 @@ struct Tuning {
   std::vector<std::vector<std::string>> scenarios{
       {}};  // [[scenario]]: key=value lists that are flown alike; the mean counts
   struct Controller {
-    std::string name;  // as in the experiment
+    std::string name;  // one of the experiment's list
     std::vector<TunedParameter> parameters;
     std::string where = {};  // file:line:col
   };
@@ -55,7 +55,7 @@ std::vector<TuneResult> tune(const std::string& experiment_path, const std::vect
                              const Tuning& tuning, int jobs, const std::atomic<bool>& stop,
                              const std::function<void(std::size_t done, std::size_t all)>& progress);
 
-// [controller.NAME] tables that an experiment can include.
-std::string to_toml(const std::vector<TuneResult>& results, const Tuning& tuning, const std::string& experiment);
+// [controller.NAME] tables that an experiment can include, which say what command made them.
+std::string to_toml(const std::vector<TuneResult>& results, const Tuning& tuning, const std::string& command);
 
 }  // namespace gustlab

@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -96,12 +97,15 @@ bool is_input(const fs::path& path) {
          inputs().read.contains({there.st_dev, there.st_ino});
 }
 
+// what stands beside a target until it takes its place is called .gustlab.PROCESS.NUMBER
+constexpr const char* beside_name = ".gustlab.{}.{}";
+
 // calls `make(path)` with new names in the folder until none stands there; it returns false with errno
 template <class Make>
 fs::path make_unique(const fs::path& folder, Make make) {
   static std::atomic<unsigned> count{0};
   for (;;) {
-    const fs::path path = folder / fmt::format(".gustlab.{}.{}", getpid(), count++);
+    const fs::path path = folder / fmt::format(beside_name, getpid(), count++);
     if (make(path.c_str())) return path;
     if (errno != EEXIST) return {};
   }
@@ -260,8 +264,23 @@ void check_file_can_be_written(const std::string& path) {
 void check_folder_can_be_made(const std::string& path) {
   std::error_code error;
   const fs::path there = nearest_there(folder_led_to(path));
-  const int reason = !fs::is_directory(there, error) ? ENOTDIR : access(there.c_str(), W_OK | X_OK) != 0 ? errno : 0;
-  if (reason != 0) fail(path, no_folder, reason);
+  if (!fs::is_directory(there, error)) fail(path, no_folder, ENOTDIR);
+  // only who tries knows: in /proc nobody can, whatever its permissions say
+  const fs::path made = make_unique(there, [](const char* name) { return mkdir(name, 0777) == 0; });
+  if (made.empty()) fail(path, no_folder, errno);
+  fs::remove(made, error);
+}
+
+bool remove_if_left_beside(const std::string& path) {
+  const std::string name = fs::path(path).filename().string();
+  int process = 0;
+  unsigned number = 0;
+  if (std::sscanf(name.c_str(), ".gustlab.%d.%u", &process, &number) != 2 || process <= 0 ||
+      name != fmt::format(beside_name, process, number))
+    return false;
+  std::error_code ignored;
+  if (kill(process, 0) != 0 && errno == ESRCH) fs::remove_all(path, ignored);
+  return true;
 }
 
 void check_files_can_be_written(const std::string& folder, std::initializer_list<const char*> names) {

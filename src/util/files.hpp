@@ -40,6 +40,8 @@ void check_file_can_be_written(const std::string& path);
 void check_folder_can_be_made(const std::string& path);
 // The same of files in a folder that may not be there yet.
 void check_files_can_be_written(const std::string& folder, std::initializer_list<const char*> names);
+// Whether a path is named as what is written beside its target until it is whole. What a killed process left so is removed.
+bool remove_if_left_beside(const std::string& path);
 
 // The bytes of a file. Throws Error (ConfigError, DataError) with the path when it cannot be read, or is larger than
 // `most_bytes`.

@@ -154,6 +154,28 @@ class Places(Commands):
 
 
 class Trials(Commands):
+    def test_conceal_goes_on_beside_what_a_killed_one_left(self):
+        ended = subprocess.Popen(["true"])
+        ended.wait()
+        place = self.folder / "trials" / "nothing"
+        left, running, other = place / f".gustlab.{ended.pid}.3", place / f".gustlab.{os.getpid()}.0", place / ".gustlab.mine"
+        for path in (left, running, other):
+            path.write_text("time_s,px\n0,")
+        again = ["conceal", "t.toml", "--out", "trials", "--answers", "answers.jsonl"]
+        self.assertIn(".gustlab.mine: is there already", self.call(*again, code=2)[1])
+        other.unlink()
+        self.call(*again)
+        self.assertFalse(left.exists())
+        self.assertTrue(running.exists())
+
+    def test_diagnose_says_at_once_that_its_folder_cannot_be_made(self):
+        before = self.files()
+        for flight in ("nowhere.csv", "trials/nothing/fit_1.csv"):
+            done = subprocess.run([PROGRAM, "diagnose", flight, "--out", "/proc/x"], cwd=self.folder, capture_output=True, text=True, timeout=60)
+            self.assertIn(done.returncode, (2, 4))   # not everybody is root
+            self.assertIn("/proc/x: cannot make this folder", done.stderr)
+        self.assertEqual(self.files(), before)
+
     # score counted what was diagnosed of other recordings
     def test_conceal_leaves_no_old_diagnosis_beside_new_recordings(self):
         self.call("conceal", "t.toml", "--out", "trials", "--answers", "answers.jsonl")   # the same once more

@@ -262,6 +262,15 @@ class FitOnFlights(InFolder):
         self.assertNotRegex((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"), r"\d\.\d{8}")
         self.ok("vehicle", "check", "fitted/vehicle.toml")
 
+    def test_a_delay_within_its_tolerance_is_none_and_a_flight_held_out_is_not_counted(self):
+        said, vehicle = self.fit([{"type": "thrust_scale", "delta": -0.1}, {"type": "actuation_delay", "delay": 0.001}])
+        self.assertNotIn("actuation_delay", [effect["type"] for effect in vehicle.get("effect", [])])
+        self.assertRegex(said, r"actuation_delay      not written: 0\.00\d+ ± \S+ s is within its tolerance")
+        self.ok("vehicle", "fit", "a/flight.csv", "b/flight.csv", "--vehicle", "vehicle.toml", "--out", "both")
+        for folder in ("fitted", "both"):
+            text = (self.folder / folder / "vehicle.toml").read_text(encoding="utf-8")
+            self.assertIn("fitted on 1 flight by gustlab vehicle fit", text)
+
     def test_how_thrust_falls_with_the_battery_comes_back(self):
         def with_voltage(log):
             """the voltage whose power 1.5 is the thrust that the simulator takes away with time, in a log without the rotors' speeds"""

@@ -115,6 +115,18 @@ TEST(Compare, NobodyIsBestWhereNobodyHeld) {
   EXPECT_THAT(to_json(compared, 0.5), testing::HasSubstr("\"best\": null"));
 }
 
+// GIVEN errors that count from 3 s on WHEN variants are compared THEN the caption says so, and no other time is mixed in
+TEST(Compare, SaysFromWhenOnSamplesCount) {
+  std::vector<NamedResults> variants{variant("nominal", 0.2, 0.1, 0.3), variant("late", 0.2, 0.1, 0.3)};
+  for (NamedResults& named : variants) named.results.settle_s = 3.0;
+  const auto compared = compare(variants, 0.5);
+  EXPECT_THAT(to_markdown(compared, 0.5), testing::HasSubstr("Mean planar RMSE in m, samples from 3 s on, over"));
+  EXPECT_THAT(to_json(compared, 0.5), testing::HasSubstr("\"settle_s\": 3.0"));
+  variants[1].results.settle_s = 0.5;
+  EXPECT_THAT([&] { compare(variants, 0.5); },
+              testing::ThrowsMessage<DataError>(testing::HasSubstr("nominal and late settle for 3 s and for 0.5 s")));
+}
+
 TEST(Compare, NeedsTheSameRuns) {
   std::vector<NamedResults> variants{variant("nominal", 0.2, 0.1, 0.3), variant("less", 0.2, 0.1, 0.3)};
   variants[1].results.rows.erase(variants[1].results.rows.begin() + 117, variants[1].results.rows.end());

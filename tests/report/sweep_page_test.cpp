@@ -130,5 +130,18 @@ TEST(SweepPage, WhatRoundingLeavesHasNoDigits) {
 
 TEST(SweepPage, FitsAPhoneAndADesk) { expect_fits(sweep_page(grid(), round_paths())); }
 
+// GIVEN a run that crashed before samples count WHEN the page is written THEN it does not vanish
+TEST(SweepPage, SaysHowManyRunsHaveAnError) {
+  Results results = grid();
+  for (ResultRow& row : results.rows)
+    if (row.outcome == Outcome::crashed) row.rmse_xy_m = NAN, row.duration_s = 1.0;
+  const std::string html = sweep_page(results, {});
+  EXPECT_THAT(html,
+              HasSubstr("6 of 240 runs were not completed; they keep their errors up to their end. 6 ended before 2 "
+                        "s and have none: means are over the n others."));
+  EXPECT_THAT(html, HasSubstr(">4/5, n = 4<"));
+  EXPECT_THAT(sweep_page(grid(), {}), Not(HasSubstr("have none")));
+}
+
 }  // namespace sweep_page_test
 }  // namespace gustlab

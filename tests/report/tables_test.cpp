@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -83,6 +84,42 @@ TEST(Tables, BestIsNobodyWhoCrashedMoreOften) {
   EXPECT_NE(text.find("| slow | 1/1 | **0.300 ± –** (0.300) |"), std::string::npos) << text;
 }
 
+// GIVEN runs that crashed before samples count WHEN they are in a table THEN it says over how many runs its means are
+TEST(Tables, SayHowManyRunsHaveAnError) {
+  Results early = results;
+  early.rows.push_back(row("spiral", 2, NAN, Outcome::crashed));
+  early.rows.push_back(row("spiral", 3, 2.0, Outcome::crashed));
+  const std::string text = to_table(early, {.columns = {0}});
+  EXPECT_NE(text.find("| iris | spiral | pid | 1/3, n = 2 | 1.500 ± 0.707 (1.500) |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| iris | circle | pid | 2/3 |"), std::string::npos) << text;
+  EXPECT_NE(text.find("N = 3 runs,"), std::string::npos) << text;
+  EXPECT_NE(text.find(" n: so many runs have an error, and means are over these; the others ended before 2.5 s."),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(to_table(results, {}).find(" n: "), std::string::npos);
+  EXPECT_NE(to_table(early, {.format = TableFormat::latex}).find(" & pid (1/3, n = 2) & 1.500"), std::string::npos);
+  EXPECT_NE(to_table(early, {.format = TableFormat::csv, .columns = {0}}).find(",spiral,pid,2.5,1,3,1.5,"),
+            std::string::npos);
+  EXPECT_NE(to_table(early, {.format = TableFormat::csv, .columns = {0}}).find(",2\n"), std::string::npos);
+}
+
+// GIVEN two controllers that completed alike WHEN one crashed before its errors counted, or has none THEN the other is the best
+TEST(Tables, NoCrashIsBetterForComingEarly) {
+  Results two{{row("circle", 1, 0.1), row("circle", 2, NAN, Outcome::crashed), row("circle", 1, 0.2),
+               row("circle", 2, 0.4, Outcome::crashed)},
+              2.5,
+              {}};
+  for (const std::size_t k : {2u, 3u}) two.rows[k].controller = "late";
+  const auto cells = aggregate(two.rows);
+  EXPECT_TRUE(is_better(cells[1], cells[0], 0));
+  EXPECT_FALSE(is_better(cells[0], cells[1], 0));
+  two.rows[0].rmse_xy_m = NAN;
+  two.rows[0].mae_xy_m = NAN;
+  const std::string text = to_table(two, {.columns = {0}, .bold_best = true});
+  EXPECT_NE(text.find("| pid | 1/2, n = 0 | – ± – (–) |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| late | 1/2 | **0.300 ± 0.141** (0.300) |"), std::string::npos) << text;
+}
+
 TEST(Tables, AxesAreTheirFirstColumns) {
   Results swept = results;
   for (ResultRow& row : swept.rows) row.axes = {{"strength", row.trajectory == "circle" ? "1" : "2"}};
@@ -91,9 +128,9 @@ TEST(Tables, AxesAreTheirFirstColumns) {
       std::string::npos);
   EXPECT_NE(to_table(swept, {.columns = {0}}).find("| 2 | iris | spiral | pid | 1/1 | 1.000 ± – (1.000) |"),
             std::string::npos);
-  EXPECT_NE(
-      to_table(swept, {.format = TableFormat::csv, .columns = {0}}).find("small_one,iris,spiral,pid,2.5,1,1,1,,1,2\n"),
-      std::string::npos);
+  EXPECT_NE(to_table(swept, {.format = TableFormat::csv, .columns = {0}})
+                .find("small_one,iris,spiral,pid,2.5,1,1,1,,1,1,2\n"),
+            std::string::npos);
 }
 
 TEST(Tables, JsonReadsBack) {

@@ -261,7 +261,16 @@ TEST_F(Variants, SayWhatIsWrongWithAnAxis) {
            {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nkey = \"settle_s\"\nvalues = [0.5]\nalone = true\n",
             "axes that are alone stand beside crossed ones"},
            {"[[variant]]\nname = \"seed_1\"\n[[axis]]\nkey = \"seed\"\nvalues = [1]\nalone = true\n",
-            "variant \"seed_1\" is here twice"}})
+            "variant \"seed_1\" is here twice"},
+           {"[[variant]]\nname = \"a\"\nset = [\"seed=7\"]\n[[axis]]\nname = \"s\"\nkey = \"seed\"\nvalues = [1]\n",
+            "e.toml:23:7: axis \"s\" sets seed anew (the value of a at "},
+           {"[[variant]]\nname = \"a\"\nset = [\"effect.gust={strength=2}\"]\n[[axis]]\nkeys = [\"settle_s\", "
+            "\"effect.gust.strength\"]\nvalues = [0.5]\n",
+            "e.toml:22:8: axis \"settle_s\" sets effect.gust.strength anew (the value of a at "},
+           {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nname = \"s\"\nkey = \"seed\"\nvalues = [2]\n",
+            "e.toml:23:7: axis \"s\" sets seed anew (the value of seed_1 at "},
+           {"[[variant]]\nname = \"a\"\nset = [\"seed\"]\n[[axis]]\nkey = \"seed\"\nvalues = [1]\n",
+            "e.toml:20:7: not an override"}})
     EXPECT_THAT(message(table), HasSubstr(says));
   EXPECT_THAT(message("[[variant]]\nname = \"calm\"\n", {}, {"clam"}),
               HasSubstr("there is no variant \"clam\" (it has calm); did you mean \"calm\"?"));

@@ -7,6 +7,7 @@ import functools
 import json
 import os
 import re
+import shlex
 import shutil
 import signal
 import sqlite3
@@ -19,7 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "cli"))
 
-from small_experiments import CIRCLE, GUST, experiment_toml  # noqa: E402
+from small_experiments import CIRCLE, GUST, TUNING, experiment_toml  # noqa: E402
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 
@@ -97,6 +98,23 @@ class Sweeps(Commands):
         self.sweep("a", "--resume")
         self.assertEqual(self.runs("a"), before)
 
+    def test_resume_writes_the_logs_of_runs_that_are_done(self):
+        self.sweep("a")
+        self.sweep("b", "--logs")
+        before = self.runs("a")
+        self.sweep("a", "--resume", "--logs")
+        self.assertEqual(self.runs("a"), before)
+        logs = sorted(path.name for path in (self.folder / "b").iterdir() if path.name.startswith(("circle", "hover")))
+        self.assertEqual(len(logs), 12)
+        for name in logs:
+            self.assertEqual((self.folder / "a" / name).read_bytes(), (self.folder / "b" / name).read_bytes(), name)
+        # a log that is there stays
+        (self.folder / "a" / logs[0]).write_text("mine")
+        (self.folder / "a" / "hover_pid_2.csv").unlink()
+        self.sweep("a", "--resume", "--logs")
+        self.assertEqual((self.folder / "a" / logs[0]).read_text(), "mine")
+        self.assertTrue((self.folder / "a" / "hover_pid_2.csv").exists())
+
     def peak_KiB(self, replicates, duration_s):
         """of the program itself (what wait4 says of a child counts the memory of Python, which it was before), and what of it no
         file stands behind: how much of its code is in memory is the system's choice. In small pages: huge ones (2 MiB) are too. The address
@@ -162,7 +180,7 @@ class Mistakes(Commands):
     def test_store_is_never_overwritten_nor_mixed(self):
         self.sweep("a")
         self.expect(2, "there are results already", "sweep", self.experiment, "--out", "a")
-        self.expect(2, "another experiment", "sweep", self.experiment, "--out", "a", "--seed", "2", "--resume")
+        self.expect(2, "another experiment (seed = 1 there, seed = 2 here)", "sweep", self.experiment, "--out", "a", "--seed", "2", "--resume")
 
     def test_place_that_is_a_file_is_exit_2(self):
         (self.folder / "file").write_text("")
@@ -251,10 +269,29 @@ class Axes(Commands):
 
     def test_one_point_flies_alone(self):
         self.sweep("a", "--variant", "strength_2_period_10")
-        self.assertEqual([path.name for path in (self.folder / "a").iterdir()], ["strength_2_period_10"])
+        self.assertEqual(sorted(path.name for path in (self.folder / "a").iterdir()), ["runs.csv", "strength_2_period_10"])
         self.assertIn("| 2 | 10 |", self.call("table", "a")[0])
         _, err = self.sweep("a", "--variant", "strength_3", code=2)
         self.assertIn("there is no variant", err)
+
+    def points(self, out):
+        return {(row["strength"], row["period"]) for row in csv.DictReader(self.runs(out).decode().splitlines())}
+
+    def test_points_that_are_flown_one_by_one_make_one_runs_csv(self):
+        self.sweep("whole")
+        for strength in ("0.5", "2"):
+            for period in ("10", "5"):
+                self.sweep("a", "--variant", f"strength_{strength}_period_{period}")
+        self.assertEqual(self.runs("a"), self.runs("whole"))
+
+    def test_a_point_that_is_not_finished_is_not_in_the_whole(self):
+        self.sweep("a", "--variant", "strength_2_period_10")
+        (self.folder / "a" / "strength_2_period_10" / "runs.csv").unlink()
+        _, err = self.sweep("a", "--variant", "strength_2_period_5")
+        self.assertIn("runs.csv is without strength_2_period_10 (not finished); go on with --resume", err)
+        self.assertEqual(self.points("a"), {("2", "5")})
+        self.sweep("a", "--variant", "strength_2_period_10", "--resume")
+        self.assertEqual(self.points("a"), {("2", "5"), ("2", "10")})
 
     def test_points_that_were_flown_alone_are_compared_alone(self):
         few = ["--variant", "strength_2_period_10", "--variant", "strength_2_period_5"]
@@ -264,10 +301,71 @@ class Axes(Commands):
         self.assertNotIn("strength_0.5", text)
         self.assertIn("no results here", self.call("compare", self.experiment, "a", code=3)[1])
 
+    def test_results_of_another_experiment_are_not_compared(self):
+        point = ["--variant", "strength_2_period_10"]
+        self.sweep("a", *point, "--set", "replicates=2")
+        for more, says in ((["--set", "replicates=2", "--seed", "2"], "seed = 1 there, seed = 2 here"),
+                           (["--set", "replicates=2", "--set", "trajectory.circle.radius_m=1.2"],
+                            "radius_m = 1.1 there, [trajectory.circle] radius_m = 1.2 here"),
+                           (["--set", "replicates=2", "--set", "effect.gust.sigma_xy=0.04"],
+                            "[[effect]] \"gust\" sigma_xy = 0.03 there, [[effect]] \"gust\" sigma_xy = 0.04 here"),
+                           (["--set", "replicates=2", "--set", "name=other"],
+                            "its name is small.strength_2_period_10 there, other.strength_2_period_10 here"),
+                           ([], "replicates = 2 there, replicates = 3 here")):
+            out, err = self.call("compare", self.experiment, "a", *point, *more, code=3)
+            self.assertEqual(out, "")
+            self.assertIn("runs.sqlite: these results are of another experiment", err)
+            self.assertIn(says, err)
+        self.call("compare", self.experiment, "a", *point, "--set", "replicates=2")
+
     def test_what_an_axis_sets_cannot_be_overridden(self):
         _, err = self.sweep("a", "--set", "effect.gust.strength=1", code=2)
         self.assertIn("its value would be lost", err)
         self.assertFalse((self.folder / "a").exists())
+
+
+WINDS = """
+[[variant]]
+name = "north"
+set = ["effect.gust.drift_x=0.02"]
+[[variant]]
+name = "west"
+set = ["effect.gust.drift_y=0.02"]
+"""
+
+
+class CommandsThatFilesName(Commands):
+    def again(self, text, file):
+        """what the command that `text` names writes into `file`"""
+        command = re.search(r"(gustlab (?:train|tune) [^`\n]*)", text)[1]
+        subprocess.run(["bash", "-c", f"{command.replace('gustlab', shlex.quote(PROGRAM), 1)} --out again"], cwd=self.folder, check=True,
+                       capture_output=True, timeout=600)
+        return (self.folder / "again" / file if file else self.folder / "again").read_text()
+
+    def test_weights_are_made_again_by_it(self):
+        self.experiment.write_text(experiment_toml("circle", replicates=1, duration_s=4.0, more="seed = 3\n" + CIRCLE + GUST + WINDS))
+        settings = ["--set", "controller.pid.position_gain=1.5", "--set", "duration_s = 5.0 # it's\n"]
+        for k, more in enumerate(([], settings, [*settings, "--seed", "7"])):
+            self.call("train", self.experiment, "--epochs", "2", *more, "--out", f"w{k}")
+            text = (self.folder / f"w{k}").read_text()
+            self.assertEqual(text, self.again(text, ""))
+        self.assertIn("--set controller.pid.position_gain=1.5 --set ", text)
+        self.assertIn(" --seed 7 --epochs 2", text)
+
+    def test_gains_are_made_again_by_it(self):
+        (self.folder / "own.toml").write_text(TUNING)
+        self.call("tune", self.experiment, "--tuning", self.folder / "own.toml", "--set", "trajectories=circle", "--set", "duration_s = 0.5", "--seed", "5",
+                  "--out", "a")
+        text = (self.folder / "a" / "gains.toml").read_text()
+        self.assertIn("`gustlab tune experiment.toml --set trajectories=circle --set 'duration_s = 0.5' --seed 5 --tuning own.toml`", text)
+        self.assertEqual(text, self.again(text, "gains.toml"))
+
+    def test_an_outcome_says_seed_and_settings(self):
+        run = ["run", self.experiment, "--trajectory", "hover", "--controller", "pid"]
+        self.call(*run, "--out", "a")
+        self.call(*run, "--out", "b", "--seed", "9", "--set", "duration_s=0.5")
+        outcomes = [json.loads((self.folder / name / "outcome.json").read_text()) for name in "ab"]
+        self.assertEqual([(outcome["seed"], outcome["set"]) for outcome in outcomes], [(1, []), (9, ["duration_s=0.5"])])
 
 
 class Gates(Commands):

@@ -31,7 +31,12 @@ class Tune : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  std::string experiment_ = folder_.write("e.toml", small_experiment);
+  static std::string with_both() {
+    std::string text = small_experiment;
+    const std::string list = "controllers = [\"pid\"";
+    return text.insert(text.find(list) + list.size(), ", \"geometric\"");
+  }
+  std::string experiment_ = folder_.write("e.toml", with_both());
   std::string tuning_ = folder_.write("e.tuning.toml", tuning_text);
 };
 
@@ -119,6 +124,18 @@ TEST_F(Tune, SaysWhereItsFileDoesNotFitTheExperiment) {
   EXPECT_THAT(
       message("flights = 24", "flights = 1"),
       testing::HasSubstr("w.toml:3:11: a budget of 1 flights does not pay for one evaluation of pid (2 flights"));
+}
+
+// GIVEN a file with a controller that the experiment does not list WHEN tuning THEN it is refused: its gains would be of another experiment
+TEST_F(Tune, TunesNoControllerThatTheExperimentDoesNotList) {
+  const std::atomic<bool> stop{false};
+  EXPECT_THAT(
+      [&] {
+        tune(experiment_, {"controllers=pid"}, read_tuning(tuning_), 1, stop,
+             [](std::size_t, std::size_t) { ADD_FAILURE() << "flew"; });
+      },
+      testing::ThrowsMessage<ConfigError>(testing::HasSubstr(
+          "e.tuning.toml:10:8: \"geometric\" is none of the controllers of the experiment (it has pid); add it")));
 }
 
 TEST_F(Tune, SaysWhereItsFileIsWrong) {
