@@ -23,19 +23,18 @@ struct RunArguments {
   std::optional<std::uint32_t> replicate;
 };
 
-[[noreturn]] void not_there(const std::string& option, const std::string& name, const std::vector<std::string>& known) {
-  throw ConfigError(worded(fmt::format("{} {}: not in this experiment", option, name),
-                           fmt::format("it has {}", known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))),
-                           config::suggest(name, known)));
-}
-
+// which of them has this name; without a name the only one
 std::size_t find_choice(const std::vector<Choice>& choices, const std::string& name, const std::string& option) {
+  if (name.empty() && choices.size() == 1) return 0;
   std::vector<std::string> known;
   for (const Choice& choice : choices) {
     if (choice.name == name) return known.size();
     known.push_back(choice.name);
   }
-  not_there(option, name, known);
+  const std::string have = known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "));
+  throw ConfigError(worded(
+      name.empty() ? fmt::format("{} is missing", option) : fmt::format("{} {}: not in this experiment", option, name),
+      "it has " + have, config::suggest(name, known)));
 }
 
 void run_command(const RunArguments& options) {
@@ -48,11 +47,16 @@ void run_command(const RunArguments& options) {
 
   check_files_can_be_written(options.out, {"flight.csv", "flight.meta.toml", "outcome.json"});
   auto [record, log] = run_logged(experiment, wanted);
-  nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},          {"experiment", experiment.name},
-                                 {"vehicle", experiment.vehicle.name},     {"trajectory", options.trajectory},
-                                 {"controller", options.controller},       {"replicate", wanted.replicate},
-                                 {"outcome", to_string(record.outcome)},   {"duration_s", record.duration_s},
-                                 {"settle_s", experiment.flight.settle_s}, {"seed", experiment.seed},
+  nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},
+                                 {"experiment", experiment.name},
+                                 {"vehicle", experiment.vehicle.name},
+                                 {"trajectory", experiment.trajectories[wanted.trajectory].name},
+                                 {"controller", experiment.controllers[wanted.controller].name},
+                                 {"replicate", wanted.replicate},
+                                 {"outcome", to_string(record.outcome)},
+                                 {"duration_s", record.duration_s},
+                                 {"settle_s", experiment.flight.settle_s},
+                                 {"seed", experiment.seed},
                                  {"set", options.experiment.set}};
   outcome["tracking"] = to_json(record.error);
   write_together([&, &log = log] {
@@ -70,8 +74,8 @@ void add_run(CLI::App& app) {
   const auto options = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "flies one run into OUT/flight.csv, its sidecar and OUT/outcome.json");
   options->experiment.add_to(*command);
-  command->add_option("--trajectory", options->trajectory, "one of the experiment's")->required();
-  command->add_option("--controller", options->controller, "one of the experiment's")->required();
+  command->add_option("--trajectory", options->trajectory, "one of the experiment's, if it has more than one");
+  command->add_option("--controller", options->controller, "one of the experiment's, if it has more than one");
   command->add_option("--variant", options->variant,
                       "one of the experiment's; without it, what stands outside the [[variant]] tables");
   command->add_option("--replicate", options->replicate,
