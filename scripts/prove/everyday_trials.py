@@ -43,7 +43,8 @@ OUTCOMES = ("exact", "some", "withheld", "nothing", "wrong", "failed")
 
 @cache
 def weight_and_arm(gustlab, vehicle):
-    said = json.loads(subprocess.run([gustlab, "vehicle", "check", vehicle, "--format", "json"], capture_output=True, check=True).stdout)
+    # exit 1: the paper's iris contradicts itself, and flies
+    said = json.loads(subprocess.run([gustlab, "vehicle", "check", vehicle, "--format", "json"], capture_output=True, check=False).stdout)
     return said["weight_N"], said["arm_m"]
 
 
