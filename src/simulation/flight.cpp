@@ -27,11 +27,11 @@ constexpr std::array<std::pair<Outcome, std::string_view>, 5> outcome_names{{
 
 // how often `part` fits into `whole`; throws, of a parameter, when it does not do so a whole number of times
 std::int64_t divide(std::string_view of, double whole_s, double part_s, const std::string& whole_says,
-                    const std::string& part_says) {
+                    const std::string& part_says, const std::string& advice = "") {
   const double times = std::round(whole_s / part_s);
   if (times < 1.0 || std::abs(times * part_s - whole_s) > 1e-9 * whole_s)
-    throw ParameterError(of, fmt::format("{} {} s does not divide {} {} s", part_says, config::shortest(part_s),
-                                         whole_says, config::shortest(whole_s)));
+    throw ParameterError(of, fmt::format("{} {} s does not divide {} {} s{}", part_says, config::shortest(part_s),
+                                         whole_says, config::shortest(whole_s), advice));
   return static_cast<std::int64_t>(times);
 }
 
@@ -162,7 +162,9 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   config::read_parameters(law.spec, *controller);
   const double period_s = 1.0 / config::at_place(law.spec, [&] { return controller->rate_hz(experiment.vehicle); });
   const std::string period_says = fmt::format("the period of controller \"{}\",", law.name);
-  steps_per_tick = divide("step_s", period_s, options.step_s, period_says, "\"step_s\"");
+  steps_per_tick =
+      divide("step_s", period_s, options.step_s, period_says, "\"step_s\"",
+             fmt::format("; write step_s = {}", config::shortest(period_s / std::ceil(period_s / options.step_s))));
   if (options.offboard_rate_hz > 0.0)
     ticks_per_offboard = divide("offboard_rate_hz", 1.0 / options.offboard_rate_hz, period_s,
                                 "the period of \"offboard_rate_hz\",", period_says);

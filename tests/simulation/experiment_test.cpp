@@ -148,7 +148,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"rotor of an effect", "[trajectory", "[[effect]]\ntype = \"rotor_loss\"\nrotor = 5\n[trajectory",
                 "experiment.toml:13:9: rotor_loss: no rotor 5"},
         Mistake{"step", "duration_s = 1.0", "duration_s = 1.0\nstep_s = 0.003",
-                "experiment.toml:9:10: \"step_s\" 0.003 s does not divide the period"},
+                "experiment.toml:9:10: \"step_s\" 0.003 s does not divide the period of controller \"pid\", 0.002 s; "
+                "write step_s = 0.002"},
         Mistake{"offboard", "duration_s = 1.0", "duration_s = 1.0\noffboard_rate_hz = 300",
                 "experiment.toml:9:20: the period of controller \"pid\", 0.002 s does not divide"},
         Mistake{"settle", "duration_s = 1.0", "duration_s = 1.0\nsettle_s = 1.0",
