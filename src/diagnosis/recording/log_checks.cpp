@@ -114,7 +114,7 @@ class Checker {
     return std::max(weights * vehicle_.weight_N(), kind == ActuatorKind::thrust ? most : sum);
   }
 
-  // ranges of the input, copies, straight lines (interpolated over a loss of telemetry, which a simulation does not have)
+  // ranges of the input, copies, straight lines (interpolated over a loss of telemetry)
   void actuator() {
     const ActuatorKind kind = log_.meta.actuator;
     const double top = most_input(kind);
@@ -146,7 +146,7 @@ class Checker {
     if (still > 0) {
       add("u1…uN", "frozen", 0, log_.rows(),
           fmt::format("{} of {} inputs never change: the flight is set aside", still, u.size()), true);
-    } else if (straight.lasts_s > 0.5 && log_.meta.source == "recording") {
+    } else if (straight.lasts_s > 0.5) {
       add("u1…uN", "inconsistent", straight.first, straight.last + 1,
           fmt::format(
               "the inputs are a straight line for {:.1f} s (interpolated over lost telemetry): the flight is set aside",
@@ -189,15 +189,17 @@ class Checker {
            std::all_of(rows.begin(), rows.end(), [&](std::size_t k) { return values[k] == values[rows.front()]; });
   }
 
-  // the longest part of a column that rises or falls by the same from sample to sample. Of coarse pulses a few do by chance
+  // The longest part of a column that rises or falls by the same from sample to sample. Of coarse pulses a few do by chance, and what a
+  // smooth simulation asks of its rotors bends little, but by far more of its slope.
   Stretch straight_line(const std::vector<double>& values, double same) const {
     constexpr std::size_t fewest_bends = 10;
+    constexpr double least_bend = 1e-5;  // over the slope, from sample to sample
     const std::vector<std::size_t> rows = sampled_rows(values);
     Stretch longest;
     std::size_t run = 0;
     for (std::size_t i = 2; i < rows.size(); ++i) {
       const double now = values[rows[i]], last = values[rows[i - 1]], before = values[rows[i - 2]];
-      run = std::abs(now - 2.0 * last + before) < same && now != last ? run + 1 : 0;
+      run = std::abs(now - 2.0 * last + before) < std::min(same, least_bend * std::abs(now - last)) ? run + 1 : 0;
       if (run >= fewest_bends) longest = std::max(longest, between(rows[i - run], rows[i]));
     }
     return longest;
