@@ -134,7 +134,7 @@ std::string Sweep::header() const {
   const auto failed =
       static_cast<std::size_t>(std::count_if(results_.rows.begin(), results_.rows.end(),
                                              [](const ResultRow& row) { return row.outcome != Outcome::completed; }));
-  // who has the least mean error, trajectory by trajectory and point by point
+  // who is best by is_better, trajectory by trajectory and point by point
   std::map<std::string, std::size_t> best;
   std::map<std::string, const TableCell*> least;
   for (const TableCell& cell : cells_) {
@@ -149,8 +149,8 @@ std::string Sweep::header() const {
       std::max_element(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   std::string sentence = "No run has a sample that counts.";
   if (most != best.end() && controllers_.size() > 1)
-    sentence =
-        fmt::format("{} has the least mean RMSE in {} of {} comparisons.", most->first, most->second, least.size());
+    sentence = fmt::format("{} {} in {} of {} comparisons.", most->first,
+                           failed == 0 ? "has the least mean RMSE" : "is best", most->second, least.size());
   else if (most != best.end()) sentence = fmt::format("{} over {} runs.", most->first, runs);
   std::string axes;
   for (std::size_t a = 0; a < axes_.size(); ++a)
@@ -159,9 +159,12 @@ std::string Sweep::header() const {
   return fmt::format(
       "<header><p class=\"kind\">Sweep {} · {} · {} runs{}</p><h1>{}</h1>{}</header>", escape(experiment),
       escape(cells_.front().vehicle), runs, escape(axes), escape(sentence),
-      paragraph(failed == 0 ? "Every run was completed."
-                            : fmt::format("{} of {} runs were not completed; they keep their errors up to their end.{}",
-                                          failed, runs, without_error())));
+      paragraph(failed == 0
+                    ? "Every run was completed."
+                    : fmt::format(
+                          "{} of {} runs were not completed; they keep their errors up to their end.{} Best: most runs "
+                          "completed, then the least mean RMSE.",
+                          failed, runs, without_error())));
 }
 
 std::string Sweep::table() const {

@@ -60,10 +60,10 @@ TEST(SweepPage, SaysWhoIsBestWhatFailedAndWhere) {
   for (const char* wanted :
        {"Sweep grid · crazyflie · 240 runs · strength: 4 values · mass: 3 values",
         // not where it crashed in one of five runs: six of the 24, in which its errors are the least all the same
-        "indi has the least mean RMSE in 18 of 24 comparisons.", "6 of 240 runs were not completed", "All 48 cells",
-        "Heat map", "indi, lemniscate", "mass [–] \\ strength [m/s²]", "Over strength", ">strength [m/s²]</text>",
-        "Shown at mass = 0.", "Over mass", ">mass [–]</text>", "Shown at strength = 1 m/s².", "Paths",
-        "Replicate 1 of strength_1_mass_0", "What was not completed",
+        "indi is best in 18 of 24 comparisons.", "6 of 240 runs were not completed", "Best: most runs completed",
+        "All 48 cells", "Heat map", "indi, lemniscate", "mass [–] \\ strength [m/s²]", "Over strength",
+        ">strength [m/s²]</text>", "Shown at mass = 0.", "Over mass", ">mass [–]</text>", "Shown at strength = 1 m/s².",
+        "Paths", "Replicate 1 of strength_1_mass_0", "What was not completed",
         "circle, strength = 2 m/s², mass = -0.2</td><td data-label=\"controller\">indi</td><td data-label=\"how it "
         "ended\">crashed</td><td data-label=\"runs\" class=\"n\">1 of 5</td><td data-label=\"the earliest\" "
         "class=\"n\">4.25 s, replicate 3"}) {
