@@ -4,7 +4,7 @@
     everyday_trials.py --seed 1 --count 60 --out DIR [--gustlab BIN] [--jobs 1]
 
 Vehicle, two trajectories, controller, log rate, sensor noise and gust are drawn; the first flight is fitted, the second held out. They excite
-less than a test flight, half of them are logged slower than the loop, and a third have no sensor noise at all: nothing of this is
+less than a test flight, two thirds of them are logged slower than the loop, and a third have no sensor noise at all: nothing of this is
 chosen so that a diagnosis succeeds. Writes DIR/<trial>/{experiment.toml,<trajectory>/,diagnosis/}, DIR/results.jsonl, and prints tables.
 """
 

@@ -84,9 +84,8 @@ std::string to_markdown(const Identification& found) {
     out += markdown_row(cells);
   }
   out += fmt::format(
-      "\nresidual force, rms per axis: {:.4g} N, of which the model leaves {:.4g} N where it was fitted; {} {:.4g} N, "
-      "of "
-      "which {:.4g} N are left; condition number {:.4g}, with columns of equal length {:.4g}\n",
+      "\nresidual force, rms per axis: {:.4g} N, of which the model leaves {:.4g} N where it was fitted; "
+      "{} {:.4g} N, of which {:.4g} N are left; condition number {:.4g}, with columns of equal length {:.4g}\n",
       found.force_rms, found.error_fit,
       found.holdout_is_cross_validation ? "cross-validated, each fold by what the others find at this lambda,"
                                         : "on the held-out flights",

@@ -176,10 +176,8 @@ std::string to_markdown(std::span<const ComparedVariant> variants, double limit_
   for (const ComparedVariant& variant : variants) text += variant_row(variant);
   text += fmt::format(
       "\n\nMean planar RMSE in m, samples from {} s on, over the runs that were completed, of {} in each cell, the "
-      "same "
-      "gusts for all; "
-      "held/all where a run "
-      "was not held: a run is held when it reaches its end with a planar RMSE of at most {} m. In brackets the 95 % "
+      "same gusts for all; held/all where a run was not held: a run is held when it reaches its end with a planar RMSE "
+      "of at most {} m. In brackets the 95 % "
       "interval of the "
       "paired difference (bootstrap over gusts, each with all its trajectories). † broken: fewer than 95 % of the runs "
       "are held.\n\n"
