@@ -1,5 +1,6 @@
 // What a row of the registry of effects says of itself is true of the effect: the diagnosis asks for these traits and for no name.
 #include <algorithm>
+#include <numbers>
 
 #include "contract/effects_flight.hpp"
 
@@ -266,9 +267,28 @@ TEST_P(EffectTraits, ExactAliasTurnsTheVehicleAlike) {
   EXPECT_NEAR(yaw(planted(row, first_number(row, delta))), yaw(planted(other, last)), 1e-6 * std::abs(yaw({})));
 }
 
+// a push to the side: of the row it turns with the heading, of the others it stays in the world
+TEST_P(EffectTraits, LikeOthersUnlessTurningPushesInTheBodyWhatTheyPushInTheWorld) {
+  if (row.like_unless_turning[0].empty() || row.place == Place::measurement) GTEST_SKIP();
+  const auto push = [&](const EffectRow& pushing, double heading_rad) -> Vector3 {
+    const Values values = {{parameters_of(*pushing.make()).front().name, 0.01}};
+    VehicleState start = at_rest(vehicle);
+    start.attitude_WB = Eigen::AngleAxisd(heading_rad, Vector3::UnitZ());
+    return first_step(planted(pushing, values), start).linear_W_mps2 - first_step({}, start).linear_W_mps2;
+  };
+  const Vector3 own = push(row, 0.0);
+  EXPECT_GT(own.x(), 1e-3);
+  EXPECT_LT((push(row, 0.5 * std::numbers::pi) - own.x() * Vector3::UnitY()).norm(), 1e-6);
+  for (const std::string_view name : row.like_unless_turning) {
+    const Vector3 other = push(*find_effect(name), 0.0);
+    EXPECT_LT((other.normalized() - own.normalized()).norm(), 1e-3) << name;
+    EXPECT_LT((push(*find_effect(name), 0.5 * std::numbers::pi) - other).norm(), 1e-3 * other.norm()) << name;
+  }
+}
+
 TEST_P(EffectTraits, NamesOthersThatAreThereAndSaysWhy) {
-  for (const std::string_view name :
-       {row.stand_in, row.never_beside, row.alias.effect, row.alias.unless[0], row.alias.unless[1]})
+  for (const std::string_view name : {row.stand_in, row.never_beside, row.alias.effect, row.alias.unless[0],
+                                      row.alias.unless[1], row.like_unless_turning[0], row.like_unless_turning[1]})
     if (!name.empty()) {
       ASSERT_NE(find_effect(name), nullptr) << name;
       EXPECT_TRUE(find_effect(name)->diagnosable);

@@ -4,28 +4,47 @@
 
 namespace gustlab::diagnosis {
 
+namespace {
+
+// Without those whose best value is none: no vehicle answers before it is asked.
+std::vector<int> causal_columns(const Session& session, const std::vector<int>& columns) {
+  const Fit fit = solve(session.grams().total(), columns, 1e-4);
+  std::vector<int> causal;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Column& column = session.catalogue().column(columns[i]);
+    const bool way = column.group >= 0 && session.catalogue().group(column.group).row->place == Place::actuation;
+    const double moved = fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural;
+    if (!way || column.admits(session.value()[columns[i]] + moved)) causal.push_back(columns[i]);
+  }
+  return causal;
+}
+
+// −2 log likelihood of the flights beside all that there may be
+double misfit(Session session) {
+  const std::vector<int>& columns = session.all_columns();
+  Eigen::VectorXd value = session.value();
+  double misfit = 0.0;
+  // linearised once, the wrong reading may promise more beside a large effect than it keeps
+  constexpr int linearisations = 3;
+  for (int i = 0; i < linearisations; ++i) {
+    session.linearise(value, columns);
+    session.learn_noise(6, columns);
+    const std::vector<int> causal = causal_columns(session, columns);
+    const Fit fit = solve(session.grams().total(), causal, 1e-4);
+    misfit = session.misfit(causal, fit.coefficient);
+    for (std::size_t c = 0; c < causal.size(); ++c)
+      value[causal[c]] += fit.coefficient[static_cast<Eigen::Index>(c)] * session.catalogue().column(causal[c]).natural;
+    session.catalogue().clamp(value);
+  }
+  return misfit;
+}
+
+}  // namespace
+
 bool linear_is_likelier(const VehicleModel& vehicle, int jobs,
                         const std::function<std::vector<FlightData>(bool linear)>& read) {
-  double misfit[2];
-  for (const bool linear : {false, true}) {
-    Session session(read(linear), vehicle, jobs);
-    session.linearise(session.value(), session.all_columns());
-    session.learn_noise(6, session.all_columns());
-    const Eigen::MatrixXd total = session.grams().total();
-    const std::vector<int>& columns = session.all_columns();
-    Fit fit = solve(total, columns, 1e-4);
-    // no vehicle answers before it is asked
-    std::vector<int> causal;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const Column& column = session.catalogue().column(columns[i]);
-      const bool way = column.group >= 0 && session.catalogue().group(column.group).row->place == Place::actuation;
-      if (!way || column.admits(column.nominal + fit.coefficient[static_cast<Eigen::Index>(i)] * column.natural))
-        causal.push_back(columns[i]);
-    }
-    if (causal.size() < columns.size()) fit = solve(total, causal, 1e-4);
-    misfit[linear] = session.misfit(causal, fit.coefficient);
-  }
-  return misfit[true] < misfit[false];
+  const double held = misfit(Session(read(false), vehicle, jobs));
+  return misfit(Session(read(true), vehicle, jobs)) < held;
 }
 
 }  // namespace gustlab::diagnosis

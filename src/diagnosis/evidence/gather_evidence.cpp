@@ -203,7 +203,34 @@ void measure_signature(const Session& session, const Selection& selection, const
   out.slow_fast = slow_fast_difference(parts, fitted);
 }
 
-// Whether no flight turns: what stays in the world stays in the body then.
+// By means of torques alone a rotor is distinguished from the one across, and from a centre of mass, by the total thrust: whether it is known well
+// enough for the share of it that this rotor lost.
+bool thrust_tells_rotor(const Session& session, const Selection& selection, const Group& of_rotor) {
+  if (session.reference()) return true;
+  double total_Ns2 = 0.0;
+  for (int r = 0; r < session.vehicle().rotor_count; ++r)
+    total_Ns2 += session.vehicle().rotors[static_cast<std::size_t>(r)].thrust_coefficient_Ns2;
+  const double own_Ns2 = session.vehicle().rotors[static_cast<std::size_t>(of_rotor.rotor - 1)].thrust_coefficient_Ns2;
+  const double lost = std::abs(selection.value[of_rotor.columns.front()]) * own_Ns2 / total_Ns2;
+  for (const Group& group : session.catalogue().groups())
+    if (group.row->in_hover == InHover::weight && group.row->place == Place::rotor)
+      return lost > decisions::thrust_tells_rotor * session.catalogue().column(group.columns.front()).tolerance;
+  return false;
+}
+
+// Other findings of the same effect, of another rotor, and what may as well be one.
+int alike(const Session& session, const Selection& selection, const Finding& finding) {
+  const Group& group = session.catalogue().group(finding.group);
+  const auto others = std::ranges::count_if(selection.findings, [&](const Finding& other) {
+    return other.group != finding.group && !other.calibration &&
+           session.catalogue().group(other.group).row == group.row;
+  });
+  const bool by_means = session.catalogue().mean_torques_alone() && group.rotor > 0;
+  return static_cast<int>(others) + (by_means && !thrust_tells_rotor(session, selection, group) ? 1 : 0);
+}
+
+}  // namespace
+
 bool headings_are_kept(const Session& session) {
   return std::ranges::all_of(session.linear(), [](const LinearFlight& flight) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -211,20 +238,6 @@ bool headings_are_kept(const Session& session) {
     return sum.norm() > decisions::kept_heading * static_cast<double>(flight.R_WB.size());
   });
 }
-
-// Other findings of the same effect, of another rotor. By means of torques alone a rotor is distinguished from the one across, and from a centre
-// of mass, by the total thrust, which reference flights know and no file.
-int alike(const Session& session, const Selection& selection, const Finding& finding) {
-  const Group& group = session.catalogue().group(finding.group);
-  const auto others = std::ranges::count_if(selection.findings, [&](const Finding& other) {
-    return other.group != finding.group && !other.calibration &&
-           session.catalogue().group(other.group).row == group.row;
-  });
-  const bool by_means = session.catalogue().mean_torques_alone() && !session.reference() && group.rotor > 0;
-  return static_cast<int>(others) + (by_means ? 1 : 0);
-}
-
-}  // namespace
 
 double own_acceleration_mps2(const Session& session, const Selection& selection, const Finding& finding) {
   const Eigen::VectorXd weights = own_weights(session.catalogue(), selection, finding);

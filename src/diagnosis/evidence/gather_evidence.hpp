@@ -34,6 +34,9 @@ std::vector<Undoing> undoings(const Eigen::MatrixXd& gram, const std::vector<Eig
 // linearised there.
 double own_acceleration_mps2(const Session& session, const Selection& selection, const Finding& finding);
 
+// Whether no flight turns: what stays in the world stays in the body then.
+bool headings_are_kept(const Session& session);
+
 // Of every finding of a selection, the session linearised there; rollouts are not flown yet.
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
                                       const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest);

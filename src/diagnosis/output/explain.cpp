@@ -133,8 +133,9 @@ bool may_be(const EffectRow& other, const EffectFinding& effect) {
   return effect.parameters.empty() || effect.parameters.front().value > 0.0 || numbers_of(*made).front().info.min < 0.0;
 }
 
-// names that no flight, or no such log, distinguishes from the effect
-void fill_aliases(const Catalogue& catalogue, const EffectRow& row, EffectFinding& effect) {
+// Names that no flight, or no such flight or log, distinguishes from the effect.
+void fill_aliases(const Session& session, const Selection& selection, const EffectRow& row, EffectFinding& effect) {
+  const Catalogue& catalogue = session.catalogue();
   // only c_τ k_f / J_z is visible, when J_x and J_y are right
   if (!row.alias.effect.empty()) effect.classmates.emplace_back(row.alias.effect);
   for (const EffectRow& other : effect_registry()) {
@@ -148,6 +149,9 @@ void fill_aliases(const Catalogue& catalogue, const EffectRow& row, EffectFindin
     if (other.stand_in == row.name && catalogue.why_left_out(other) && may_be(other, effect))
       effect.classmates.emplace_back(other.name);
   }
+  if (!headings_are_kept(session)) return;
+  for (const std::string_view other : row.like_unless_turning)
+    if (!other.empty() && !selection.find(catalogue.find(other))) effect.classmates.emplace_back(other);
 }
 
 // what fits best first, the others in catalogue order, each name once
@@ -177,7 +181,7 @@ void explain_finding(const Session& session, const Selection& selection, const C
   bool calibration =
       finding.calibration || (group.row->asks(Need::torque_ratio) && !session.vehicle().torque_ratio_known);
   calibration |= fill_rivals(session, selection, finding, effect);
-  fill_aliases(session.catalogue(), *group.row, effect);
+  fill_aliases(session, selection, *group.row, effect);
   effect.classmates = in_order(effect);
   effect.confidence = challenge.records[i].probability;
   if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();

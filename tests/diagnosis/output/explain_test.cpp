@@ -56,17 +56,24 @@ TEST(AugmentedVehicle, HoldsTotalsAndWhatTheReferenceFlightsShowedUnlessItChange
 
 class Explained : public ::testing::Test {
  protected:
-  static FlightData flight(bool collective_only) {
+  static FlightData flight(bool collective_only, double yaw_rate_radps = 0.0) {
     const VehicleModel vehicle = test::crazyflie();
-    FlightData flight = test::flight_of(
-        vehicle, 20.0, 0.02, [](double) { return Motion{}; },
-        [&](double) { return test::all_at(vehicle.hover_speed_radps()); });
+    const auto motion = [&](double time_s) {
+      Motion at;
+      at.attitude_WB = Eigen::AngleAxisd(yaw_rate_radps * time_s, Vector3::UnitZ());
+      at.body_rate_B_radps.z() = yaw_rate_radps;
+      return at;
+    };
+    FlightData flight =
+        test::flight_of(vehicle, 20.0, 0.02, motion, [&](double) { return test::all_at(vehicle.hover_speed_radps()); });
     flight.collective_only = collective_only;
     return flight;
   }
   explicit Explained(bool collective_only = false, const VehicleModel& vehicle = test::crazyflie(),
-                     std::vector<FlightData> filtered = {})
-      : session({flight(collective_only), flight(collective_only)}, vehicle, 1, std::move(filtered)) {
+                     std::vector<FlightData> filtered = {}, double second_yaw_rate_radps = 0.0)
+      : session({flight(collective_only), flight(collective_only, second_yaw_rate_radps)}, vehicle, 1,
+                std::move(filtered)) {
+    session.linearise(session.value(), session.all_columns());
     selection.value = session.value();
     selection.deviation = Eigen::VectorXd::Zero(session.catalogue().size());
     selection.noise_selected = session.noise;
@@ -163,6 +170,24 @@ TEST_F(ExplainedFiltered, AMassMayHang) {
   EXPECT_THAT(explained().effects[0].classmates, Contains("slung_load"));
   selection.value[column("mass")] = -0.05;
   EXPECT_THAT(explained().effects[0].classmates, ::testing::Not(Contains("slung_load")));
+}
+
+// along one heading a push that stays in the body is one that stays in the world
+TEST_F(Explained, ATiltMayBeAForceWhereNoFlightTurns) {
+  found("rotor_tilt", 0.05, 0.97);
+  EXPECT_THAT(explained().effects[0].classmates, ElementsAre("rotor_tilt", "steady_wind", "constant_force"));
+  // a wind that was found beside it is not what it may be instead
+  found("steady_wind", 1.0, 0.97);
+  EXPECT_THAT(explained().effects[0].classmates, ElementsAre("rotor_tilt", "constant_force"));
+}
+
+struct ExplainedTurning : Explained {
+  ExplainedTurning() : Explained(false, test::crazyflie(), {}, 1.0) {}
+};
+
+TEST_F(ExplainedTurning, ATiltIsNoForceWhereOneDoes) {
+  found("rotor_tilt", 0.05, 0.97);
+  EXPECT_THAT(explained().effects[0].classmates, ElementsAre("rotor_tilt"));
 }
 
 TEST_F(Explained, WhatEndedAtItsBoundIsRejectedForThat) {
