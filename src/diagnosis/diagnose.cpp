@@ -207,8 +207,10 @@ bool torques_mislead(const Aligned& aligned, const Fitted& fitted) {
   return !aligned.attitude && !fitted.challenged.rest.alarms.empty();
 }
 
-// How well commands predict the measured speeds, nothing where no held-out flight has both. How late the rotors are is hardly told where that does
-// not make them better: of commands that were sampled from a faster loop a lag is a better mean, late or not.
+bool makes_rotors_late(const EffectRow& row) { return row.place == Place::actuation && row.latency != Latency::none; }
+
+// How well commands predict the measured speeds, nothing where no held-out flight has both. Of commands that were sampled from a faster loop and
+// jitter a lag is a better mean, late or not: where they hardly predict the speeds better, a lag and a delay are alike, and where they do not, it is none.
 void judge_by_speeds(const Session& session, const Selection& selection, std::vector<FlightData> holdout,
                      Diagnosis& out) {
   for (FlightData& flight : holdout) flight.measured_at_sample = measured_beside_commands(flight);
@@ -219,12 +221,16 @@ void judge_by_speeds(const Session& session, const Selection& selection, std::ve
       "commands predict the rotors' speeds to {:.3g} rad/s instead of {:.3g} (rms, held-out flights); measured speeds "
       "drive the body's predictions, which that does not change",
       after_radps, before_radps));
-  if (after_radps > decisions::speeds_still_astray * before_radps)
-    suspect(out, "only suspected: with it commands hardly predict the measured speeds of the rotors better",
-            [](const EffectFinding& effect) {
-              const EffectRow& row = *find_effect(effect.effect);
-              return row.place != Place::actuation || row.latency == Latency::none;
-            });
+  if (after_radps >= before_radps)
+    suspect(out, "only suspected: with it commands do not predict the measured speeds of the rotors better",
+            [](const EffectFinding& effect) { return !makes_rotors_late(*find_effect(effect.effect)); });
+  if (after_radps < decisions::latency_told * before_radps) return;
+  for (EffectFinding& effect : out.effects)
+    if (makes_rotors_late(*find_effect(effect.effect))) {
+      for (const EffectRow& other : effect_registry())
+        if (makes_rotors_late(other) && other.diagnosable) effect.classmates.emplace_back(other.name);
+      put_in_order(effect);
+    }
 }
 
 // what was found, and where the simulation and the recordings differ; the session is linearised at the nominal vehicle then

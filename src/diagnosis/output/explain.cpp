@@ -154,16 +154,6 @@ void fill_aliases(const Session& session, const Selection& selection, const Effe
     if (!other.empty() && !selection.find(catalogue.find(other))) effect.classmates.emplace_back(other);
 }
 
-// what fits best first, the others in catalogue order, each name once
-std::vector<std::string> in_order(const EffectFinding& effect) {
-  std::vector<std::string> ordered = {effect.effect};
-  for (const EffectRow& row : effect_registry())
-    if (row.name != effect.effect &&
-        std::find(effect.classmates.begin(), effect.classmates.end(), row.name) != effect.classmates.end())
-      ordered.emplace_back(row.name);
-  return ordered;
-}
-
 // named, suspected, or no missing physics at all
 void explain_finding(const Session& session, const Selection& selection, const Challenge& challenge, std::size_t i,
                      Diagnosis& out) {
@@ -182,7 +172,7 @@ void explain_finding(const Session& session, const Selection& selection, const C
       finding.calibration || (group.row->asks(Need::torque_ratio) && !session.vehicle().torque_ratio_known);
   calibration |= fill_rivals(session, selection, finding, effect);
   fill_aliases(session, selection, *group.row, effect);
-  effect.classmates = in_order(effect);
+  put_in_order(effect);
   effect.confidence = challenge.records[i].probability;
   if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();
   (calibration ? out.calibration : effect.confidence >= named_from ? out.effects : out.suspected).push_back(effect);
@@ -293,6 +283,13 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
 }
 
 }  // namespace
+
+void put_in_order(EffectFinding& effect) {
+  std::vector<std::string> ordered = {effect.effect};
+  for (const EffectRow& row : effect_registry())
+    if (row.name != effect.effect && std::ranges::count(effect.classmates, row.name)) ordered.emplace_back(row.name);
+  effect.classmates = std::move(ordered);
+}
 
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   describe_sensors(session, selection.noise_selected, out);

@@ -9,6 +9,8 @@ namespace gustlab::diagnosis {
 
 // Fills effects, calibration, rejected, not_identifiable and torque_told of a diagnosis.
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out);
+// The class of a finding: what fits best first, the others in catalogue order, each name once.
+void put_in_order(EffectFinding& effect);
 // Says of the channels of time which effects they would show: those that make a command, or a pose, late.
 void say_what_channels_show(std::vector<Mismatch>& channels);
 // Names `gust` when the flight says so; per axis strength, correlation time and a spectral line.

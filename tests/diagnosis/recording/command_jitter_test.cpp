@@ -1,6 +1,7 @@
 // Commands that were sampled from a faster loop are told from commands that were logged whole.
 #include "diagnosis/recording/command_jitter.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -17,6 +18,8 @@ using ::testing::Contains;
 using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 // 20 s of a Crazyflie's commands at 100 Hz: roll and pitch swing at 1 and 1.5 Hz, and every rotor jitters
 FlightData commanded(double swing_radps, double jitter_radps) {
@@ -185,6 +188,37 @@ TEST(CommandJitterTrials, LeavesWhatShiftsTheTorques) {
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.002, 2e-4);
   EXPECT_NEAR(d.effects[0].parameters[1].value, -0.001, 2e-4);
   EXPECT_FALSE(d.torque_told);
+}
+
+// of one rotor of four an eighth is three percent of the thrust, and a twentieth is what a vehicle file does not know
+TEST(CommandJitterTrials, LeavesALostRotorThatTheThrustTells) {
+  const auto found_of = [](double loss) {
+    const TemporaryFolder folder;
+    test::TrialSettings settings = sampled_loop("geometric", 1.0);
+    settings.duration_s = 20.0;
+    settings.concealed = fmt::format("{{type = \"rotor_loss\", rotor = 2, loss = {}}}", loss);
+    return diagnose_saying(test::fly_trial(folder, settings), Hold::unknown);
+  };
+  const Diagnosis told = found_of(0.12);
+  ASSERT_EQ(told.effects.size(), 1u) << to_json(told).dump(1);
+  EXPECT_EQ(told.effects[0].effect, "rotor_loss");
+  EXPECT_EQ(told.effects[0].rotor(), 2);
+  EXPECT_NEAR(test::value_of(told.effects[0], "loss"), 0.12, 0.02);
+  EXPECT_THAT(found_of(0.05).effects, Not(Contains(Field(&EffectFinding::effect, "rotor_loss"))));
+}
+
+// each command is a sample of a loop that jitters: a lag is a better mean of them than none, and as good as a delay
+TEST(CommandJitterTrials, LagsAndDelaysThatSpeedsHardlyShowAreAlike) {
+  const TemporaryFolder folder;
+  test::TrialSettings settings = sampled_loop("pid", 1.0);
+  settings.vehicle = "neurobem_racer";
+  settings.sensors = {"pose", "gyroscope", "rotor_speed"};
+  settings.fit = {"multisine"};
+  settings.holdout = {"hover"};
+  settings.concealed = R"({type = "actuation_delay", delay = 0.03})";
+  const Diagnosis d = diagnose_saying(test::fly_trial(folder, settings), Hold::unknown);
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_THAT(d.effects[0].classmates, UnorderedElementsAre("motor_lag", "actuation_delay"));
 }
 
 // the loop of the simulator's own benchmark: the thrust jitters with the torques, and motors rise faster than they fall
