@@ -436,8 +436,12 @@ std::string one_sentence(const Json& diagnosis) {
     const bool one_reason = !blind.empty() && std::all_of(blind.begin(), blind.end(), [&](const Json& entry) {
       return text(entry, "why") == text(blind[0], "why");
     });
+    const std::string why = one_reason               ? ": " + text(blind[0], "why")
+                            : hover_alone(diagnosis) ? ""
+                                                     : ": the logged commands are samples of a faster loop, and what "
+                                                       "the rotors did between is not known. Log at the loop's rate";
     return "These flights cannot tell whether the simulation" + (vehicle.empty() ? "" : " of " + vehicle) +
-           " is right or wrong" + (one_reason ? ": " + text(blind[0], "why") : "") + ".";
+           " is right or wrong" + why + ".";
   }
   if (verdict == Verdict::unexplained) {
     return fmt::format("Something acts on {} that {}{}, and no effect known here is sure enough to be named.",

@@ -484,6 +484,17 @@ TEST(DiagnosisPage, OfHoverAloneSaysNoMore) {
             "In hover the flights of crazyflie agree with each other; nothing else can be told from them.");
 }
 
+TEST(DiagnosisPage, SaysAtTheTopWhatWouldHelpWhereCommandsWereSampled) {
+  Json diagnosis = {{"verdict", "insufficient_data"},
+                    {"vehicle", "crazyflie"},
+                    {"not_identifiable",
+                     {{{"effect", "inertia"}, {"lack", "excitation"}, {"why", "one thing"}},
+                      {{"effect", "mass"}, {"lack", "excitation"}, {"why", "another"}}}}};
+  EXPECT_THAT(report::one_sentence(diagnosis), ::testing::EndsWith("Log at the loop's rate."));
+  diagnosis["not_identifiable"][0]["lack"] = "attitude_and_rate";
+  EXPECT_THAT(report::one_sentence(diagnosis), ::testing::EndsWith("is right or wrong."));
+}
+
 // the same line twice hides the first
 TEST(DiagnosisPage, DrawsNoSecondModelWhereNothingWasFitted) {
   Json diagnosis = example_diagnosis();
