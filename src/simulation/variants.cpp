@@ -51,6 +51,14 @@ std::string label_of(std::string literal) {
   return literal;
 }
 
+// of two values for one key in one list the first would be lost
+void check_once(const config::Table& table, std::string_view list, const std::vector<std::string>& settings) {
+  for (std::size_t i = 0; i < settings.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (const std::string key = key_of_both(settings[k], settings[i]); !key.empty())
+        table.fail(list, fmt::format("{} is set twice", key), "its first value would be lost", "keep one");
+}
+
 Axis read_axis(config::Table& table) {
   const std::vector<std::string> keys = read_keys(table);
   Axis axis{table.text("name").value_or(keys.front().substr(keys.front().rfind('.') + 1)),
@@ -72,6 +80,7 @@ Axis read_axis(config::Table& table) {
                  "");
     for (std::size_t k = 0; k < keys.size(); ++k) point.set.push_back(fmt::format("{}={}", keys[k], values[k]));
   }
+  check_once(table, "keys", axis.points.front().set);
   return axis;
 }
 
@@ -124,6 +133,7 @@ std::vector<Variant> read_variant_tables(config::Table& document) {
                         table.where("set")});
     variants.back().axes.push_back({"variant", variants.back().name});
     check_name(table, "name", variants.back().name);
+    check_once(table, "set", variants.back().set);
     if (!seen.insert(variants.back().name).second)
       table.fail("name", fmt::format("variant \"{}\" is here twice", variants.back().name), "", "rename one");
   }

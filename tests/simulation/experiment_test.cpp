@@ -270,6 +270,9 @@ TEST_F(Variants, SayWhatIsWrongWithAnAxis) {
             "e.toml:22:8: axis \"settle_s\" sets effect.gust.strength anew (the value of a at "},
            {"[[axis]]\nkey = \"seed\"\nvalues = [1]\n[[axis]]\nname = \"s\"\nkey = \"seed\"\nvalues = [2]\n",
             "e.toml:23:7: axis \"s\" sets seed anew (the value of seed_1 at "},
+           {"[[variant]]\nname = \"a\"\nset = [\"seed=7\", \"settle_s=1\", \"seed=8\"]\n",
+            "e.toml:20:7: seed is set twice (its first value would be lost); keep one"},
+           {"[[axis]]\nkeys = [\"seed\", \"seed\"]\nvalues = [[1, 2]]\n", "e.toml:19:8: seed is set twice"},
            {"[[variant]]\nname = \"a\"\nset = [\"seed\"]\n[[axis]]\nkey = \"seed\"\nvalues = [1]\n",
             "e.toml:20:7: not an override"}})
     EXPECT_THAT(message(table), HasSubstr(says));
