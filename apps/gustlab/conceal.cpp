@@ -1,7 +1,11 @@
+#include <fmt/format.h>
+
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "commands.hpp"
+#include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "simulation/concealed_trials.hpp"
@@ -23,6 +27,10 @@ struct ConcealArguments {
 void conceal(const ConcealArguments& options) {
   interrupted();
   const TrialsFile file = read_trials_file(options.trials, options.overrides);
+  using std::filesystem::weakly_canonical;
+  if (weakly_canonical(options.answers) == weakly_canonical(options.out))
+    throw ConfigError(fmt::format(
+        "{}: is the folder of the recordings (the answers are a file); give --answers another name", options.answers));
   check_file_can_be_written(options.answers);
   check_folder_can_be_made(options.out);
   Progress progress;

@@ -258,6 +258,11 @@ class Inputs(Commands):
                 self.assertIn("would be written twice", self.call(*arguments, code=2)[1])
                 self.assertEqual(self.files(), before)
 
+    def test_a_folder_for_the_recordings_is_no_file_for_the_answers(self):
+        before = self.files()
+        self.assertIn("is the folder of the recordings", self.call("conceal", "t.toml", "--out", "new", "--answers", "./new", code=2)[1])
+        self.assertEqual(self.files(), before)
+
     def test_an_input_as_an_output_is_refused_before_the_work(self):
         (self.folder / "c.toml").write_text(calibration_toml(replicates=4, evaluations=1000000))
         (self.folder / "c").mkdir()
