@@ -27,8 +27,10 @@ struct ConcealArguments {
 void conceal(const ConcealArguments& options) {
   interrupted();
   const TrialsFile file = read_trials_file(options.trials, options.overrides);
-  using std::filesystem::weakly_canonical;
-  if (weakly_canonical(options.answers) == weakly_canonical(options.out))
+  const auto place = [](const std::string& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+  };
+  if (place(options.answers) == place(options.out))
     throw ConfigError(fmt::format(
         "{}: is the folder of the recordings (the answers are a file); give --answers another name", options.answers));
   check_file_can_be_written(options.answers);
