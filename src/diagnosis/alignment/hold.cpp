@@ -6,9 +6,9 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// Without those whose best value is none: no vehicle answers before it is asked.
-std::vector<int> causal_columns(const Session& session, const std::vector<int>& columns) {
-  const Fit fit = solve(session.grams().total(), columns, 1e-4);
+// Without those whose likeliest value is not allowed: no vehicle answers before it is asked.
+std::vector<int> causal_columns(const Session& session, const Eigen::MatrixXd& total, const std::vector<int>& columns) {
+  const Fit fit = solve(total, columns, 1e-4);
   std::vector<int> causal;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const Column& column = session.catalogue().column(columns[i]);
@@ -29,8 +29,9 @@ double misfit(Session session) {
   for (int i = 0; i < linearisations; ++i) {
     session.linearise(value, columns);
     session.learn_noise(6, columns);
-    const std::vector<int> causal = causal_columns(session, columns);
-    const Fit fit = solve(session.grams().total(), causal, 1e-4);
+    const Eigen::MatrixXd total = session.grams().total();
+    const std::vector<int> causal = causal_columns(session, total, columns);
+    const Fit fit = solve(total, causal, 1e-4);
     misfit = session.misfit(causal, fit.coefficient);
     for (std::size_t c = 0; c < causal.size(); ++c)
       value[causal[c]] += fit.coefficient[static_cast<Eigen::Index>(c)] * session.catalogue().column(causal[c]).natural;

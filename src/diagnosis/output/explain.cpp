@@ -149,9 +149,9 @@ void fill_aliases(const Session& session, const Selection& selection, const Effe
     if (other.stand_in == row.name && catalogue.why_left_out(other) && may_be(other, effect))
       effect.classmates.emplace_back(other.name);
   }
-  if (!headings_are_kept(session)) return;
   for (const std::string_view other : row.like_unless_turning)
-    if (!other.empty() && !selection.find(catalogue.find(other))) effect.classmates.emplace_back(other);
+    if (!other.empty() && headings_are_kept(session) && !selection.find(catalogue.find(other)))
+      effect.classmates.emplace_back(other);
 }
 
 // named, suspected, or no missing physics at all
