@@ -12,6 +12,7 @@
 #include "diagnosis/alignment/align.hpp"
 #include "diagnosis/estimation/rotor_speeds.hpp"
 #include "diagnosis/evidence/challenge.hpp"
+#include "diagnosis/evidence/half_rate.hpp"
 #include "diagnosis/evidence/reference_fit.hpp"
 #include "diagnosis/evidence/suspect.hpp"
 #include "diagnosis/hover/quasi_static.hpp"
@@ -107,7 +108,7 @@ struct Fitted {
   Session session;
   Selection selection;
   Challenge challenged;
-  Remarks remarks;
+  Reading reading;
 };
 
 std::vector<FlightUse> uses_of(const Aligned& aligned, const Prepared& flights) {
@@ -171,11 +172,11 @@ Fitted fit_beside(const ReferenceFit* normal, const Aligned& aligned, Reading re
   Challenge challenged = challenge(
       session, selection, {flights.holdout, flights.holdout_own_rate, proof},
       [&] { return std::min(most_pose_latency_s(aligned.raw_fit), most_pose_latency_s(aligned.raw_holdout)); }, jobs);
-  return {std::move(vehicle),        normal ? normal->effects : std::vector<EffectFinding>{},
-          std::move(used),           std::move(flights.holdout),
-          std::move(proof),          std::move(session),
-          std::move(selection),      std::move(challenged),
-          std::move(reading.remarks)};
+  return {std::move(vehicle),   normal ? normal->effects : std::vector<EffectFinding>{},
+          std::move(used),      std::move(flights.holdout),
+          std::move(proof),     std::move(session),
+          std::move(selection), std::move(challenged),
+          std::move(reading)};
 }
 
 // the groups that are named or suspected
@@ -231,6 +232,30 @@ void judge_by_speeds(const Session& session, const Selection& selection, std::ve
         if (makes_rotors_late(other) && other.diagnosable) effect.classmates.emplace_back(other.name);
       put_in_order(effect);
     }
+}
+
+// Names that stand in for what the logs left out between their rows are only suspected. Lags and delays are not asked: commands of every
+// other row are later by themselves.
+void judge_by_half_rate(const Aligned& aligned, const Fitted& fitted, int jobs, Diagnosis& out) {
+  const auto prompt = [](const EffectFinding& effect) { return !makes_rotors_late(*find_effect(effect.effect)); };
+  if (std::ranges::none_of(out.effects, prompt)) return;
+  Aligned half = aligned;
+  for (FlightLog& log : half.fit) log = every_other_row(std::move(log));
+  half.holdout.clear();
+  Session session(prepare(half, fitted.vehicle, fitted.reading).fit, fitted.vehicle, jobs);
+  const std::vector<double> changes = changes_at_half_rate(session, fitted.session, fitted.selection);
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    if (std::abs(changes[i]) < decisions::same_at_half_rate) continue;
+    const Group& group = session.catalogue().group(fitted.selection.findings[i].group);
+    suspect(
+        out,
+        fmt::format("only suspected: with every other row of the logs alone its size changes by {:+.0f} %; it may be "
+                    "what the logs leave out between their rows",
+                    100.0 * changes[i]),
+        [&](const EffectFinding& effect) {
+          return effect.effect != group.row->name || effect.rotor() != group.rotor || !prompt(effect);
+        });
+  }
 }
 
 // what was found, and where the simulation and the recordings differ; the session is linearised at the nominal vehicle then
@@ -310,8 +335,10 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   if (torques_mislead(aligned, fitted)) fitted = fit(aligned, true, testing, options);
 
   Diagnosis out = describe(fitted);
+  if (aligned.hold_unknown && !aligned.was_filtered() && !fitted.reading.options.forces_only)
+    judge_by_half_rate(aligned, fitted, jobs, out);
   out.vehicle = recordings.vehicle.name;
-  say_first(recordings.set_aside, {&recordings.remarks, &aligned.remarks, &fitted.remarks}, out);
+  say_first(recordings.set_aside, {&recordings.remarks, &aligned.remarks, &fitted.reading.remarks}, out);
   out.flights.insert(out.flights.end(), fitted.used.begin(), fitted.used.end());
 
   // what only commands show depends on those that were not logged; with a pose their sum, or its mean, is enough

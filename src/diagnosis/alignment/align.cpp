@@ -33,7 +33,7 @@ ReadingOptions reading_of(const std::vector<FlightLog>& logs, std::vector<LogFin
     reading.common_filter_s = common_filter_s;
     findings.push_back({label_of(log.path), "px…wz", "filtered", log.time_s.front(), log.time_s.back(),
                         "the recording was low-pass filtered before it was written: all columns are filtered once more "
-                        "alike and read at 20 Hz",
+                        "alike and read at 20 Hz (if it is a simulation, say so: source in the sidecar)",
                         false, false});
   }
   return reading;

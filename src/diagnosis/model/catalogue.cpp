@@ -325,6 +325,13 @@ void Catalogue::freeze(int column) {
   std::erase(groups_[static_cast<std::size_t>(g)].columns, column);
 }
 
+bool Catalogue::asks_last(int group) const {
+  int last = size() - 1;
+  while (last >= 0 && columns_[static_cast<std::size_t>(last)].group != group) --last;
+  const std::vector<int>& asked = groups_[static_cast<std::size_t>(group)].columns;
+  return !asked.empty() && asked.back() == last;
+}
+
 Eigen::VectorXd Catalogue::nominal() const {
   Eigen::VectorXd value(size());
   for (int c = 0; c < size(); ++c) value[c] = columns_[static_cast<std::size_t>(c)].nominal;
@@ -420,7 +427,9 @@ std::vector<int> own_columns(const Catalogue& catalogue, const std::vector<int>&
   const std::string_view name = catalogue.group(group).row->name;
   for (const int g : groups) {
     const ExactAlias& alias = catalogue.group(g).row->alias;
-    if (alias.effect == name && std::none_of(alias.unless.begin(), alias.unless.end(), in)) own.pop_back();
+    if (alias.effect == name && std::none_of(alias.unless.begin(), alias.unless.end(), in) &&
+        catalogue.asks_last(group))
+      own.pop_back();
   }
   return own;
 }

@@ -134,8 +134,11 @@ class Catalogue {
   // Changes between flights are looked for: what is built in is no candidate any more, and what a filter does to a gyroscope's scale it
   // does in all flights.
   void compare_with_reference();
-  // A number that ran away from what is known of it beforehand stays as the vehicle file has it, and leaves its group to the others.
+  // A number that ran away from what is known of it beforehand, or that the flights do not tell, stays as the vehicle file has it, and leaves its
+  // group to the others.
   void freeze(int column);
+  // Whether the last number of a group is asked.
+  bool asks_last(int group) const;
   // Sensor effects and rate biases of one flight, as smoothing takes them out.
   SensorCorrection sensor_correction(const Eigen::VectorXd& value, int flight) const;
   // Values kept inside their bounds.

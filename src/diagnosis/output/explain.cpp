@@ -134,13 +134,14 @@ bool may_be(const EffectRow& other, const EffectFinding& effect) {
 }
 
 // Names that no flight, or no such flight or log, distinguishes from the effect.
-void fill_aliases(const Session& session, const Selection& selection, const EffectRow& row, EffectFinding& effect) {
+void fill_aliases(const Session& session, const Selection& selection, int group, EffectFinding& effect) {
   const Catalogue& catalogue = session.catalogue();
+  const EffectRow& row = *catalogue.group(group).row;
   // only c_τ k_f / J_z is visible, when J_x and J_y are right
   if (!row.alias.effect.empty()) effect.classmates.emplace_back(row.alias.effect);
   for (const EffectRow& other : effect_registry()) {
     // of a moment of inertia in yaw the same is true the other way round
-    if (other.alias.effect == row.name && !effect.parameters.empty()) {
+    if (other.alias.effect == row.name && catalogue.asks_last(group)) {
       const NamedValue& z = effect.parameters.back();
       if (std::abs(z.value) > std::max(least_aliased, equivalent_z * z.deviation))
         effect.classmates.emplace_back(other.name);
@@ -171,7 +172,7 @@ void explain_finding(const Session& session, const Selection& selection, const C
   bool calibration =
       finding.calibration || (group.row->asks(Need::torque_ratio) && !session.vehicle().torque_ratio_known);
   calibration |= fill_rivals(session, selection, finding, effect);
-  fill_aliases(session, selection, *group.row, effect);
+  fill_aliases(session, selection, finding.group, effect);
   put_in_order(effect);
   effect.confidence = challenge.records[i].probability;
   if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();

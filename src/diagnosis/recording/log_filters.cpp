@@ -55,6 +55,7 @@ constexpr std::array<std::string_view, 3> force = {"ax", "ay", "az"};
 }  // namespace
 
 bool motion_filtered(const FlightLog& log) {
+  if (log.meta.source == "simulation") return false;
   if (all_below(log, most_of_filtered, 1, one_of(motion))) return true;
   // in faster logs what was written after the filter, rounding say, is rough again
   if (log.time_s.size() < 2) return false;

@@ -5,7 +5,7 @@
 
 namespace gustlab::diagnosis {
 
-// Every column of position, attitude and body rate that is there.
+// Every column of position, attitude and body rate that is there. States of a simulation (`source` in the sidecar) are smooth without a filter.
 bool motion_filtered(const FlightLog& log);
 // Every column of commands and rotor speeds.
 bool commands_filtered(const FlightLog& log);

@@ -86,6 +86,7 @@ class Selector {
       }
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);
+      if (round == 0) freeze_untold(grams);
       const std::vector<int> next = search(grams);
       value = refine(next, coefficients(grams, next, value));
       const bool settled = round > 0 && next == chosen;
@@ -152,6 +153,8 @@ class Selector {
     return finished_like(before, groups, refine(groups, coefficients(before.grams, groups, before.value)));
   }
 
+  Eigen::VectorXd values(const Selection& before) { return refine(before.groups(), before.value); }
+
   Selection with_also(const Selection& before, const std::vector<int>& groups, const Eigen::VectorXd& start) {
     improve_ = Improve::by_more;
     anew_ = true;
@@ -190,6 +193,18 @@ class Selector {
     const double relative = decisions::relative_materiality * total_delta_chi2;
     return std::max(decisions::materiality * rows,
                     anew_ && !s_.shoots() ? std::min(relative, decisions::most_materiality * rows) : relative);
+  }
+
+  // Numbers that these flights would not tell if all else were known stay as the vehicle file has them, and leave their effect to its others:
+  // what they are fitted to would carry them out of their bounds, and the effect with them.
+  void freeze_untold(const Grams& grams) {
+    const Eigen::MatrixXd projected = project_out(grams.total(), s_.biases());
+    for (int c = 0; c < catalogue_.size(); ++c) {
+      const Column& column = catalogue_.column(c);
+      if (column.group < 0 || catalogue_.group(column.group).columns.size() < 2) continue;
+      const double deviation = column.natural / std::sqrt(projected(c, c));
+      if (!(deviation <= decisions::untold_share * 0.5 * (column.max - column.min))) s_.freeze(c);
+    }
   }
 
   SubsetSearch asked(double penalty) const {
@@ -788,6 +803,8 @@ Selection with_also(Session& session, const Selection& before, const std::vector
   return within_bounds(session, before.at_bounds,
                        [&](Selector selector) { return selector.with_also(before, groups, start); });
 }
+
+Eigen::VectorXd values_again(Session& session, const Selection& before) { return Selector(session).values(before); }
 
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
                                     const std::set<int>& left_out) {

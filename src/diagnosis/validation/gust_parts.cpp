@@ -98,6 +98,7 @@ void find_line(const Session& session, const std::vector<Smoothed>& left, GustPa
     }
     if (beside.size() < 8) continue;
     const double background = median(std::move(beside)) / median_of_mean;
+    if (!(background > 0.0)) continue;  // nothing pushes to the side at all
     const double p = boost::math::cdf(
         boost::math::complement(boost::math::chi_squared(2.0 * axes), 2.0 * axes * spectrum[i] / background));
     if (!(p < least)) continue;

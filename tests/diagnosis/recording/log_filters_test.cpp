@@ -46,6 +46,12 @@ TEST(LogFilters, AFilteredLogIsTold) {
   for (const double rate_hz : {100.0, 250.0, 500.0}) EXPECT_TRUE(motion_filtered(recorded(rate_hz, 0.02)));
 }
 
+TEST(LogFilters, ASimulationIsSmoothWithoutAFilter) {
+  FlightLog log = recorded(100.0, 0.02);
+  log.meta.source = "simulation";
+  EXPECT_FALSE(motion_filtered(log));
+}
+
 // in a fast log five figures are rough from row to row, though nothing is from one hundredth of a second to the next
 TEST(LogFilters, RoundingAfterTheFilterDoesNotHideIt) {
   EXPECT_TRUE(motion_filtered(recorded(400.0, 0.02, 1e-5)));

@@ -69,6 +69,12 @@ TEST(GustParts, WithoutALineThereIsNone) {
   EXPECT_EQ(gust_parts(session, disturbed(session, 0.5, 0.2, 0.8, 0.0)).line_mps2, 0.0);
 }
 
+// a simulated flight straight up, without noise
+TEST(GustParts, WithoutADisturbanceThereIsNoLine) {
+  const Session session = hover();
+  EXPECT_EQ(gust_parts(session, disturbed(session, 0.0, 0.2, 0.8, 0.0)).line_mps2, 0.0);
+}
+
 // the vehicle sways by 20 m/s² at the same frequency: a model that misses a part of that has a line there
 TEST(GustParts, ALineOfTheFlownFigureIsTold) {
   const Session swaying = hover(6.3);

@@ -1,0 +1,62 @@
+// Sizes of effects when every other row of the logs is left out.
+#include "diagnosis/evidence/half_rate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "diagnosis/selection/select_effects.hpp"
+#include "support/sessions.hpp"
+
+namespace gustlab::diagnosis {
+namespace half_rate_test {
+
+Session with_every_other_row(Recordings flown) {
+  for (FlightLog& log : flown.fit) log = every_other_row(std::move(log));
+  return test::session_of(flown);
+}
+
+TEST(EveryOtherRow, KeepsTheFirstOfTwo) {
+  FlightLog log;
+  log.time_s = {0.0, 0.1, 0.2, 0.3, 0.4};
+  log.columns = {{"px", {1.0, 2.0, 3.0, 4.0, 5.0}}};
+  log = every_other_row(std::move(log));
+  EXPECT_EQ(log.time_s, (std::vector<double>{0.0, 0.2, 0.4}));
+  EXPECT_EQ(log.columns.front().values, (std::vector<double>{1.0, 3.0, 5.0}));
+}
+
+// a mass is as large in half the rows, and twice as large where it is twice as large
+TEST(ChangesAtHalfRate, AreOfTheSize) {
+  const auto flown = [](const char* mass) { return test::short_flights(mass, {"multisine", "lemniscate"}, 8.0); };
+  const Recordings heavier = flown(R"({type = "mass", delta = 0.05})");
+  Session session = test::session_of(heavier);
+  const Selection selection = select_effects(session);
+  const int mass = session.catalogue().find("mass");
+  ASSERT_NE(selection.find(mass), nullptr);
+  const auto at = static_cast<std::size_t>(selection.find(mass) - selection.findings.data());
+  Session same = with_every_other_row(heavier), twice = with_every_other_row(flown(R"({type = "mass", delta = 0.1})"));
+  EXPECT_NEAR(changes_at_half_rate(same, session, selection).at(at), 0.0, 0.1);
+  EXPECT_NEAR(changes_at_half_rate(twice, session, selection).at(at), 1.0, 0.1);
+}
+
+// A simulated flight without noise, logged at a fifth of the loop's rate: moments of inertia stood in for what the rotors did between rows.
+TEST(HalfRateTrials, WhatALogLeavesOutBetweenItsRowsIsNoPhysics) {
+  const TemporaryFolder folder;
+  const Diagnosis found = diagnose(test::fly_trial(folder, {.vehicle = "crazyflie_21",
+                                                            .controller = "l1",
+                                                            .fit = {"multisine"},
+                                                            .holdout = {"lemniscate"},
+                                                            .duration_s = 15.0,
+                                                            .log_rate_hz = 100.0,
+                                                            .noise = 0.0,
+                                                            .air_sd_N = 0.0,
+                                                            .concealed = R"({type = "thrust_scale", delta = -0.08})"}));
+  EXPECT_TRUE(std::ranges::none_of(found.effects, [](const EffectFinding& e) { return e.effect == "inertia"; }));
+  EXPECT_TRUE(std::ranges::any_of(found.rejected, [](const Rejected& r) {
+    return r.effect == "inertia" && r.why.find("every other row") != std::string::npos;
+  }));
+}
+
+}  // namespace half_rate_test
+}  // namespace gustlab::diagnosis
