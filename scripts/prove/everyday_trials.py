@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Flights as a new user makes them: two runs of this program's own simulator, one effect or none, diagnosed without further options.
 
-    everyday_trials.py --seed 1 --count 60 --out DIR [--gustlab BIN] [--jobs 1]
+    everyday_trials.py --seed 1 --count 60 --out DIR [--effects usual|turning] [--gustlab BIN] [--jobs 1]
 
 Vehicle, two trajectories, controller, log rate, sensor noise and gust are drawn; the first flight is fitted, the second held out. They excite
 less than a test flight, two thirds of them are logged slower than the loop, and a third have no sensor noise at all: nothing of this is
@@ -37,6 +37,15 @@ EFFECTS = {
     "center_of_mass": lambda weight, arm: [{"type": "center_of_mass", "x": 0.06 * arm}],
     "rotor_loss": lambda weight, arm: [{"type": "rotor_loss", "rotor": 2, "loss": 0.12}],
 }
+# what shows in how the vehicle turns, or in its sensors alone
+TURNING = {
+    "inertia": lambda weight, arm: [{"type": "inertia", "delta_x": 0.3, "delta_y": 0.3, "delta_z": 0.3}],
+    "yaw_torque_ratio": lambda weight, arm: [{"type": "yaw_torque_ratio", "delta": -0.3}],
+    "gyro_scale": lambda weight, arm: [{"type": "gyro_scale", "delta": 0.04}],
+    "attitude_offset": lambda weight, arm: [{"type": "attitude_offset", "x": 0.02, "y": -0.01}],
+    "imu_lever": lambda weight, arm: [{"type": "imu_lever", "x": 0.3 * arm, "z": -0.2 * arm}],
+}
+KINDS = {"usual": EFFECTS, "turning": TURNING}
 NOISE = {"type": "measurement_noise", "position_sd": 0.002, "attitude_sd": 0.002, "rate_sd": 0.01, "accelerometer_sd": 0.05}
 OUTCOMES = ("exact", "some", "withheld", "nothing", "wrong", "failed")
 
@@ -48,10 +57,10 @@ def weight_and_arm(gustlab, vehicle):
     return said["weight_N"], said["arm_m"]
 
 
-def draw(seed, number):
+def draw(seed, number, effects=EFFECTS):
     choose = random.Random(f"{seed} {number}")
     return {"trial": f"trial_{number:04}", "seed": 1000 * seed + number, "vehicle": choose.choice(VEHICLES),
-            "trajectories": choose.sample(TRAJECTORIES, 2), "controller": choose.choice(CONTROLLERS), "effect": choose.choice(sorted(EFFECTS)),
+            "trajectories": choose.sample(TRAJECTORIES, 2), "controller": choose.choice(CONTROLLERS), "effect": choose.choice(sorted(effects)),
             "log": choose.choice(("at the loop's rate", "50 Hz", "100 Hz")), "noise": "noise" if choose.random() < 2 / 3 else "no noise",
             "gust": "gust" if choose.random() < 0.5 else "calm"}
 
@@ -62,7 +71,7 @@ def inline(effect):
 
 def experiment(drawn, weight, arm):
     """(the TOML, the effects that are concealed)"""
-    hidden = EFFECTS[drawn["effect"]](weight, arm)
+    hidden = (EFFECTS | TURNING)[drawn["effect"]](weight, arm)
     around = [NOISE] if drawn["noise"] == "noise" else []
     if drawn["gust"] == "gust":
         around.append({"type": "gust", "sigma_xy": 0.02 * weight, "sigma_z": 0.01 * weight})
@@ -83,7 +92,7 @@ def judge(drawn, hidden, found):
 
 
 def trial(number, options):
-    drawn = draw(options.seed, number)
+    drawn = draw(options.seed, number, KINDS[options.effects])
     place = options.out / drawn["trial"]
     place.mkdir(parents=True, exist_ok=True)
     text, hidden = experiment(drawn, *weight_and_arm(options.gustlab, drawn["vehicle"]))
@@ -115,6 +124,7 @@ def main():
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--effects", choices=KINDS, default="usual", help="what is concealed: the usual suspects, or what shows in turning and sensors alone")
     parser.add_argument("--gustlab", default=str(HOME / "build/release/gustlab"))
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()

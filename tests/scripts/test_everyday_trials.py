@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts" / "prove"))
 
-from everyday_trials import EFFECTS, VEHICLES, draw, experiment, judge, markdown  # noqa: E402
+from everyday_trials import EFFECTS, TURNING, VEHICLES, draw, experiment, judge, markdown  # noqa: E402
 
 
 def named(*effects, verdict="explained"):
@@ -21,8 +21,8 @@ def test_a_trial_is_drawn_again_alike_and_all_kinds_come():
 
 
 def test_the_experiment_holds_what_is_concealed_and_what_was_drawn():
-    for number in range(60):
-        drawn = draw(3, number)
+    for number in range(120):
+        drawn = draw(3, number, TURNING if number % 2 else EFFECTS)
         text, hidden = experiment(drawn, 2.0, 0.1)
         said = tomllib.loads(text)
         kinds = [effect["type"] for effect in said["effect"]]
