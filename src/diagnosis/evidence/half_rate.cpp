@@ -6,6 +6,19 @@
 
 namespace gustlab::diagnosis {
 
+namespace {
+
+bool same_numbers(const Catalogue& a, const Catalogue& b) {
+  if (a.size() != b.size()) return false;
+  for (int c = 0; c < a.size(); ++c)
+    if (a.column(c).group != b.column(c).group || a.column(c).parameter != b.column(c).parameter ||
+        a.column(c).flight != b.column(c).flight)
+      return false;
+  return true;
+}
+
+}  // namespace
+
 FlightLog every_other_row(FlightLog log) {
   const auto thin = [](std::vector<double>& values) {
     for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
@@ -17,6 +30,7 @@ FlightLog every_other_row(FlightLog log) {
 }
 
 std::vector<double> changes_at_half_rate(Session& half, const Session& session, const Selection& selection) {
+  if (!same_numbers(half.catalogue(), session.catalogue())) return {};
   half.noise = selection.noise_selected;
   if (session.reference()) half.compare_with(*session.reference());
   const Eigen::VectorXd value = values_again(half, selection);

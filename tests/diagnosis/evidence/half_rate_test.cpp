@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "diagnosis/selection/select_effects.hpp"
@@ -38,6 +39,21 @@ TEST(ChangesAtHalfRate, AreOfTheSize) {
   Session same = with_every_other_row(heavier), twice = with_every_other_row(flown(R"({type = "mass", delta = 0.1})"));
   EXPECT_NEAR(changes_at_half_rate(same, session, selection).at(at), 0.0, 0.1);
   EXPECT_NEAR(changes_at_half_rate(twice, session, selection).at(at), 1.0, 0.1);
+}
+
+// a gyroscope in every other row, which are not those that stay
+TEST(ChangesAtHalfRate, AreNotToldWhereSensorsTakeTurns) {
+  const Recordings flown = test::short_flights(R"({type = "mass", delta = 0.05})", {"multisine"});
+  Session session = test::session_of(flown);
+  const Selection selection = select_effects(session);
+  ASSERT_FALSE(selection.findings.empty());
+  Recordings turns = flown;
+  for (FlightLog& log : turns.fit)
+    for (LogColumn& column : log.columns)
+      if (column.name[0] == 'w')
+        for (std::size_t i = 0; i < column.values.size(); i += 2) column.values[i] = std::nan("");
+  Session half = with_every_other_row(turns);
+  EXPECT_TRUE(changes_at_half_rate(half, session, selection).empty());
 }
 
 // A simulated flight without noise, logged at a fifth of the loop's rate: moments of inertia stood in for what the rotors did between rows.
