@@ -19,6 +19,7 @@ struct Rotor {
   double torque_ratio_m = 0.0;             // reaction torque = ratio × thrust
 };
 
+inline constexpr double full_pwm = 65535.0;  // u1…uN as pwm: 16 bits, as Crazyflie's firmware has them (FORMATS.md §1)
 // Maps other actuator inputs to rotor speed (FORMATS.md §2): Ω = slope u + offset, or f = c0 + c1 u + c2 u² in N.
 struct ActuatorMap {
   std::optional<std::pair<double, double>> pwm_line, throttle_line;

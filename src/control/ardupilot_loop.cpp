@@ -30,7 +30,7 @@ class ArduPilotLoop final : public LowLevelLoop {
       : period_s_(period_s),
         count_(vehicle.rotor_count),
         max_speed_radps_(vehicle.max_speed_radps),
-        full_speed_radps_(PwmMap(vehicle).speed_of_pwm(PwmMap::full)),
+        full_speed_radps_(PwmMap(vehicle).speed_of_pwm(full_pwm)),
         coefficient_Ns2_(vehicle.rotors[0].thrust_coefficient_Ns2) {
     for (int i = 0; i < count_; ++i) {
       const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];

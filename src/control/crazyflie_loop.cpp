@@ -39,7 +39,7 @@ class CrazyflieLoop final : public LowLevelLoop {
     wanted_deg_ = Vector3(std::asin(limited(s * z.x() - c * z.y(), 1.0)), std::atan2(c * z.x() + s * z.y(), z.z()),
                           yaw_of(wanted.attitude_WB)) /
                   degree;
-    thrust_pwm_ = std::clamp(mixer_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full);
+    thrust_pwm_ = std::clamp(mixer_.pwm_of_total_thrust(wanted.thrust_N), 0.0, full_pwm);
   }
 
   RotorCommand update(const Observation& observation) override {

@@ -96,8 +96,7 @@ RotorCommand IndiAttitude::update(const Observation& observation, const ThrustAt
   const Vector3 torque = limited(torque_f + increment, limit_);
   actuator_ = actuator_ + actuator_follows_ * (Three(torque) - actuator_);
 
-  if (counts_)
-    return legacy_.speeds(std::clamp(legacy_.pwm_of_total_thrust(wanted.thrust_N), 0.0, PwmMap::full), torque);
+  if (counts_) return legacy_.speeds(std::clamp(legacy_.pwm_of_total_thrust(wanted.thrust_N), 0.0, full_pwm), torque);
   return lead_.update(mixer_.speeds(wanted.thrust_N, torque));
 }
 

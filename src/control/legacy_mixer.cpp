@@ -26,11 +26,11 @@ RotorCommand LegacyMixer::speeds(double thrust_pwm, const Vector3& torque_pwm) c
   double above = 0.0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
     pwm[i] = thrust_pwm + dot(share_[i], torque_pwm);
-    above = std::max(above, pwm[i] - PwmMap::full);
+    above = std::max(above, pwm[i] - full_pwm);
   }
   RotorCommand command;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i)
-    command.speed_radps[i] = pwm_.speed_of_pwm(std::clamp(pwm[i] - above, 0.0, PwmMap::full));
+    command.speed_radps[i] = pwm_.speed_of_pwm(std::clamp(pwm[i] - above, 0.0, full_pwm));
   return command;
 }
 

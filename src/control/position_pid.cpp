@@ -13,7 +13,7 @@ constexpr double velocity_limit_mps = 1.0 * 1.1;  // PID_POS_VEL_*_MAX with its 
 constexpr double tilt_overhead = 1.1;
 constexpr double thrust_base_pwm = 36000.0, thrust_least_pwm = 20000.0;
 constexpr double pwm_per_output = 1000.0;
-constexpr double vertical_output_limit = PwmMap::full / 2.0 / pwm_per_output;
+constexpr double vertical_output_limit = full_pwm / 2.0 / pwm_per_output;
 constexpr double integral_limit = 5000.0;  // DEFAULT_PID_INTEGRATION_LIMIT
 
 }  // namespace
@@ -58,7 +58,7 @@ ThrustAttitude CrazyfliePosition::update(const Observation& observation, const R
     roll_rad = limited(roll_rad - acceleration.y() / 9.81, options_.tilt_limit_rad);
   }
   const double pwm = std::clamp(pwm_per_output * limited(output.z(), vertical_output_limit) + thrust_base_pwm,
-                                thrust_least_pwm, PwmMap::full);
+                                thrust_least_pwm, full_pwm);
   // the third column of Rz(yaw) Ry(pitch) Rx(roll)
   const double sr = std::sin(roll_rad), cr = std::cos(roll_rad), sp = std::sin(pitch_rad), cp = std::cos(pitch_rad);
   const Vector3 thrust_axis(c * sp * cr + s * sr, s * sp * cr - c * sr, cp * cr);

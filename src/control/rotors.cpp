@@ -119,7 +119,7 @@ PwmMap::PwmMap(const VehicleModel& vehicle) : coefficient_Ns2_(vehicle.rotors[0]
     const double hover = vehicle.hover_speed_radps();
     // without a limit speed is proportional to the command
     const bool limited = std::isfinite(vehicle.max_speed_radps);
-    const double slope = limited ? (vehicle.max_speed_radps - hover) / (full - hover_pwm) : hover / hover_pwm;
+    const double slope = limited ? (vehicle.max_speed_radps - hover) / (full_pwm - hover_pwm) : hover / hover_pwm;
     line_ = {slope, hover - slope * hover_pwm};
   }
 }

@@ -44,10 +44,9 @@ double nominal_motor_lag_s(const VehicleModel& vehicle);
 // hover at the Crazyflie's hover pwm.
 class PwmMap {
  public:
-  static constexpr double full = 65535.0;
   PwmMap() = default;
   explicit PwmMap(const VehicleModel& vehicle);
-  double pwm_of_thrust(double thrust_N) const;  // may lie outside 0..65535
+  double pwm_of_thrust(double thrust_N) const;  // may lie outside 0..full_pwm
   double speed_of_pwm(double pwm) const;
 
  private:

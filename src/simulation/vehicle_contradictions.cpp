@@ -101,7 +101,7 @@ void check_inputs(const VehicleModel& vehicle, std::vector<std::string>& said) {
                                  input, weight));
   };
   full("throttle", 1.0, vehicle.actuator.throttle_line, vehicle.actuator.throttle_thrust);
-  full("pwm", 65535.0, vehicle.actuator.pwm_line, vehicle.actuator.pwm_thrust);
+  full("pwm", full_pwm, vehicle.actuator.pwm_line, vehicle.actuator.pwm_thrust);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ using config::Table;
 
 // `hover` is in the actuator's unit: throttle up to 1, pwm from 8000 to 65535, rotor speed in rad/s between (a rotor that
 // hovers at 8000 rad/s would be of a vehicle of some grams). No propeller carries at 20 rad/s, three turns a second.
-constexpr double most_throttle = 1.0, least_speed_radps = 20.0, most_speed_radps = 8000.0, most_pwm = 65535.0;
+constexpr double most_throttle = 1.0, least_speed_radps = 20.0, most_speed_radps = 8000.0;
 
 std::optional<double> not_negative(Table& table, std::string_view key) {
   const auto value = table.number(key);
@@ -38,15 +38,15 @@ std::array<double, 3> thrust_curve(double curve, double hover, double full, doub
 // the input that hovers, in place of a thrust coefficient; returns that
 double read_hover(Table& thrust, double curve, VehicleModel& vehicle) {
   const double hover = *positive(thrust, "hover");
-  if (hover > most_pwm || (hover > most_throttle && hover < least_speed_radps))
+  if (hover > full_pwm || (hover > most_throttle && hover < least_speed_radps))
     thrust.fail("hover", fmt::format("\"hover\" of {:g} is no actuator input", hover),
                 fmt::format("throttle is 0 to 1, rotor speed {:g} to {:g} rad/s, pwm {:g} to {:g}", least_speed_radps,
-                            most_speed_radps, most_speed_radps, most_pwm),
+                            most_speed_radps, most_speed_radps, full_pwm),
                 "");
   const double thrust_N = vehicle.hover_thrust_N();
   if (hover > most_throttle && hover <= most_speed_radps) return thrust_N / (hover * hover);
   const bool throttle = hover <= most_throttle;
-  const double full = throttle ? most_throttle : most_pwm;
+  const double full = throttle ? most_throttle : full_pwm;
   (throttle ? vehicle.actuator.throttle_thrust : vehicle.actuator.pwm_thrust) =
       thrust_curve(curve, hover, full, thrust_N);
   const auto& map = throttle ? *vehicle.actuator.throttle_thrust : *vehicle.actuator.pwm_thrust;

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "gustlab/vehicle.hpp"
+
 namespace gustlab {
 
 // A number with its standard deviation.
@@ -24,7 +26,7 @@ struct ThrustStand {
   std::size_t rows = 0;
   std::vector<std::string> unknown;  // what was not measured, or not varied
 
-  [[nodiscard]] double full_input() const { return input == "pwm" ? 65535.0 : 1.0; }
+  [[nodiscard]] double full_input() const { return input == "pwm" ? full_pwm : 1.0; }
 };
 
 // Columns: thrust_N | thrust_gf | thrust_kgf, and any of torque_Nm, speed_radps | speed_rpm, voltage_V, and throttle (0..1) |

@@ -103,7 +103,7 @@ class Checker {
   // 1.3 times the fastest that the vehicle file knows; a thrust that it does not bound may be ten times the weight
   double most_input(ActuatorKind kind) const {
     constexpr double beyond = 1.3, weights = 10.0;
-    if (kind == ActuatorKind::pwm) return 65535.0;
+    if (kind == ActuatorKind::pwm) return full_pwm;
     if (kind == ActuatorKind::throttle) return 1.0;
     if (kind == ActuatorKind::rotor_speed) return beyond * vehicle_.max_speed_radps;
     double most = 0.0, sum = 0.0;
