@@ -11,15 +11,13 @@ namespace {
 class RotorInertia final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
-    visitor.number(
-        "inertia", inertia_kgm2_,
-        {.unit = "kg m^2",
-         .help = "of one rotor and its propeller about the axis",
-         .min = 0.0,
-         .natural = 1e-3,
-         .tolerance =
-             3e-4,  // a sixth of what the rotors of a recorded Crazyflie have (imrc, bare: 1.9e-3 of its inertia in yaw)
-         .scale = Scale::yaw_inertia});
+    visitor.number("inertia", inertia_kgm2_,
+                   {.unit = "kg m^2",
+                    .help = "of one rotor and its propeller about the axis",
+                    .min = 0.0,
+                    .natural = 1e-3,
+                    .tolerance = 3e-4,
+                    .scale = Scale::yaw_inertia});
   }
 
   void wrench(const Flow& flow, const RotorSet& rotors, std::span<const double>, Wrench& total) const override {
