@@ -71,6 +71,18 @@ std::string tick_text(double value, const std::vector<double>& all, bool log) {
   return text;
 }
 
+// room for the labels of the vertical axis: six characters, and for each more the width of a digit
+double room_left(const Axis& y) {
+  constexpr std::ptrdiff_t characters = 6;
+  constexpr double digit_px = 6.5;
+  const std::vector<double> at = ticks(y.low, y.high, 4, y.log);
+  std::ptrdiff_t longest = characters;
+  for (const double value : at)
+    longest = std::max(
+        longest, std::ranges::count_if(tick_text(value, at, y.log), [](char byte) { return (byte & 0xC0) != 0x80; }));
+  return margin_left + digit_px * static_cast<double>(longest - characters);
+}
+
 std::string axes(const Chart& chart, const Axis& x, const Axis& y) {
   std::string text;
   const std::vector<double> at_x = ticks(x.low, x.high, 5, x.log), at_y = ticks(y.low, y.high, 4, y.log);
@@ -210,9 +222,9 @@ std::string draw(const Chart& chart) {
   if (chart.equal_scales)
     make_equal(range_x, range_y,
                (chart.width - margin_right - margin_left) / (chart.height - margin_bottom - margin_top));
-  const Axis x = make_axis(range_x, chart.log_x, false, margin_left, chart.width - margin_right, 0.04);
   const Axis y = make_axis(range_y, chart.log_y, chart.zero_y, chart.height - margin_bottom, margin_top,
                            chart.equal_scales ? 0.04 : 0.07);
+  const Axis x = make_axis(range_x, chart.log_x, false, room_left(y), chart.width - margin_right, 0.04);
 
   std::string text = fmt::format("<svg viewBox=\"0 0 {:g} {:g}\" role=\"img\" aria-label=\"{}\">", chart.width,
                                  chart.height, escape(chart.title));

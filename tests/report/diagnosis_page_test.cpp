@@ -112,6 +112,20 @@ TEST(DiagnosisPage, APerCentSignBeginsNoLine) {
   EXPECT_EQ(svg::escape("8.1 % more & 3 kg"), "8.1&#160;% more &amp; 3 kg");
 }
 
+// a label ends left of the axis; of seven digits at 6.5 px each none is cut off
+TEST(DiagnosisPage, LongLabelsOfAnAxisHaveRoom) {
+  const auto label_ends_px = [](double least, double most) {
+    svg::Series series;
+    series.style = "before", series.x = {0.0, 1.0}, series.y = {least, most};
+    svg::Chart chart;
+    chart.series = {series};
+    const std::string drawn = svg::draw(chart);
+    return std::stod(drawn.substr(drawn.find("<text x=\"") + 9));
+  };
+  EXPECT_GE(label_ends_px(1961.88, 1961.94), 7 * 6.5);
+  EXPECT_EQ(label_ends_px(0.0, 0.06), label_ends_px(-0.06, 0.0));
+}
+
 TEST(DiagnosisPage, EscapesEveryText) {
   Json diagnosis = example_diagnosis();
   const std::string attack = "<b>\"'&</b>";
