@@ -246,7 +246,7 @@ void judge_by_half_rate(const Aligned& aligned, const Fitted& fitted, int jobs, 
   const std::vector<double> changes = changes_at_half_rate(session, fitted.session, fitted.selection);
   for (std::size_t i = 0; i < changes.size(); ++i) {
     if (std::abs(changes[i]) < decisions::same_at_half_rate) continue;
-    const Group& group = session.catalogue().group(fitted.selection.findings[i].group);
+    const Group& group = fitted.session.catalogue().group(fitted.selection.findings[i].group);
     suspect(
         out,
         fmt::format("only suspected: with every other row of the logs alone its size changes by {:+.0f} %; it may be "
@@ -335,8 +335,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   if (torques_mislead(aligned, fitted)) fitted = fit(aligned, true, testing, options);
 
   Diagnosis out = describe(fitted);
-  if (aligned.hold_unknown && !aligned.was_filtered() && !fitted.reading.options.forces_only)
-    judge_by_half_rate(aligned, fitted, jobs, out);
+  if (aligned.hold_unknown && !aligned.was_filtered()) judge_by_half_rate(aligned, fitted, jobs, out);
   out.vehicle = recordings.vehicle.name;
   say_first(recordings.set_aside, {&recordings.remarks, &aligned.remarks, &fitted.reading.remarks}, out);
   out.flights.insert(out.flights.end(), fitted.used.begin(), fitted.used.end());

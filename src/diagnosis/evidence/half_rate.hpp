@@ -8,7 +8,7 @@ namespace gustlab::diagnosis {
 
 FlightLog every_other_row(FlightLog log);
 // Relative change of each finding's size (of its values in natural units, along what they were). `half`: the same flights, with every other
-// row alone; it is changed. Empty where these rows show other things than all (rows of sensors that take turns).
+// row alone; it is changed. Empty where these rows show other effects than all (sensors that take turns).
 std::vector<double> changes_at_half_rate(Session& half, const Session& session, const Selection& selection);
 
 }  // namespace gustlab::diagnosis

@@ -153,7 +153,9 @@ class Selector {
     return finished_like(before, groups, refine(groups, coefficients(before.grams, groups, before.value)));
   }
 
-  Eigen::VectorXd values(const Selection& before) { return refine(before.groups(), before.value); }
+  Eigen::VectorXd values_with(const std::vector<int>& groups, const Eigen::VectorXd& start) {
+    return refine(groups, start);
+  }
 
   Selection with_also(const Selection& before, const std::vector<int>& groups, const Eigen::VectorXd& start) {
     improve_ = Improve::by_more;
@@ -804,7 +806,9 @@ Selection with_also(Session& session, const Selection& before, const std::vector
                        [&](Selector selector) { return selector.with_also(before, groups, start); });
 }
 
-Eigen::VectorXd values_again(Session& session, const Selection& before) { return Selector(session).values(before); }
+Eigen::VectorXd values_with(Session& session, const std::vector<int>& groups, const Eigen::VectorXd& start) {
+  return Selector(session).values_with(groups, start);
+}
 
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
                                     const std::set<int>& left_out) {

@@ -21,8 +21,8 @@ Selection exchange(Session& session, const Selection& before, int group, int oth
 // The same with more groups, fitted anew from `start` (SI, all columns); what does not pay there goes again.
 Selection with_also(Session& session, const Selection& before, const std::vector<int>& groups,
                     const Eigen::VectorXd& start);
-// Values (SI, all columns) of the same groups in this session, which has other readings of the same flights. None of them goes.
-Eigen::VectorXd values_again(Session& session, const Selection& before);
+// Values (SI, all columns) of some groups, fitted from `start`; none of them goes.
+Eigen::VectorXd values_with(Session& session, const std::vector<int>& groups, const Eigen::VectorXd& start);
 // The same with what pays beside it now, because others have gone since; nothing when nothing does. A set of groups that
 // was `tried` is not tried again.
 std::optional<Selection> look_again(Session& session, const Selection& before, std::set<std::vector<int>>& tried,
