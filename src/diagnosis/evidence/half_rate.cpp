@@ -47,7 +47,11 @@ std::vector<double> changes_at_half_rate(Session& half, const Session& session, 
     groups.push_back(of_half.find(group.label));
     for (const std::vector<int> all = of_half.group(groups.back()).columns; const int c : all)
       if (same_in(catalogue, of_half, c) < 0) half.freeze(c);
-    for (const int c : group.columns) start[same_in(of_half, catalogue, c)] = selection.value[c];
+    for (const int c : group.columns) {
+      const int same = same_in(of_half, catalogue, c);
+      if (same < 0) return {};
+      start[same] = selection.value[c];
+    }
   }
   half.noise = selection.noise_selected;
   if (session.reference()) half.compare_with(*session.reference());
