@@ -102,8 +102,8 @@ inline constexpr double same_again_scatter = 3.0;
 // rotor speeds, 0.95 to 1.07 (measured). Costs: delays of a sample.
 inline constexpr double unknown_hold_samples = 1.0;
 // Where a log does not say how commands go on between its rows, a name stands for physics when it stays as large with every other row alone.
-// Statistic: relative change of its size. From: simulated logs of 50 and 100 Hz of a 500 Hz loop, three seeds for development; of 102 right names (lags and
-// delays apart) one changes by more, the others by .29 at most, and of 32 wrong ones 16. Costs: sizes that only the fastest motion shows.
+// Statistic: relative change of its size. From: simulated logs of 50 and 100 Hz of faster loops: of 126 right names (lags and delays apart) one changes by .37 and
+// the others by .29 at most, of 32 wrong ones 15 by more. Costs: sizes that only the fastest motion shows.
 inline constexpr double same_at_half_rate = 1.0 / 3.0;
 // A lag or delay up to here may be a filter's, in logs that were low-pass filtered while their commands were not.
 // Statistic: difference from the vehicle file, s. From: up to 30 ms were named on filtered flights without any. Costs: lags up to there on such logs.
