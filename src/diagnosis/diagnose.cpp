@@ -235,10 +235,13 @@ void judge_by_speeds(const Session& session, const Selection& selection, std::ve
 }
 
 // Names that stand in for what the logs left out between their rows are only suspected. Lags and delays are not asked: commands of every
-// other row are later by themselves.
+// other row are later by themselves. Neither is what means of commands that jitter show: they are known half as well by half of them.
 void judge_by_half_rate(const Aligned& aligned, const Fitted& fitted, int jobs, Diagnosis& out) {
-  const auto prompt = [](const EffectFinding& effect) { return !makes_rotors_late(*find_effect(effect.effect)); };
-  if (std::ranges::none_of(out.effects, prompt)) return;
+  const auto asked = [&](const EffectFinding& effect) {
+    const EffectRow& row = *find_effect(effect.effect);
+    return !makes_rotors_late(row) && !(fitted.session.catalogue().mean_torques_alone() && shifts_torques(row));
+  };
+  if (std::ranges::none_of(out.effects, asked)) return;
   Aligned half = aligned;
   for (FlightLog& log : half.fit) log = every_other_row(std::move(log));
   half.holdout.clear();
@@ -253,7 +256,7 @@ void judge_by_half_rate(const Aligned& aligned, const Fitted& fitted, int jobs, 
                     "what the logs leave out between their rows",
                     100.0 * changes[i]),
         [&](const EffectFinding& effect) {
-          return effect.effect != group.row->name || effect.rotor() != group.rotor || !prompt(effect);
+          return effect.effect != group.row->name || effect.rotor() != group.rotor || !asked(effect);
         });
   }
 }

@@ -1,6 +1,8 @@
 #include "diagnosis/evidence/half_rate.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <utility>
 
 #include "diagnosis/selection/select_effects.hpp"
@@ -28,9 +30,16 @@ bool same_effects(const Catalogue& a, const Catalogue& b) {
 }  // namespace
 
 FlightLog every_other_row(FlightLog log) {
-  const auto thin = [](std::vector<double>& values) {
-    for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
-    values.resize((values.size() + 1) / 2);
+  std::map<std::vector<bool>, std::size_t> seen;  // rows so far with values in these columns
+  std::vector<std::size_t> kept;
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    std::vector<bool> has;
+    for (const LogColumn& column : log.columns) has.push_back(std::isfinite(column.values[row]));
+    if (seen[has]++ % 2 == 0) kept.push_back(row);
+  }
+  const auto thin = [&](std::vector<double>& values) {
+    for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+    values.resize(kept.size());
   };
   thin(log.time_s);
   for (LogColumn& column : log.columns) thin(column.values);
