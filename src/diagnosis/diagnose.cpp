@@ -242,10 +242,9 @@ void judge_by_half_rate(const Aligned& aligned, const Fitted& fitted, int jobs, 
     return !makes_rotors_late(row) && !(fitted.session.catalogue().mean_torques_alone() && shifts_torques(row));
   };
   if (std::ranges::none_of(out.effects, asked)) return;
-  Aligned half = aligned;
-  for (FlightLog& log : half.fit) log = every_other_row(std::move(log));
-  half.holdout.clear();
-  Session session(prepare(half, fitted.vehicle, fitted.reading).fit, fitted.vehicle, jobs);
+  std::vector<FlightLog> half;
+  for (const FlightLog& log : aligned.fit) half.push_back(every_other_row(log));
+  Session session(prepare(half, fitted.vehicle, fitted.reading.options, aligned.offset_s), fitted.vehicle, jobs);
   const std::vector<double> changes = changes_at_half_rate(session, fitted.session, fitted.selection);
   for (std::size_t i = 0; i < changes.size(); ++i) {
     if (std::abs(changes[i]) < decisions::same_at_half_rate) continue;

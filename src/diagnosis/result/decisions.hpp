@@ -77,10 +77,10 @@ inline constexpr double swing_costs = 30.0, limit_costs = 5.0;
 // velocity (nanodrone, NeuroBEM, imrc). Costs: a centre of mass that is a tenth of an arm higher or lower, and a steady wind of 2 m/s
 // up or down, are not named.
 inline constexpr double ran_away = 2.0;
-// A number of an effect that has several is not told by the flights, and not asked.
+// A number of an effect that has several is not identifiable from the flights, and not asked.
 // Statistic: its standard error, all else known, over half the width of what is plausible. From: a moment of inertia in yaw, in flights that keep their heading,
 // has 0.45 to 1.0, those in roll and pitch of the same flights 0.01 to 0.03, a wind up or down 0.2. Costs: numbers known so badly.
-inline constexpr double untold_share = 0.25;
+inline constexpr double unidentifiable_share = 0.25;
 // A value is a trim, no missing physics: up to so many tolerances.
 // Statistic: the larger of its sizes in reporting tolerances. From: an estimate holds a share of what alike parts scatter; no
 // derivation of the value. Costs: effects between one tolerance and this.

@@ -86,7 +86,7 @@ class Selector {
       }
       s_.learn_noise(4, s_.all_columns());
       const Grams grams = absolute(value);
-      if (round == 0) freeze_untold(grams);
+      if (round == 0) freeze_unidentifiable(grams);
       const std::vector<int> next = search(grams);
       value = refine(next, coefficients(grams, next, value));
       const bool settled = round > 0 && next == chosen;
@@ -197,15 +197,15 @@ class Selector {
                     anew_ && !s_.shoots() ? std::min(relative, decisions::most_materiality * rows) : relative);
   }
 
-  // Numbers that these flights would not tell if all else were known stay as the vehicle file has them, and leave their effect to its others:
+  // Numbers that are not identifiable from these flights, were all else known, stay as the vehicle file has them, and leave their effect to its others:
   // what they are fitted to would carry them out of their bounds, and the effect with them.
-  void freeze_untold(const Grams& grams) {
+  void freeze_unidentifiable(const Grams& grams) {
     const Eigen::MatrixXd projected = project_out(grams.total(), s_.biases());
     for (int c = 0; c < catalogue_.size(); ++c) {
       const Column& column = catalogue_.column(c);
       if (column.group < 0 || catalogue_.group(column.group).columns.size() < 2) continue;
       const double deviation = column.natural / std::sqrt(projected(c, c));
-      if (!(deviation <= decisions::untold_share * 0.5 * (column.max - column.min))) s_.freeze(c);
+      if (!(deviation <= decisions::unidentifiable_share * 0.5 * (column.max - column.min))) s_.freeze(c);
     }
   }
 

@@ -169,7 +169,7 @@ TEST(SelectWithinBounds, KeepsWhatIsLeftWhereTheFlightsAreLikelierWithIt) {
 }
 
 // flights that keep their heading tell no moment of inertia in yaw; fitted, it took the moments in roll and pitch with it out of their bounds
-TEST(UntoldNumbers, AreNotAsked) {
+TEST(UnidentifiableNumbers, AreNotAsked) {
   const auto asked_of = [](const char* trajectory) {
     const Recordings flown =
         test::short_flights(R"({type = "inertia", delta_x = 0.3, delta_y = 0.3, delta_z = 0.3})", {trajectory}, 8.0);
