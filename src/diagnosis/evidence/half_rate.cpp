@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/selection/select_effects.hpp"
+#include "diagnosis/selection/suspect_histories.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -63,6 +64,7 @@ std::vector<double> changes_at_half_rate(Session& half, const Session& session, 
     }
   }
   half.noise = selection.noise_selected;
+  suspect_histories_found(session, selection, half);
   if (session.reference()) half.compare_with(*session.reference());
   const Eigen::VectorXd value = values_with(half, groups, start);
   std::vector<double> changes;

@@ -42,4 +42,21 @@ void suspect_histories(Session& session, const Eigen::VectorXd& value, const std
   if (stale) session.linearise(value, session.all_columns());
 }
 
+void suspect_histories_found(const Session& fitted, const Selection& selection, Session& session) {
+  const int load = fitted.catalogue().find(ColumnFrom::swing);
+  if (load >= 0 && selection.find(load)) {
+    const Group& group = fitted.catalogue().group(load);
+    session.linearise(session.catalogue().nominal(), {});
+    session.learn_noise(1, {});
+    session.noise = selection.noise_selected;
+    std::vector<std::vector<Vector3>> force;
+    for (std::size_t f = 0; f < session.flights().size(); ++f)
+      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, group.swing,
+                                     selection.value[group.columns.front()]));
+    session.suspect_load(group.swing, std::move(force));
+  }
+  const int limit = fitted.catalogue().find(ColumnFrom::speed_limit);
+  if (limit >= 0 && selection.find(limit)) session.suspect_limit(fitted.catalogue().group(limit).limit_radps);
+}
+
 }  // namespace gustlab::diagnosis

@@ -4,11 +4,13 @@
 
 #include <vector>
 
-#include "diagnosis/estimation/session.hpp"
+#include "diagnosis/selection/selection.hpp"
 
 namespace gustlab::diagnosis {
 
 // Looks at what the (other) chosen groups leave, at `value`, and linearises anew where something is suspected.
 void suspect_histories(Session& session, const Eigen::VectorXd& value, const std::vector<int>& chosen);
+// The histories that were `fitted`, for other flights of the vehicle: a load swings as the vehicle flew there.
+void suspect_histories_found(const Session& fitted, const Selection& selection, Session& session);
 
 }  // namespace gustlab::diagnosis

@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "diagnosis/selection/pendulum.hpp"
 #include "diagnosis/selection/subset_search.hpp"
+#include "diagnosis/selection/suspect_histories.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -30,24 +30,6 @@ Eigen::VectorXd carry_over(const Catalogue& from, const Eigen::VectorXd& value, 
 }
 
 namespace {
-
-// the held-out flights get the histories that were found, a swing driven by the vehicle as it flew
-void suspect_what_was_found(const Session& fitted, const Selection& selection, Session& session) {
-  const int load = fitted.catalogue().find(ColumnFrom::swing);
-  if (load >= 0 && selection.find(load)) {
-    const Group& group = fitted.catalogue().group(load);
-    session.linearise(session.catalogue().nominal(), {});
-    session.learn_noise(1, {});
-    session.noise = selection.noise_selected;
-    std::vector<std::vector<Vector3>> force;
-    for (std::size_t f = 0; f < session.flights().size(); ++f)
-      force.push_back(pendulum_force(session.flights()[f], session.smoothed[f], session.vehicle().mass_kg, group.swing,
-                                     selection.value[group.columns.front()]));
-    session.suspect_load(group.swing, std::move(force));
-  }
-  const int limit = fitted.catalogue().find(ColumnFrom::speed_limit);
-  if (limit >= 0 && selection.find(limit)) session.suspect_limit(fitted.catalogue().group(limit).limit_radps);
-}
 
 // The findings on the held-out flights: shared coefficients as they were fitted, values per flight free.
 class OnHeldOut {
@@ -155,7 +137,7 @@ HoldoutTest test_holdout(const Session& fitted, const Selection& selection, std:
   }
   Session session(std::move(holdout), fitted.vehicle(), jobs, std::move(own_rate));
   session.noise = selection.noise_selected;
-  suspect_what_was_found(fitted, selection, session);
+  suspect_histories_found(fitted, selection, session);
   return OnHeldOut(fitted, selection, session).test();
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "diagnosis/selection/select_effects.hpp"
@@ -30,18 +31,30 @@ TEST(EveryOtherRow, KeepsTheFirstOfTwoOfItsKind) {
   EXPECT_EQ(every_other_row(log).time_s, (std::vector<double>{0.0, 0.1, 0.4}));
 }
 
-// a mass is as large in half the rows, and twice as large where it is twice as large
-TEST(ChangesAtHalfRate, AreOfTheSize) {
-  const auto flown = [](const char* mass) { return test::short_flights(mass, {"multisine", "lemniscate"}, 8.0); };
-  const Recordings heavier = flown(R"({type = "mass", delta = 0.05})");
-  Session session = test::session_of(heavier);
+// an effect is as large in half the rows, and twice as large where it is twice as large
+void expect_of_the_size(const std::string& effect, const char* once, const char* doubled) {
+  const auto flown = [](const char* concealed) {
+    return test::short_flights(concealed, {"multisine", "lemniscate"}, 8.0);
+  };
+  const Recordings first = flown(once);
+  Session session = test::session_of(first);
   const Selection selection = select_effects(session);
-  const int mass = session.catalogue().find("mass");
-  ASSERT_NE(selection.find(mass), nullptr);
-  const auto at = static_cast<std::size_t>(selection.find(mass) - selection.findings.data());
-  Session same = with_every_other_row(heavier), twice = with_every_other_row(flown(R"({type = "mass", delta = 0.1})"));
+  const Finding* found = selection.find(session.catalogue().find(effect));
+  ASSERT_NE(found, nullptr);
+  const auto at = static_cast<std::size_t>(found - selection.findings.data());
+  Session same = with_every_other_row(first), twice = with_every_other_row(flown(doubled));
   EXPECT_NEAR(changes_at_half_rate(same, session, selection).at(at), 0.0, 0.1);
   EXPECT_NEAR(changes_at_half_rate(twice, session, selection).at(at), 1.0, 0.1);
+}
+
+TEST(ChangesAtHalfRate, AreOfTheSize) {
+  expect_of_the_size("mass", R"({type = "mass", delta = 0.05})", R"({type = "mass", delta = 0.1})");
+}
+
+// a load swings there as it does in all rows: without it a battery's sag stood in for it
+TEST(ChangesAtHalfRate, KnowALoadThatSwings) {
+  expect_of_the_size("slung_load", R"({type = "slung_load", mass = 0.004, length = 0.3})",
+                     R"({type = "slung_load", mass = 0.008, length = 0.3})");
 }
 
 // which of a log's sensors there are is as before; where it is not, nothing is compared
