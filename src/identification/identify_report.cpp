@@ -83,6 +83,8 @@ std::string to_markdown(const Identification& found) {
     }
     out += markdown_row(cells);
   }
+  if (left_out > 0)
+    out += fmt::format("\n{} of {} terms have no coefficient and are not shown\n", left_out, found.terms.size());
   out += fmt::format(
       "\nresidual force, rms per axis: {:.4g} N, of which the model leaves {:.4g} N where it was fitted; "
       "{} {:.4g} N, of which {:.4g} N are left; condition number {:.4g}, with columns of equal length {:.4g}\n",

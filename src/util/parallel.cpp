@@ -13,7 +13,15 @@
 
 #include "util/interrupt.hpp"
 
-#ifdef __SANITIZE_THREAD__
+#if defined(__SANITIZE_THREAD__)  // GCC
+#define GUSTLAB_THREAD_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)  // clang
+#define GUSTLAB_THREAD_SANITIZER
+#endif
+#endif
+
+#ifdef GUSTLAB_THREAD_SANITIZER
 #include <atomic>
 #include <exception>
 #include <mutex>
@@ -27,7 +35,7 @@
 
 namespace gustlab {
 
-#ifdef __SANITIZE_THREAD__
+#ifdef GUSTLAB_THREAD_SANITIZER
 
 // Debian's oneTBB is not instrumented, so the thread sanitizer sees no order between its tasks and calls everything a
 // race; plain threads let it judge the bodies. Each has numbers of its own: to take the next of a common counter would put

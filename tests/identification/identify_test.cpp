@@ -1,7 +1,9 @@
 #include "identification/identify.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "config/toml.hpp"
@@ -117,6 +119,19 @@ TEST(Identify, SaysThatAWorldForceNeedsOneHeading) {
   for (std::size_t i = 0; i < fit[0][0].inputs.size(); ++i) fit[0][0].inputs[i].yaw_rad = 1e-3 * static_cast<double>(i);
   const Identification found = identify(fit, {}, automatic("stlsq"));
   EXPECT_NE(to_markdown(found).find("heading"), std::string::npos);
+}
+
+TEST(Report, SaysHowManyTermsItDoesNotShow) {
+  const auto fit = flights({0.0, 1.0}, AccelerationSource::accelerometer);
+  IdentifyOptions options = automatic("stlsq");
+  EXPECT_EQ(to_markdown(identify(fit, {}, options)).find("not shown"), std::string::npos);
+  options.library = "paper+polynomial:2:vx,vy,vz";
+  const Identification found = identify(fit, {}, options);
+  const auto none = std::count_if(found.fit.coefficients.colwise().begin(), found.fit.coefficients.colwise().end(),
+                                  [](const auto& column) { return column.isZero(0.0); });
+  ASSERT_GT(none, 0);
+  EXPECT_NE(to_markdown(found).find(fmt::format("{} of {} terms have no coefficient", none, found.terms.size())),
+            std::string::npos);
 }
 
 TEST(Report, JsonHasTheKeysOfTheFormat) {
