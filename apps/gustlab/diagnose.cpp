@@ -148,20 +148,6 @@ DiagnosisFigures figures_of(const diagnosis::Diagnosis& result, const diagnosis:
   return figures;
 }
 
-// an unusable flight is set aside, but one that is not there is a slip of the hand
-void check_flights(const diagnosis::DiagnoseOptions& wanted) {
-  std::set<std::filesystem::path> seen;
-  for (const auto* paths : {&wanted.fit, &wanted.holdout, &wanted.reference})
-    for (const std::string& path : *paths) {
-      sidecar_path(path);  // refuses what is no flight log
-      if (const std::string why = why_unreadable(path); !why.empty())
-        throw DataError(fmt::format("{}: cannot read ({})", path, why));
-      if (!seen.insert(std::filesystem::canonical(path)).second)
-        throw ConfigError(
-            fmt::format("{}: is given twice (a flight is fitted, held out or a reference); leave one out", path));
-    }
-}
-
 void run(const DiagnoseArguments& options) {
   interrupted();
   if (!options.batch.empty()) {
@@ -199,6 +185,27 @@ std::string model_file(const diagnosis::Diagnosis& result) {
   return result.augmented_toml + (empty ? "\neffect = []  # nothing was found\n" : "");
 }
 
+// an unusable flight is set aside, but one that is not there is a slip of the hand
+void check_flights(const diagnosis::DiagnoseOptions& wanted) {
+  std::set<std::filesystem::path> seen;
+  for (const auto* paths : {&wanted.fit, &wanted.holdout, &wanted.reference})
+    for (const std::string& path : *paths) {
+      sidecar_path(path);  // refuses what is no flight log
+      if (const std::string why = why_unreadable(path); !why.empty())
+        throw DataError(fmt::format("{}: cannot read ({})", path, why));
+      if (!seen.insert(std::filesystem::canonical(path)).second)
+        throw ConfigError(
+            fmt::format("{}: is given twice (a flight is fitted, held out or a reference); leave one out", path));
+    }
+}
+
+void warn_of_set_aside(const diagnosis::Diagnosis& result) {
+  for (const diagnosis::LogFinding& finding : result.log_findings)
+    if (finding.sets_flight_aside)
+      spdlog::warn("{}: {}{}", finding.file,
+                   finding.says.find("set aside") < finding.says.size() ? "" : "set aside: ", finding.says);
+}
+
 diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted,
                                    const std::string& key) {
   check_folder_can_be_made(out);
@@ -212,10 +219,7 @@ diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::Diag
   mallopt(M_TOP_PAD, 64 << 20);
 #endif
   diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
-  for (const diagnosis::LogFinding& finding : result.log_findings)
-    if (finding.sets_flight_aside)
-      spdlog::warn("{}: {}{}", finding.file,
-                   finding.says.find("set aside") < finding.says.size() ? "" : "set aside: ", finding.says);
+  warn_of_set_aside(result);
   const nlohmann::ordered_json document = diagnosis::to_json(result);
 
   replace_folder(out, [&](const std::filesystem::path& fresh) {

@@ -14,6 +14,11 @@ diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::Diag
 // The key of a finished diagnosis in OUT; empty when there is none.
 std::string diagnosed_key(const std::string& out);
 
+// Throws DataError for a flight that is not there, ConfigError for one that is given twice.
+void check_flights(const diagnosis::DiagnoseOptions& wanted);
+// Warns of every flight that was set aside.
+void warn_of_set_aside(const diagnosis::Diagnosis& result);
+
 // Every [[set]] of a file, into OUT/NAME. Sets that are done, from the same bytes by the same program, are not diagnosed again.
 void diagnose_batch(const std::string& sets, const std::string& out, int jobs);
 

@@ -2,18 +2,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/replace.hpp>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <set>
 
 #include "commands.hpp"
 #include "config/toml.hpp"
+#include "diagnose.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "gustlab/effect.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/flight_log.hpp"
 #include "options.hpp"
+#include "plant/mjcf_files.hpp"
 #include "progress.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
@@ -35,23 +39,44 @@ struct FitArguments {
   int jobs = default_jobs();
 };
 
+// The files of a vehicle by path from its folder: `text` as its vehicle.toml, the MJCF, and all that this names.
+std::map<std::string, std::string> files_of(const VehicleModel& vehicle, const std::string& text) {
+  std::map<std::string, std::string> files = {{"vehicle.toml", text}};
+  const fs::path home = fs::path(vehicle.source_path).parent_path();
+  const fs::path below = fs::relative(fs::path(vehicle.mjcf_path).parent_path(), home.empty() ? "." : home);
+  for (auto& [name, bytes] : read_mjcf_files(vehicle.mjcf_path).bytes)
+    files.emplace((below / name).lexically_normal().string(), std::move(bytes));
+  return files;
+}
+
 // Where the fitted vehicle goes: nothing there is overwritten.
 void check_new(const fs::path& folder, const VehicleModel& vehicle) {
-  for (const fs::path& path : {folder / "vehicle.toml", folder / fs::path(vehicle.mjcf_path).filename()})
-    if (fs::exists(path))
-      throw ConfigError(
-          fmt::format("{}: is there already (a vehicle is never overwritten); name another --out", path.string()));
+  for (const auto& [name, bytes] : files_of(vehicle, {}))
+    if (fs::exists(folder / name))
+      throw ConfigError(fmt::format("{}: is there already (a vehicle is never overwritten); name another --out",
+                                    (folder / name).string()));
   check_folder_can_be_made(folder.string());
 }
 
-void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const std::string& text) {
-  write_together([&] {
-    make_folder(folder.string());
-    write_file((folder / fs::path(vehicle.mjcf_path).filename()).string(), read_file<ConfigError>(vehicle.mjcf_path));
-    write_file((folder / "vehicle.toml").string(), text);
-  });
-  read_vehicle((folder / "vehicle.toml").string());
-  fmt::print("{}\n", (folder / "vehicle.toml").string());
+// Writes the vehicle, and then says what was fitted; nothing of both where it cannot be read again. `data`: what it was fitted to.
+void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const std::string& text,
+                   const std::string& data, const std::string& said) {
+  const auto write_into = [files = files_of(vehicle, text)](const fs::path& to) {
+    for (const auto& [name, bytes] : files) {
+      make_folder((to / name).parent_path().string());
+      write_file((to / name).string(), bytes);
+    }
+  };
+  const ScratchFolder trial(fs::temp_directory_path());
+  write_into(trial.path());
+  try {
+    read_vehicle((trial.path() / "vehicle.toml").string());
+  } catch (const ConfigError& error) {
+    throw DataError(fmt::format("{}: the vehicle that it gives is refused: {}", data,
+                                boost::replace_all_copy(std::string(error.what()), trial.path().string() + "/", "")));
+  }
+  write_together([&] { write_into(folder); });
+  fmt::print("{}{}\n", said, (folder / "vehicle.toml").string());
 }
 
 // physics of the vehicle itself: not of one flight, of the room, of a sensor, and no damage
@@ -105,71 +130,86 @@ void take(const diagnosis::EffectFinding& finding, const VehicleModel& vehicle, 
 }
 
 // with_rest: the errors after are those of a model that holds more than the vehicle file gets
-void print_errors(const nlohmann::ordered_json& fit, bool with_rest) {
-  if (!fit.is_object() || !fit.contains("position_m") || !fit["position_m"].contains("after")) return;
+std::string error_lines(const nlohmann::ordered_json& fit, bool with_rest) {
+  std::string said;
+  if (!fit.is_object() || !fit.contains("position_m") || !fit["position_m"].contains("after")) return said;
   const auto& horizon = fit["horizon_s"];
   const auto &before = fit["position_m"]["before"], &after = fit["position_m"]["after"];
   for (std::size_t h = 0; h < horizon.size(); ++h)
     if (before[h].is_number() && after[h].is_number())
-      fmt::print("position error {:.2g} s ahead on held-out flights: {:.3g} m before, {:.3g} m after{}\n",
-                 horizon[h].get<double>(), before[h].get<double>(), after[h].get<double>(),
-                 with_rest ? ", with what is not a constant of the vehicle" : "");
+      said += fmt::format("position error {:.2g} s ahead on held-out flights: {:.3g} m before, {:.3g} m after{}\n",
+                          horizon[h].get<double>(), before[h].get<double>(), after[h].get<double>(),
+                          with_rest ? ", with what is not a constant of the vehicle" : "");
+  return said;
 }
 
-void fit_flights(const FitArguments& options) {
-  interrupted();
-  const FlightLog first = read_flight_log(options.logs.front());
-  const VehicleModel vehicle =
-      options.vehicle.empty() ? read_vehicle(first.meta.vehicle, first.path) : read_vehicle(options.vehicle);
-  check_new(options.out, vehicle);
-  Progress progress;
-  diagnosis::DiagnoseOptions wanted;
-  wanted.fit = options.logs;
-  wanted.holdout = options.holdout;
-  wanted.vehicle = vehicle.source_path;
-  wanted.jobs = options.jobs;
-  wanted.progress = progress.report();
-  const diagnosis::Diagnosis found = diagnosis::diagnose(wanted);
-  progress.end();
-  std::string text = read_file<ConfigError>(vehicle.source_path);
-  bool with_rest = !found.residual_model.is_null();
+// every finding into the file's text, and a line for each; `with_rest`: whether one of them is not written
+std::string take_all(const diagnosis::Diagnosis& found, const VehicleModel& vehicle, std::string& text,
+                     bool& with_rest) {
+  std::string said;
   const std::size_t flights = flights_fitted(found);
   for (const auto* findings : {&found.effects, &found.calibration})
     for (const diagnosis::EffectFinding& finding : *findings) {
       const EffectRow* row = find_effect(finding.effect);
       if (row == nullptr || !is_constant(*row) || finding.parameters.empty()) {
         with_rest = true;
+        said += fmt::format("{:<20} not written: it is of a flight, a sensor, the surroundings or one rotor\n",
+                            diagnosis::with_rotor(finding.effect, finding.rotor()));
         continue;
       }
       // the time stamps of a log are no better than that
       if (findings == &found.calibration && row->latency == Latency::delay) {
         with_rest = true;
         const auto& delay = finding.parameters.front();
-        fmt::print("{:<20} not written: {} {} is within its tolerance\n", finding.effect,
-                   with_spread(delay.value, delay.deviation), delay.unit);
+        said += fmt::format("{:<20} not written: {} {} is within its tolerance\n", finding.effect,
+                            with_spread(delay.value, delay.deviation), delay.unit);
         continue;
       }
       take(finding, vehicle, source_of(finding, flights), text);
       for (const auto& value : finding.parameters)
-        fmt::print("{:<20} {} = {}{}\n", finding.effect, value.name, with_spread(value.value, value.deviation),
-                   value.unit == "-" ? "" : " " + value.unit);
+        said += fmt::format("{:<20} {} = {}{}\n", finding.effect, value.name, with_spread(value.value, value.deviation),
+                            value.unit == "-" ? "" : " " + value.unit);
     }
+  return said;
+}
+
+void fit_flights(const FitArguments& options) {
+  interrupted();
+  diagnosis::DiagnoseOptions wanted;
+  wanted.fit = options.logs;
+  wanted.holdout = options.holdout;
+  wanted.jobs = options.jobs;
+  check_flights(wanted);
+  const FlightLog first = read_flight_log(options.logs.front());
+  const VehicleModel vehicle =
+      options.vehicle.empty() ? read_vehicle(first.meta.vehicle, first.path) : read_vehicle(options.vehicle);
+  check_new(options.out, vehicle);
+  // without --vehicle all logs have to say the same one
+  if (!options.vehicle.empty()) wanted.vehicle = vehicle.source_path;
+  Progress progress;
+  wanted.progress = progress.report();
+  const diagnosis::Diagnosis found = diagnosis::diagnose(wanted);
+  progress.end();
+  warn_of_set_aside(found);
+  std::string text = read_file<ConfigError>(vehicle.source_path);
+  bool with_rest = !found.residual_model.is_null();
+  std::string said = take_all(found, vehicle, text, with_rest);
   for (const diagnosis::NotIdentifiable& unknown : found.not_identifiable)
     if (const EffectRow* row = find_effect(unknown.effect); row != nullptr && is_constant(*row))
-      fmt::print("{:<20} stays unknown: {}\n", unknown.effect, unknown.why);
-  print_errors(found.fit, with_rest);
-  write_vehicle(options.out, vehicle, text);
+      said += fmt::format("{:<20} stays unknown: {}\n", unknown.effect, unknown.why);
+  said += error_lines(found.fit, with_rest);
+  write_vehicle(options.out, vehicle, text, options.logs.front(), said);
 }
 
 // the input's map into the file: as it is where rotor speeds have a scale, otherwise as the input that hovers and how thrust rises
 void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::string& file, const std::string& source,
-              std::string& text) {
+              std::string& text, std::string& said) {
   const auto& c = *stand.input_thrust;
   const std::string map = fmt::format("[{:.5g}, {:.5g}, {:.5g}]", c[0], c[1], c[2]), key = stand.input + "_thrust";
   const std::string says =
       fmt::format("N of one rotor, rms of the residual {:.2g} N: {}", stand.thrust_misfit_N, source);
   for (const std::string& old : {stand.input, key}) drop_key(text, "actuator", old);
-  fmt::print("{:<20} {} (rms of the residual {:.2g} N)\n", key, map, stand.thrust_misfit_N);
+  said += fmt::format("{:<20} {} (rms of the residual {:.2g} N)\n", key, map, stand.thrust_misfit_N);
   if (stand.coefficient_Ns2 || vehicle.rotor_speed_known) return set_key(text, "actuator", key, map, says);
   const double full = stand.full_input(), linear = c[1] * full, square = c[2] * full * full;
   const double wanted_N = vehicle.hover_thrust_N() - c[0];
@@ -187,28 +227,28 @@ void take_map(const ThrustStand& stand, const VehicleModel& vehicle, const std::
 }
 
 // the fastest that a rotor turns, of its thrust at full input
-void take_max_speed(const ThrustStand& stand, const std::string& source, std::string& text) {
+void take_max_speed(const ThrustStand& stand, const std::string& source, std::string& text, std::string& said) {
   const auto& c = *stand.input_thrust;
   const double full = stand.full_input(), thrust_N = c[0] + c[1] * full + c[2] * full * full;
   if (!(thrust_N > 0.0)) return;
   const double speed_radps = std::sqrt(thrust_N / stand.coefficient_Ns2->value);
   set_key(text, "thrust", "max_speed_radps", fmt::format("{:.5g}", speed_radps),
           fmt::format("rad/s, at {} {:g}: {}", stand.input, full, source));
-  fmt::print("{:<20} {:.4g} rad/s\n", "max_speed_radps", speed_radps);
+  said += fmt::format("{:<20} {:.4g} rad/s\n", "max_speed_radps", speed_radps);
 }
 
 void fit_stand(const FitArguments& options) {
   const VehicleModel vehicle = read_vehicle(options.vehicle);
   check_new(options.out, vehicle);
   const ThrustStand stand = read_thrust_stand(options.thrust_stand);
-  std::string text = read_file<ConfigError>(vehicle.source_path);
+  std::string text = read_file<ConfigError>(vehicle.source_path), said;
   const std::string source =
       fmt::format("thrust stand, {} rows of {}", stand.rows, fs::path(options.thrust_stand).filename().string());
   const auto set = [&](const char* key, const std::optional<Estimate>& estimate, const char* unit) {
     if (!estimate) return;
     set_key(text, "thrust", key, fmt::format("{:.5g}", estimate->value),
             fmt::format("{}, sd {:.2g}: {}", unit, estimate->deviation, source));
-    fmt::print("{:<20} {} {}\n", key, with_spread(estimate->value, estimate->deviation), unit);
+    said += fmt::format("{:<20} {} {}\n", key, with_spread(estimate->value, estimate->deviation), unit);
   };
   if (stand.coefficient_Ns2) {
     drop_key(text, "thrust", "hover");
@@ -216,10 +256,10 @@ void fit_stand(const FitArguments& options) {
     // `hover` told it, on a scale that is not that of the measured speeds
     if (!vehicle.rotor_speed_known) drop_key(text, "thrust", "max_speed_radps");
   }
-  if (stand.input_thrust) take_map(stand, vehicle, options.thrust_stand, source, text);
+  if (stand.input_thrust) take_map(stand, vehicle, options.thrust_stand, source, text, said);
   if (stand.coefficient_Ns2 && stand.input_thrust &&
       !(vehicle.rotor_speed_known && std::isfinite(vehicle.max_speed_radps)))
-    take_max_speed(stand, source, text);
+    take_max_speed(stand, source, text, said);
   set("coefficient", stand.coefficient_Ns2, "N/(rad/s)^2");
   set("torque_ratio", stand.torque_ratio_m, "m");
   if (stand.nominal_voltage_V)
@@ -229,11 +269,11 @@ void fit_stand(const FitArguments& options) {
     drop_effect(text, "battery_sag");
     text += fmt::format("\n[[effect]]\ntype = \"battery_sag\"\n# {}\nexponent = {:.4g}  # sd {:.2g}\n", source,
                         stand.voltage_exponent->value, stand.voltage_exponent->deviation);
-    fmt::print("{:<20} exponent = {}\n", "battery_sag",
-               with_spread(stand.voltage_exponent->value, stand.voltage_exponent->deviation));
+    said += fmt::format("{:<20} exponent = {}\n", "battery_sag",
+                        with_spread(stand.voltage_exponent->value, stand.voltage_exponent->deviation));
   }
-  for (const std::string& unknown : stand.unknown) fmt::print("stays unknown: {}\n", unknown);
-  write_vehicle(options.out, vehicle, text);
+  for (const std::string& unknown : stand.unknown) said += fmt::format("stays unknown: {}\n", unknown);
+  write_vehicle(options.out, vehicle, text, options.thrust_stand, said);
 }
 
 void fit(const FitArguments& options) {

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import subprocess
 import tomllib
 import unittest
@@ -219,6 +220,19 @@ class FitOnAThrustStand(InFolder):
         self.assertIn("thrust stand, 60 rows of stand.csv", text)
 
 
+    def test_a_vehicle_goes_with_all_its_files(self):
+        self.stand(("throttle", "thrust_N", "speed_radps"))
+        self.write(LEAST.replace("body.xml", "body/body.xml") + "coefficient = 1e-5\nmax_speed_radps = 800\n")
+        (self.folder / "body").mkdir()
+        (self.folder / "body" / "plate.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", encoding="utf-8")
+        (self.folder / "body" / "body.xml").write_text(BODY.replace("<worldbody>", '<asset><mesh name="p" file="plate.obj"/></asset><worldbody>').replace(
+            "</body>", '<geom type="mesh" mesh="p" mass="0" contype="0" conaffinity="0"/></body>'), encoding="utf-8")
+        self.fit()
+        self.assertEqual(sorted(str(path.relative_to(self.folder / "fitted")) for path in (self.folder / "fitted").rglob("*.*")),
+                         ["body/body.xml", "body/plate.obj", "vehicle.toml"])
+        self.ok("vehicle", "check", "fitted")
+
+
 class FitOnFlights(InFolder):
     def fit(self, truth, vehicle="", change=lambda log: None):
         """(what is printed, the fitted vehicle) of flights of a vehicle that differs from its file by these effects; change: of their logs"""
@@ -258,6 +272,7 @@ class FitOnFlights(InFolder):
         # the wind is of one day: it is taken into account, and is no constant of the vehicle
         self.assertNotIn("steady_wind", found)
         self.assertIn("after, with what is not a constant of the vehicle", said)
+        self.assertIn("steady_wind          not written: it is of a flight", said)
         self.assertIn("yaw_torque_ratio     stays unknown: the vehicle file has no torque ratio", said)
         self.assertIn("ground_effect        stays unknown: no ground height", said)
         # what is written flies, with a number of digits that a reader can take in
@@ -269,6 +284,12 @@ class FitOnFlights(InFolder):
         self.assertNotIn("actuation_delay", [effect["type"] for effect in vehicle.get("effect", [])])
         self.assertRegex(said, r"actuation_delay      not written: 0\.00\d+ ± \S+ s is within its tolerance")
         self.ok("vehicle", "fit", "a/flight.csv", "b/flight.csv", "--vehicle", "vehicle.toml", "--out", "both")
+        # flights of two vehicles have no constants in common, unless they are said to be of one
+        other = self.folder / "b" / "flight.meta.toml"
+        other.write_text(re.sub('(?m)^vehicle = .*$', 'vehicle = "crazyflie"', other.read_text(encoding="utf-8")), encoding="utf-8")
+        done = gustlab("vehicle", "fit", "a/flight.csv", "b/flight.csv", "--out", "two", folder=self.folder)
+        self.assertEqual((done.returncode, done.stdout, (self.folder / "two").exists()), (3, "", False), done.stderr)
+        self.assertRegex(done.stderr, "b/flight.csv.*vehicle")
         for folder in ("fitted", "both"):
             text = (self.folder / folder / "vehicle.toml").read_text(encoding="utf-8")
             self.assertIn("fitted on 1 flight by gustlab vehicle fit", text)
@@ -301,6 +322,9 @@ class WrongInput(InFolder):
             words = dict(zip(NEW[2::2], NEW[3::2])) | dict(pairs)
             return ["vehicle", "new", *(w for key, value in words.items() if key not in drop for w in (key, value))]
 
+        # no vehicle hovers with so little
+        weak = "thrust_N,speed_radps,throttle\n" + "".join(f"{1e-3 * i * i},{100 * i},{i / 9}\n" for i in range(1, 9))
+        (self.folder / "weak.csv").write_text(weak, encoding="utf-8")
         (self.folder / "taken").mkdir()
         (self.folder / "taken" / "vehicle.toml").touch()
         (self.folder / "file").touch()
@@ -353,6 +377,9 @@ class WrongInput(InFolder):
                            ("down.csv", good.replace("\n", "\n-").removesuffix("-")), ("hole.csv", good.replace("4,200", ",200")),
                            ("word.csv", good.replace("200", "fast")), ("throttle.csv", "thrust_N,throttle\n" + "".join(f"{i},{i}\n" for i in range(9)))):
             (self.folder / name).write_text(text, encoding="utf-8")
+        # no vehicle hovers with so little
+        weak = "thrust_N,speed_radps,throttle\n" + "".join(f"{1e-3 * i * i},{100 * i},{i / 9}\n" for i in range(1, 9))
+        (self.folder / "weak.csv").write_text(weak, encoding="utf-8")
         (self.folder / "taken").mkdir()
         (self.folder / "taken" / "vehicle.toml").touch()
 
@@ -367,6 +394,8 @@ class WrongInput(InFolder):
             (stand("good.csv", "--holdout", "b.csv"), "has no flights to hold out", 2),
             (stand("good.csv")[:-1] + ["taken"], "taken/vehicle.toml: is there already", 2),
             (["vehicle", "fit", "no.csv", "--out", "o"], "no.csv: cannot read", 3),
+            (["vehicle", "fit", "good.csv", "--holdout", "good.csv", "--out", "o"], "good.csv: is given twice", 2),
+            (stand("weak.csv"), "weak.csv: the vehicle that it gives is refused: vehicle.toml", 3),
             (stand("no.csv"), "no.csv: cannot read", 3),
             (stand("few.csv"), "1 rows are too few (at least 5)", 3),
             (stand("no_thrust.csv"), 'column "thrust_N" is missing (or thrust_gf, thrust_kgf)', 3),
