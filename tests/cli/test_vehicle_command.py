@@ -23,7 +23,7 @@ LEAST = f'format = "gustlab-vehicle/1"\nmjcf = "body.xml"\n{ROTORS}[thrust]\n'
 
 
 def gustlab(*arguments, folder):
-    return subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, check=False, timeout=300)
+    return subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, check=False)
 
 
 class InFolder(unittest.TestCase):
