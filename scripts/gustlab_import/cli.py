@@ -72,8 +72,11 @@ def run(argv: list) -> int:
                 outcomes.append(import_table(path, name, column_map, vehicle, options))
             else:
                 outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
-    if not options.quiet:
-        print(as_json(as_document(outcomes)) if options.format == "json" else as_text(outcomes, options.verbose), end="")
+    # -q keeps to errors what is said to people; a document that was asked for is data
+    if options.format == "json":
+        print(as_json(as_document(outcomes)), end="")
+    elif not options.quiet:
+        print(as_text(outcomes, options.verbose), end="")
     # one unusable recording holds all back: a set of flights with a silent hole would be worse
     code = refusals(outcomes, options.keep_unusable)
     if options.out is not None and (code == 0 or column_map is None):

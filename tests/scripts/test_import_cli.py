@@ -194,6 +194,9 @@ class BadInput(ImportCase):
         self.assertTrue(err.startswith(f"{bad}: not usable: "), err)
         code, out, _ = self.run_import(good, "--map", self.map, "--out", self.out, "--format", "json")
         self.assertEqual(json.loads(out)["logs"][0]["file"], "log.csv")
+        # what was asked for is data, and no message
+        self.assertEqual(self.run_import(good, "--map", self.map, "--format", "json", "-q"), (0, out, ""))
+        self.assertEqual(self.run_import(good, "--map", self.map, "-q"), (0, "", ""))
         for path in self.out.iterdir():
             self.assertNotIn(str(self.folder), path.read_text(encoding="utf-8"))
 
