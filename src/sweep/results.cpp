@@ -49,8 +49,9 @@ class Cells {
       fail(fmt::format("\"{}\" is not a number", text), "");
     return text;
   }
-  void next_figure(double& value) {
+  void next_figure(double& value, bool needed = false) {
     const bool empty = next(value).empty();
+    if (needed && empty) fail("the cell is empty, and the run was completed", "a number from 0 to 1e12");
     if (!is_figure(value) || (!empty && std::isnan(value)))
       fail(fmt::format("{} is no figure of a flight", value), "a number from 0 to 1e12, or an empty cell");
   }
@@ -128,7 +129,7 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
     if (const auto known = find_outcome(outcome)) row.outcome = *known;
     else cells.fail(fmt::format("\"{}\" is no outcome", outcome), "completed, crashed, …");
     for (double* value : {&row.duration_s, &row.rmse_xy_m, &row.mae_xy_m, &row.p95_xy_m, &row.max_xy_m, &row.rmse_z_m})
-      cells.next_figure(*value);
+      cells.next_figure(*value, row.outcome == Outcome::completed);
     row.key = cells.next();
     if (has_effort)
       for (double* value : {&row.rotor_sd_radps, &row.rotor_rate_radps2}) cells.next_figure(*value);

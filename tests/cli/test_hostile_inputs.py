@@ -234,7 +234,7 @@ class Stores(Commands):
         self.call("sweep", "e.toml", "--out", "s")
         self.call("gate", "s", "--baseline", "b.csv", "--update")
         sound = (self.folder / "b.csv").read_text().split(",")
-        for value in ("inf", "1e308", "-1", "nan(x)"):
+        for value in ("inf", "1e308", "-1", "nan(x)", ""):
             cells = list(sound)
             cells[-6] = value  # rmse_xy_m
             self.write("b.csv", ",".join(cells))

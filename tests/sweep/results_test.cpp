@@ -70,6 +70,11 @@ TEST_F(ResultsCsv, SaysWhereATableIsBroken) {
   EXPECT_THAT(message_for(header + "e,v,t,c,1,flew,1,1,1,1,1,1,k\n"),
               testing::HasSubstr(":2:11: \"flew\" is no outcome"));
   EXPECT_THAT(message_for(header + "e,v,t,c,1,completed,1,1,1,1,1,1,k,z\n"), testing::HasSubstr("too many cells"));
+  // only a run that was not completed may have no error
+  for (const auto& [cells, column] : {std::pair{"1,,1,1,1,1", 23}, {"1,1,1,1,1,", 31}, {",1,1,1,1,1", 21}})
+    EXPECT_THAT(message_for(header + "e,v,t,c,1,completed," + cells + ",k\n"),
+                testing::HasSubstr(":2:" + std::to_string(column) + ": the cell is empty, and the run was completed"));
+  EXPECT_EQ(message_for(header + "e,v,t,c,1,crashed,1,,,,,,k\n"), "");
   EXPECT_THROW(read_results_csv("/nonexistent/runs.csv"), DataError);
 }
 
