@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <set>
 
@@ -189,18 +190,30 @@ void check_figures(const ScoredTrial& trial, const TrialSet& set) {
   try {
     score_closure({trial});
     score_parameters({trial});
-  } catch (const Json::exception& error) {
-    throw DataError(fmt::format("{}: the diagnosis of {} in {} and its answer do not fit together ({})", set.answers,
-                                trial.trial, set.folder, error.what()));
+  } catch (const Json::exception&) {
+    throw DataError(
+        fmt::format("{}: the diagnosis of {} in {} and its answer do not fit together (values of \"parameters\" or "
+                    "errors of \"fit\" and \"oracle\" have another form); diagnose it again, or repair the answer",
+                    trial.where, trial.trial, set.folder));
   }
+}
+
+// a diagnosis that counted twice would make every interval too narrow
+void check_stands_once(const ScoredTrial& trial, const TrialSet& set, std::map<std::string, std::string>& places) {
+  const std::filesystem::path folder = std::filesystem::weakly_canonical(set.folder) / trial.trial / "";
+  if (const auto [first, is_new] = places.emplace(folder.lexically_normal().string(), trial.where); !is_new)
+    throw DataError(fmt::format("{}: trial \"{}\" stands twice (first at {}); leave one out", trial.where, trial.trial,
+                                first->second));
 }
 
 }  // namespace
 
 nlohmann::ordered_json score_trials(const std::vector<TrialSet>& sets, const std::string& diagnosis_folder) {
   Trials trials;
+  std::map<std::string, std::string> places;
   for (const TrialSet& set : sets)
     for (ScoredTrial& trial : read_trials(set, diagnosis_folder)) {
+      check_stands_once(trial, set, places);
       check_figures(trial, set);
       trials.push_back(std::move(trial));
     }

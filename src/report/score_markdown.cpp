@@ -108,6 +108,7 @@ std::string reliability(const Json& score) {
     rows.push_back({fmt::format("{:.1f}-{:.1f}", from, from + 0.1), fmt::format("{:.3f}", bin.at("said").get<double>()),
                     fmt::format("{:.3f}", right.at("share").get<double>()), count(right), interval(right)});
   }
+  if (rows.empty()) return "Nothing was named or suspected: how far to trust a confidence cannot be told.\n";
   return table({"confidence", "said", "right", "names", "95 %"}, rows) +
          fmt::format("\n{} names, expected calibration error {}, Brier score {}\n",
                      reliability.at("findings").get<std::size_t>(),

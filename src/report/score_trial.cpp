@@ -10,8 +10,13 @@
 #include <limits>
 #include <sstream>
 
+#include "config/text.hpp"
+#include "config/toml.hpp"
+#include "flight_log/trial_kinds.hpp"
+#include "gustlab/effect.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/types.hpp"
+#include "report/json_part.hpp"
 #include "util/files.hpp"
 
 namespace gustlab {
@@ -19,15 +24,6 @@ namespace gustlab {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// destroying, copying and printing JSON goes as deep as the text does
-constexpr int deepest = 100;
-Json parse(const std::string& text) {
-  return Json::parse(text, [](int depth, Json::parse_event_t, const Json&) {
-    if (depth > deepest) throw Json::other_error::create(500, fmt::format("nested deeper than {}", deepest), nullptr);
-    return true;
-  });
-}
 
 // rotor_loss#3 is the loss of rotor 3
 std::pair<std::string, int> split_label(const std::string& label) {
@@ -42,46 +38,59 @@ std::string make_label(const std::string& effect, int rotor) {
   return rotor > 0 ? fmt::format("{}#{}", effect, rotor) : effect;
 }
 
-Json part(const Json& object, const char* key) { return object.contains(key) ? object.at(key) : Json::object(); }
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<std::string> texts(const Json& object, const char* key) {
-  std::vector<std::string> found;
-  if (object.contains(key))
-    for (const Json& item : object.at(key)) found.push_back(item.get<std::string>());
-  return found;
-}
-
-// of a number that may be any
-int read_rotor(const Json& value) {
-  const double number = value.get<double>();
-  if (!(std::abs(number) <= max_rotors))
-    throw Json::other_error::create(500, fmt::format("there is no rotor {}", number), nullptr);
+int read_rotor(const JsonPart& value) {
+  const double number = value.number();
+  if (!(std::abs(number) <= max_rotors)) value.fail(fmt::format("there is no rotor {}", number));
   return static_cast<int>(number);
 }
 
-Concealed read_concealed(const Json& entry) {
+// one of some words
+std::string read_one_of(const JsonPart& value, const char* what, const std::vector<std::string>& known) {
+  const std::string word = value.text();
+  if (std::find(known.begin(), known.end(), word) == known.end())
+    value.fail(fmt::format("\"{}\" is no {}", config::printable(word), what),
+               worded("use one of " + fmt::format("{}", fmt::join(known, ", ")), "", config::suggest(word, known)));
+  return word;
+}
+
+Concealed read_concealed(const JsonPart& entry, bool in_catalogue) {
   Concealed truth;
-  truth.effect = entry.at("effect").get<std::string>();
-  truth.parameters = part(entry, "parameters");
-  truth.per_flight = part(entry, "per_flight");
-  if (truth.parameters.contains("rotor")) truth.rotor = read_rotor(truth.parameters.at("rotor"));
+  const JsonPart effect = entry.need("effect");
+  truth.effect = effect.text();
+  if (in_catalogue) {
+    std::vector<std::string> known;
+    for (const EffectRow& row : effect_registry()) known.emplace_back(row.name);
+    read_one_of(effect, "effect", known);
+  }
+  if (const auto parameters = entry.find("parameters")) {
+    for (const JsonPart& value : parameters->members())
+      if (in_catalogue) value.number();
+    if (const auto rotor = parameters->find("rotor")) truth.rotor = read_rotor(*rotor);
+  }
+  if (const auto flights = entry.find("per_flight"))
+    for (const JsonPart& flight : flights->members())
+      for (const JsonPart& value : flight.members()) value.number();
+  truth.parameters = entry.copy("parameters");
   truth.parameters.erase("rotor");
-  truth.strength = entry.value("strength_over_limit", std::numeric_limits<double>::quiet_NaN());
+  truth.per_flight = entry.copy("per_flight");
+  truth.strength = entry.number("strength_over_limit", unknown);
   return truth;
 }
 
-Named read_named(const Json& entry) {
+Named read_named(const JsonPart& entry) {
   Named name;
-  std::tie(name.effect, name.rotor) = split_label(entry.at("effect").get<std::string>());
-  name.parameters = part(entry, "parameters");
-  name.per_flight = part(entry, "per_flight");
-  if (name.parameters.contains("rotor")) {
-    const Json& rotor = name.parameters.at("rotor");
-    name.rotor = read_rotor(rotor.is_object() ? rotor.at("value") : rotor);
-    name.parameters.erase("rotor");
-  }
-  name.alternatives = texts(entry, "class");
-  name.confidence = entry.value("confidence", 0.0);
+  std::tie(name.effect, name.rotor) = split_label(entry.need("effect").text());
+  name.parameters = entry.copy("parameters");
+  name.per_flight = entry.copy("per_flight");
+  if (const auto parameters = entry.find("parameters"))
+    if (const auto rotor = parameters->find("rotor")) {
+      name.rotor = read_rotor(rotor->is_object() ? rotor->need("value") : *rotor);
+      name.parameters.erase("rotor");
+    }
+  name.alternatives = entry.texts("class");
+  name.confidence = entry.number("confidence", 0.0);
   return name;
 }
 
@@ -89,21 +98,49 @@ void read_diagnosis(const std::filesystem::path& path, ScoredTrial& trial) {
   std::string text;
   if (!read_into(path.string(), text).empty()) return;
   try {
-    const Json diagnosis = parse(text);
-    trial.verdict = diagnosis.at("verdict").get<std::string>();
-    for (const Json& entry : diagnosis.at("effects")) trial.named.push_back(read_named(entry));
-    for (const Json& entry : part(diagnosis, "suspected")) trial.suspected.push_back(read_named(entry));
-    for (const Json& entry : part(diagnosis, "mismatch"))
-      if (entry.value("significant", false)) trial.significant.push_back(entry.at("channel").get<std::string>());
-    trial.fit = part(diagnosis, "fit");
+    const Json whole = parse_json(text);
+    const JsonPart diagnosis(text, whole);
+    trial.verdict = diagnosis.need("verdict").text();
+    for (const JsonPart& entry : diagnosis.need("effects").items()) trial.named.push_back(read_named(entry));
+    for (const JsonPart& entry : diagnosis.items("suspected")) trial.suspected.push_back(read_named(entry));
+    for (const JsonPart& entry : diagnosis.items("mismatch"))
+      if (entry.flag("significant", false)) trial.significant.push_back(entry.need("channel").text());
+    trial.fit = diagnosis.copy("fit");
     trial.diagnosed = true;
-  } catch (const Json::exception& e) {
-    spdlog::warn("{}: is no diagnosis ({}); it counts as missing", path.string(), e.what());
+  } catch (const JsonFault& fault) {
+    spdlog::warn("{}:{}: is no diagnosis ({}); it counts as missing", path.string(), json_place(text, fault.offset),
+                 fault.what());
     trial.verdict = "unreadable";
     trial.named.clear();
     trial.suspected.clear();
     trial.significant.clear();
   }
+}
+
+// a name, or a path, below the folder of the trials
+std::string read_trial_name(const JsonPart& value) {
+  const std::filesystem::path inside = std::filesystem::path(value.text()).lexically_normal();
+  if (inside.empty() || inside.is_absolute() || inside == "." || *inside.begin() == "..")
+    value.fail(fmt::format("\"{}\" is no folder below that of the trials", config::printable(value.text())));
+  return value.text();
+}
+
+void read_answer(const JsonPart& answer, ScoredTrial& trial) {
+  trial.trial = read_trial_name(answer.need("trial"));
+  const JsonPart effects = answer.need("effects");
+  const auto kind = answer.find("kind");
+  trial.kind = kind ? read_one_of(*kind, "kind of trial", trial_kinds()) : trial_kind_of(effects.items().size());
+  if (trial.kind == "nothing") trial.kind = "clean";
+  for (const JsonPart& entry : effects.items()) trial.truth.push_back(read_concealed(entry, !trial.outside()));
+  trial.vehicle = answer.text("vehicle", "");
+  if (const auto stranger = answer.find("outside")) {
+    trial.stranger = stranger->text("name", "");
+    trial.stranger_strength = stranger->number("strength_over_limit", unknown);
+    trial.channels = stranger->texts("channels");
+  } else {
+    trial.stranger_strength = unknown;
+  }
+  trial.oracle = answer.copy("oracle");
 }
 
 // the assignment of names to truths that leaves the fewest truths alone, names themselves before their classes
@@ -181,25 +218,19 @@ std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& dia
     throw DataError(fmt::format("{}: no such folder (the trials of {} are in it)", set.folder, set.answers));
   std::vector<ScoredTrial> trials;
   std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     ScoredTrial trial;
+    trial.set = std::filesystem::path(set.folder).lexically_normal().filename().string();
     try {
-      const Json answer = parse(line);
-      trial.set = std::filesystem::path(set.folder).lexically_normal().filename().string();
-      trial.trial = answer.at("trial").get<std::string>();
-      for (const Json& entry : answer.at("effects")) trial.truth.push_back(read_concealed(entry));
-      const char* kinds[] = {"clean", "single", "pair"};
-      trial.kind = answer.value("kind", std::string(kinds[std::min<std::size_t>(2, trial.truth.size())]));
-      trial.vehicle = answer.value("vehicle", std::string());
-      const Json stranger = part(answer, "outside");
-      trial.stranger = stranger.value("name", std::string());
-      trial.stranger_strength = stranger.value("strength_over_limit", std::numeric_limits<double>::quiet_NaN());
-      trial.channels = texts(stranger, "channels");
-      trial.oracle = part(answer, "oracle");
-    } catch (const Json::exception& error) {
-      throw DataError(fmt::format("{}:{}:1: not an answer ({}); expected an object with trial, kind and effects",
-                                  set.answers, number, error.what()));
+      const Json whole = parse_json(line);
+      const JsonPart answer(line, whole);
+      read_answer(answer, trial);
+      trial.where = fmt::format("{}:{}", set.answers, json_place(line, answer.need("trial").offset(), number));
+    } catch (const JsonFault& fault) {
+      throw DataError(
+          worded(fmt::format("{}:{}: not an answer", set.answers, json_place(line, fault.offset, number)), fault.what(),
+                 fault.suggestion.empty() ? "expected an object with trial, kind and effects" : fault.suggestion));
     }
     read_diagnosis(std::filesystem::path(set.folder) / trial.trial / diagnosis_folder / "diagnosis.json", trial);
     assign(trial);

@@ -32,6 +32,7 @@ struct Named {
 
 struct ScoredTrial {
   std::string set, trial, kind, vehicle;
+  std::string where;  // file:line:col of its answer
   std::vector<Concealed> truth;
   bool diagnosed = false;  // false: no readable diagnosis.json, which counts as a failure everywhere
   std::string verdict;
@@ -57,7 +58,7 @@ struct ScoredTrial {
 // A name matches a truth when the truth is the name or in its class; for rotor_loss the rotor must agree too.
 bool matches(const Named& name, const Concealed& truth);
 
-// Reads every answer of a set and the diagnosis beside it. DataError for answers that cannot be read.
+// Reads every answer of a set and the diagnosis beside it. DataError with file:line:col for answers that cannot be read.
 std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& diagnosis_folder);
 
 }  // namespace gustlab

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "config/toml.hpp"
+#include "flight_log/trial_kinds.hpp"
 #include "gustlab/errors.hpp"
 #include "simulation/flight.hpp"
 #include "simulation/make_effects.hpp"
@@ -84,9 +85,13 @@ std::vector<EffectSpec> read_concealed(config::Table& trial) {
   return specs;
 }
 
-std::string kind_of(std::size_t effects) {
-  constexpr std::array<const char*, 3> kinds{"clean", "single", "pair"};
-  return effects < kinds.size() ? kinds[effects] : "many";
+std::string read_kind(config::Table& trial, std::size_t effects) {
+  const std::string kind = trial.text("kind").value_or(trial_kind_of(effects));
+  const std::vector<std::string>& known = trial_kinds();
+  if (std::find(known.begin(), known.end(), kind) == known.end())
+    trial.fail("kind", fmt::format("\"{}\" is no kind of trial", kind),
+               "one of " + fmt::format("{}", fmt::join(known, ", ")), config::suggest(kind, known));
+  return kind;
 }
 
 // a [[trial]] before its experiment is known
@@ -102,7 +107,7 @@ Draft read_draft(config::Table table, const std::vector<std::string>& fit, const
       table, {}, table.text("vehicle"), table.texts("fit").value_or(fit), table.texts("holdout").value_or(holdout)};
   draft.trial.name = table.need_text("name");
   draft.trial.concealed = read_concealed(table);
-  draft.trial.kind = table.text("kind").value_or(kind_of(draft.trial.concealed.size()));
+  draft.trial.kind = read_kind(table, draft.trial.concealed.size());
   return draft;
 }
 

@@ -166,12 +166,12 @@ class Depth(Commands):
         self.write("answers.jsonl", answer)
         out, err = self.call("score", "answers.jsonl", "trials")
         self.assertIn("1 ", out)
-        self.assertIn("diagnosis.json: is no diagnosis", err)
+        self.assertIn("diagnosis.json:1:102: is no diagnosis (nested deeper than 100)", err)
         self.write("answers.jsonl", '{"trial": ' + '{"a":' * 100000 + "}" * 100000 + "}\n")
-        self.refuse(3, "answers.jsonl:1:1: not an answer", "score", "answers.jsonl", "trials")
+        self.refuse(3, "answers.jsonl:1:511: not an answer (nested deeper than 100)", "score", "answers.jsonl", "trials")
         self.write("answers.jsonl", '{"trial": "t", "kind": "single", "effects": [{"effect": "mass"}], "oracle": {"position_m": {"after": [0.1]}}}\n')
         diagnosis.write_text('{"verdict": "explained", "effects": [], "fit": {"horizon_s": [0.1], "position_m": {"after": [1]}}}')
-        self.refuse(3, "answers.jsonl: the diagnosis of t", "score", "answers.jsonl", "trials")
+        self.refuse(3, "answers.jsonl:1:11: the diagnosis of t", "score", "answers.jsonl", "trials")
 
 
 class Stores(Commands):

@@ -69,8 +69,15 @@ TEST_F(ScoreTest, MissingDiagnosisIsAFailureEverywhere) {
 
 TEST_F(ScoreTest, UnreadableDiagnosisCountsAsMissing) {
   add("clean", Json::array(), Json::array());
-  std::ofstream(folder_ / "trial1" / "diagnosis" / "diagnosis.json") << "{\"verdict\": 3";
-  EXPECT_EQ(headline("nothing concealed: no name"), "0/1");
+  for (const auto& [text, says] : {std::pair{"{\"verdict\": 3", ":1:14: is no diagnosis (the JSON is not complete); "},
+                                   {"{\"verdict\": \"explained\",\n \"effects\": [{\"class\": []}]}",
+                                    ":2:14: is no diagnosis (there is no \"effect\"); "}}) {
+    std::ofstream(folder_ / "trial1" / "diagnosis" / "diagnosis.json") << text;
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(headline("nothing concealed: no name"), "0/1");
+    EXPECT_THAT(testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr(), HasSubstr(says));
+  }
 }
 
 TEST_F(ScoreTest, ARotorThatNoVehicleHasIsAnUnreadableDiagnosisAndAWrongAnswer) {
@@ -83,7 +90,8 @@ TEST_F(ScoreTest, ARotorThatNoVehicleHasIsAnUnreadableDiagnosisAndAWrongAnswer) 
   EXPECT_EQ(headline("one effect: exact"), "0/7");
   EXPECT_EQ(score().at("without_diagnosis"), 6);
   add("single", {hidden("rotor_loss", 2, {{"rotor", 1e300}})}, Json::array());
-  EXPECT_THAT([&] { score(); }, testing::ThrowsMessage<DataError>(HasSubstr("answers.jsonl:8:1: not an answer")));
+  EXPECT_THAT([&] { score(); }, testing::ThrowsMessage<DataError>(
+                                    HasSubstr("answers.jsonl:8:91: not an answer (there is no rotor 1e+300)")));
 }
 
 TEST_F(ScoreTest, AClassHoldsTheTruthButTheNameItselfIsCountedApart) {
@@ -240,6 +248,71 @@ TEST_F(ScoreTest, AnswersThatAreNoneAreRefusedWithTheirLine) {
   }
   std::filesystem::remove(folder_ / "answers.jsonl");
   EXPECT_THROW(score(), DataError);
+}
+
+// GIVEN answers with a mistake in the second line WHEN scored THEN the message has its place, in our words
+TEST_F(ScoreTest, AnswersSayWhereTheyAreWrong) {
+  const std::string mass = R"({"effect": "mass", "parameters": {"delta": 0.1}})";
+  for (const auto& [line, says] : std::vector<std::pair<std::string, std::string>>{
+           {R"({"trial": "t", "kind": "singel", "effects": []})",
+            ":24: not an answer (\"singel\" is no kind of trial); use one of clean, scatter, single, pair, many, "
+            "outside, nothing; did you mean \"single\"?"},
+           {R"({"trial": "t", "effects": [{"effect": "masss"}]})", ":39: not an answer (\"masss\" is no effect); "},
+           {R"({"trial": "../t", "effects": []})", ":11: not an answer (\"../t\" is no folder below "},
+           {R"({"trial": "a/../..", "effects": []})", ":11: not an answer ("},
+           {R"({"trial": ".", "effects": []})", ":11: not an answer ("},
+           {R"({"trial": "", "effects": []})", ":11: not an answer ("},
+           {R"({"trial": "/tmp", "effects": []})", ":11: not an answer ("},
+           {R"({"trial": "t", "effects": [)" + mass +
+                R"(, {"effect": "rotor_drag", "parameters": {"at_hover": "a"}}]})",
+            ":130: not an answer (expected a number); "},
+           {R"({"trial": "t", "effects": [{"effect": "mass", "per_flight": {"fit_1.csv": {"x": null}}}]})",
+            ":81: not an answer (expected a number); "},
+           {R"({"trial": "t", "effects": [{}]})", ":28: not an answer (there is no \"effect\"); "},
+           {R"({"trial": "t", "effects": 3})", ":27: not an answer (expected an array); "},
+           {R"({"trial": "t", "effects": [1e999]})", ":28: not an answer (\"1e999\" is no value of JSON); "},
+           {R"({"trial": "t", "effects": [],})", ":30: not an answer (expected a key in quotation marks); "},
+           {R"({"trial": "t")", ":14: not an answer (the JSON is not complete); "},
+           {R"({"trial": "t)", ":11: not an answer (a quotation mark is not closed); "},
+           {R"({"trial": "t"} {})", ":16: not an answer (the JSON ended before this); "},
+           {R"(name = "x")", ":1: not an answer (\"name\" is no value of JSON); "}}) {
+    std::ofstream(folder_ / "answers.jsonl") << "\n" << line << "\n";
+    EXPECT_THAT([&] { score(); }, testing::ThrowsMessage<DataError>(testing::AllOf(
+                                      HasSubstr("answers.jsonl:2" + says), testing::Not(HasSubstr("json.exception")))))
+        << line;
+  }
+}
+
+TEST_F(ScoreTest, ATrialThatStandsTwiceIsRefused) {
+  const std::string answers = (folder_ / "answers.jsonl").string(), folder = folder_.string();
+  const auto stands_twice = [](const char* place) {
+    return testing::ThrowsMessage<DataError>(
+        testing::AllOf(HasSubstr(std::string("answers.jsonl:") + place + ": trial \"trial1\" stands twice (first at "),
+                       HasSubstr("answers.jsonl:1:10); leave one out")));
+  };
+  add("clean", Json::array(), Json::array());
+  EXPECT_THAT([&] { score_trials({{answers, folder}, {answers, folder + "/."}}); }, stands_twice("1:10"));
+  // of another folder it is another one
+  std::filesystem::create_directories(folder_ / "other");
+  EXPECT_EQ(score_trials({{answers, folder}, {answers, folder + "/other"}}).at("trials"), 2);
+  count_ = 0;
+  add("clean", Json::array(), Json::array());
+  EXPECT_THAT([&] { score(); }, stands_twice("2:10"));
+}
+
+// other simulators say "nothing", and conceal physics that no effect is called by
+TEST_F(ScoreTest, ForeignAnswersAreRead) {
+  add("nothing", Json::array(), Json::array());
+  add("outside", {{{"effect", "slosh"}, {"rotor", nullptr}, {"parameters", {{"share", 0.1}, {"axis", "x"}}}}},
+      Json::array());
+  EXPECT_EQ(headline("nothing concealed: no name"), "1/1");
+  EXPECT_EQ(headline("outside the catalogue: no name"), "1/1");
+}
+
+TEST_F(ScoreTest, WithoutANameNothingIsSaidOfConfidence) {
+  add("clean", Json::array(), Json::array());
+  EXPECT_THAT(score_markdown(score()), testing::AllOf(HasSubstr("how far to trust a confidence cannot be told"),
+                                                      testing::Not(HasSubstr("Brier score"))));
 }
 
 }  // namespace score_test

@@ -94,6 +94,9 @@ TEST_F(ConcealedTrialsTest, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_THAT(error("[[trial]]\nname = \"a\"\n[[trial]]\nname = \"a\"\n"),
               HasSubstr("is no name of a folder of its own"));
   EXPECT_THAT(error("[[trial]]\nname = \"a\"\nhide = 1\n"), HasSubstr("trials.toml:18:1: unknown key \"hide\""));
+  // score refuses them
+  EXPECT_THAT(error("[[trial]]\nname = \"a\"\nkind = \"singel\"\n"),
+              HasSubstr("trials.toml:18:8: \"singel\" is no kind of trial"));
 }
 
 TEST_F(ConcealedTrialsTest, AFlightThatDoesNotEndWellIsNoTrial) {
