@@ -80,6 +80,7 @@ def files():
              "weightless.toml": VEHICLE.replace("body.xml", "weightless.xml"), "weightless.xml": BODY.replace('mass="1.2"', 'mass="0"'),
              "tied.toml": VEHICLE.replace("body.xml", "tied.xml"), "tied.xml": BODY.replace("<freejoint/>", ""), "nobody_there.toml": VEHICLE.replace("body.xml", "gone.xml"),
              "falls.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{9 - k}\n" for k in range(10)), "held.csv": "throttle,thrust_N\n" + "0.5,3\n" * 10,
+             "weak.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{k / 10}\n" for k in range(10)), "mixed.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{-k if k == 3 else k}\n" for k in range(10)),
              "pushed.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{-k}\n" for k in range(10)), "ampere.csv": "throttle,current\n" + "0.5,3\n" * 10}
     made |= {"deep.toml": MAP + "notes = " + "[" * 100_000, "dotted.toml": MAP + ".".join("a" * 100_000) + " = 1\n", "latin.toml": MAP.encode() + b"notes = '\xe9'\n",
              "kind.toml": MAP.replace('kind = "csv"', "kind = 5"), "table.toml": MAP.replace('[position]\ncolumns = ["x", "y", "z"]', "position = 3"),
@@ -294,7 +295,9 @@ WRONG = (
     (["vehicle", "fit", "missing.csv", "--out", "out"], 3, "missing.csv: cannot read"),
     (stand("few.csv"), 3, "1 rows are too few"),
     (stand("stand.csv"), 3, "throttle is from 0 to 1"),
-    (stand("falls.csv"), 3, "falls.csv: a rotor of the vehicle carries 2.94 N in hover, and thrust does not rise to that as throttle rises"),
+    (stand("falls.csv"), 3, "falls.csv: the map from throttle to thrust does not rise: it falls from 9 N at 0 to "),
+    (stand("weak.csv"), 3, "weak.csv: a rotor of the vehicle carries 2.94 N in hover, and thrust does not rise to that as throttle rises"),
+    (stand("mixed.csv"), 3, 'mixed.csv:5:5: "thrust_N" is negative (-3)'),
     (stand("held.csv"), 3, "held.csv: nothing can be told from these rows ("),
     (stand("pushed.csv"), 3, "pushed.csv: no row has thrust above zero"),
     (stand("ampere.csv"), 3, 'ampere.csv:1:1: column "thrust_N" is missing'),

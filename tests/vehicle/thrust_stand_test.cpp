@@ -105,5 +105,44 @@ TEST(ThrustStand, SaysWhatATableCannotTell) {
   EXPECT_THROW(read_thrust_stand(rows("thrust_N,throttle", 6, {1.0, 0.5})), DataError);  // one row, six times
 }
 
+std::string refused(const std::string& path) {
+  try {
+    read_thrust_stand(path);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ThrustStand, RefusesARowWithItsPlaceAndTheValueAsWritten) {
+  const TemporaryFolder folder;
+  const auto negative = table(folder, "throttle,thrust_gf", 8, [](int i) {
+    return std::vector<double>{0.1 * i, i == 3 ? -120.5 : 40.0 * i};
+  });
+  EXPECT_THAT(refused(negative), HasSubstr("stand.csv:5:"));
+  EXPECT_THAT(refused(negative), HasSubstr("\"thrust_gf\" is negative (-120.5)"));
+  const auto shares = table(folder, "thrust_N,pulse_us", 8, [](int i) {
+    return std::vector<double>{1.0 * i, 0.125 * (i + 1)};
+  });
+  EXPECT_THAT(refused(shares), HasSubstr("stand.csv:2:3: throttle is from 0 to 1 and pulse_us from 1000 to 2000"));
+  EXPECT_THAT(refused(shares), HasSubstr("(this \"pulse_us\" is 0.125)"));
+}
+
+TEST(ThrustStand, RefusesAMapThatFallsAndSaysWhere) {
+  const TemporaryFolder folder;
+  const auto stand = [&](const std::function<double(double)>& thrust_N) {
+    return table(folder, "throttle,thrust_N", 11, [&](int i) {
+      return std::vector<double>{0.1 * i, thrust_N(0.1 * i)};
+    });
+  };
+  const auto falls = [](double u) { return 2.0 - 8.0 * u + 16.0 * u * u; };
+  EXPECT_THAT(refused(stand(falls)), HasSubstr("it falls from 2 N at 0 to 1 N at 0.25"));
+  EXPECT_THAT(refused(stand([&](double u) { return 12.0 - falls(1.0 - u); })),
+              HasSubstr("it falls from 11 N at 0.75 to 10 N at 1"));
+  EXPECT_THAT(refused(stand([](double u) { return 9.0 - 9.0 * u; })), HasSubstr("to thrust does not rise"));
+  // a dead band at the foot
+  EXPECT_EQ(refused(stand([](double u) { return u < 0.1 ? 0.0 : 8.0 * (u - 0.1) * (u - 0.1); })), "");
+}
+
 }  // namespace thrust_stand_test
 }  // namespace gustlab
