@@ -30,7 +30,7 @@ struct FlightSet {
   diagnosis::DiagnoseOptions wanted;
 };
 
-// flights and vehicles with a slash or an ending are files, relative to the file that names them
+// flights are relative to the file that names them
 std::string beside(const std::string& file, const std::string& from) {
   return (fs::path(from).parent_path() / file).lexically_normal().string();
 }
@@ -40,13 +40,53 @@ bool is_folder_name(const std::string& name) {
   return !name.empty() && name.find_first_of("/\\ ") == std::string::npos && !name.starts_with(".");
 }
 
+// Runs `check`. What it throws is said with the place in the file of sets, and is wrong with that file.
+template <class Check>
+void check_at(const std::string& place, Check check) {
+  try {
+    check();
+  } catch (const UserError& error) {
+    const std::string says = error.what();
+    throw ConfigError(says.starts_with(place) ? says : place + ": " + says);
+  }
+}
+
+// the vehicle that a flight names; what else is wrong with a flight makes its set unusable, and is said when it is diagnosed
+void check_vehicle_of(const std::string& flight, OneVehicle& flown) {
+  const std::string sidecar = sidecar_path(flight);
+  try {
+    flown.of({sidecar, read_sidecar(sidecar).vehicle});
+  } catch (const DataError&) {
+  }
+}
+
+// Before work begins on any set: flights and vehicles that are not there, and a flight that is there twice, are slips of the hand.
+void check_set(const config::Table& table, FlightSet& set) {
+  diagnosis::DiagnoseOptions& wanted = set.wanted;
+  const auto at = [&](const std::string& where) { return fmt::format("{}: set \"{}\"", where, set.name); };
+  if (wanted.vehicle) {
+    const std::string place = at(table.where("vehicle"));
+    check_at(place, [&] { wanted.vehicle = read_vehicle(*wanted.vehicle, place).source_path; });
+  }
+  std::set<fs::path> seen;
+  OneVehicle flown;
+  for (const auto& [key, paths] :
+       {std::pair{"fit", &wanted.fit}, {"holdout", &wanted.holdout}, {"reference", &wanted.reference}})
+    for (const std::string& flight : *paths)
+      check_at(at(table.where(key)), [&] {
+        check_flight(flight, seen);
+        if (!wanted.vehicle) check_vehicle_of(flight, flown);
+      });
+}
+
 std::vector<FlightSet> read_sets(const std::string& path, int jobs) {
   config::Table document = config::Table::read_file(path);
   if (document.need_text("format") != "gustlab-sets/1")
     document.fail("format", "this is no list of flight sets", "", "write format = \"gustlab-sets/1\"");
   std::vector<FlightSet> sets;
   std::set<std::string> seen;
-  for (config::Table& table : document.tables("set")) {
+  std::vector<config::Table> tables = document.tables("set");
+  for (config::Table& table : tables) {
     FlightSet& set = sets.emplace_back();
     set.name = table.need_text("name");
     if (!is_folder_name(set.name) || !seen.insert(set.name).second)
@@ -57,13 +97,26 @@ std::vector<FlightSet> read_sets(const std::string& path, int jobs) {
       for (const std::string& file : table.texts(key).value_or(std::vector<std::string>{}))
         paths->push_back(beside(file, path));
     if (wanted.fit.empty()) table.fail("fit", "there is no flight to fit", "", "list flight logs under \"fit\"");
-    if (const auto vehicle = table.text("vehicle"))
-      wanted.vehicle = vehicle->ends_with(".toml") ? beside(*vehicle, path) : *vehicle;
+    wanted.vehicle = table.text("vehicle");
     wanted.jobs = jobs;
   }
   if (sets.empty()) document.fail("set", "there is no [[set]]", "nothing would be diagnosed", "add one");
   document.finish();
+  config::Problems problems;
+  for (std::size_t i = 0; i < sets.size(); ++i) problems.collect([&] { check_set(tables[i], sets[i]); });
+  problems.raise();
   return sets;
+}
+
+// What a flight's vehicle is made of. Empty where its own is not there: it flew with that of the flights before it.
+std::string vehicle_bytes(const FlightSet& set, const std::string& sidecar) {
+  if (set.wanted.vehicle) return read_vehicle(*set.wanted.vehicle).source_bytes;
+  const std::string vehicle = read_sidecar(sidecar).vehicle;
+  try {
+    return read_vehicle(vehicle, sidecar).source_bytes;
+  } catch (const ConfigError&) {
+    return {};
+  }
 }
 
 // everything that can change a diagnosis
@@ -73,10 +126,8 @@ std::string key_of(const FlightSet& set) {
     all += '\n';
     for (const std::string& path : *paths) {
       const std::string sidecar = sidecar_path(path);
-      const VehicleModel vehicle =
-          set.wanted.vehicle ? read_vehicle(*set.wanted.vehicle) : read_vehicle(read_sidecar(sidecar).vehicle, sidecar);
       all += sha256(fs::path(path).filename().string()) + '\n' + sha256_of_file(path, most_log_bytes) + '\n' +
-             sha256(read_file<DataError>(sidecar)) + '\n' + sha256(vehicle.source_bytes) + '\n';
+             sha256(read_file<DataError>(sidecar)) + '\n' + sha256(vehicle_bytes(set, sidecar)) + '\n';
     }
   }
   return sha256(all);

@@ -21,6 +21,7 @@ namespace {
 constexpr std::size_t fewest_rows = 5;
 constexpr double least_voltage_spread = 0.02;  // of the mean: less does not tell an exponent
 constexpr int voltage_rounds = 50;
+constexpr double most_below_zero = 0.02;  // of the largest thrust
 // of the span of thrust over the range of inputs: a parabola through a dead band at the foot falls by so much before it rises
 constexpr double most_fall = 0.05;
 
@@ -78,7 +79,9 @@ Eigen::VectorXd read_thrust_N(const CsvNumbers& csv, const std::string& path) {
     throw DataError(fmt::format("{}: no row has thrust above zero (it is positive upwards)", path));
   const auto [name, index] = *find_column(csv, thrust);
   const std::vector<double>& column = csv.column(index);
-  const auto negative = std::find_if(column.begin(), column.end(), [](double value) { return value < 0.0; });
+  // a load cell's zero is no sharper than that
+  const double least = -most_below_zero * *std::max_element(column.begin(), column.end());
+  const auto negative = std::find_if(column.begin(), column.end(), [&](double value) { return value < least; });
   if (negative != column.end())
     throw DataError(worded(
         fmt::format("{}: \"{}\" is negative ({})",

@@ -10,6 +10,7 @@ from pathlib import Path
 from concealed_trials import FIRST_SET, SECOND_SET, trials_toml
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
+MODELS = Path(__file__).resolve().parents[2] / "models"
 
 SETS = FIRST_SET + """[[set]]
 name = "broken"
@@ -70,6 +71,38 @@ class Batch(unittest.TestCase):
             self.assertIn(says, self.batch(code=2)[1])
             self.assertFalse((self.folder / "out").exists())
         self.assertIn("no flight is named", self.call("diagnose", "--out", "out", code=2)[1])
+
+    def test_all_sets_are_checked_before_work_begins(self):
+        twice = SETS + 'holdout = ["trials/two/fit_2.csv"]\n'
+        sidecar = self.folder / "trials" / "two" / "fit_2.meta.toml"
+        for text, *says in ((twice, 'sets.toml:13:11: set "second": trials/two/fit_2.csv: is given twice'),
+                            (SETS.replace("two/fit_2", "two/gone"), 'sets.toml:12:7: set "second": trials/two/gone.csv: cannot read (No such file'),
+                            (SETS + 'vehicle = "crazyflyie"\n', 'sets.toml:13:11: set "second": unknown vehicle "crazyflyie" (known: ', 'did you mean "crazyflie"?'),
+                            (twice.replace("one/fit_2", "one/gone"), 'sets.toml:4:7: set "first": ', 'sets.toml:13:11: set "second": ')):
+            with self.subTest(says[0]):
+                (self.folder / "sets.toml").write_text(text)
+                out, err = self.batch(code=2)
+                for words in says:
+                    self.assertIn(words, err)
+                self.assertEqual(out, "")
+                self.assertFalse((self.folder / "out").exists())
+        (self.folder / "sets.toml").write_text(SETS)
+        sidecar.write_text(sidecar.read_text().replace('"crazyflie"', '"crazyflyie"'))
+        self.assertIn('sets.toml:12:7: set "second": trials/two/fit_2.meta.toml: unknown vehicle "crazyflyie"', self.batch(code=2)[1])
+
+    def test_a_flight_that_names_no_vehicle_flew_with_that_of_the_others(self):
+        sidecar = self.folder / "trials" / "two" / "fit_2.meta.toml"
+        sidecar.write_text(sidecar.read_text().replace('vehicle = "crazyflie"\n', ""))
+        self.assertIn("| unusable | 1 | 33 % |", self.batch()[0])
+
+    def test_a_vehicle_is_found_beside_the_file_of_sets(self):
+        shutil.copytree(MODELS / "crazyflie", self.folder / "fleet" / "my_quad")
+        for vehicle in ("my_quad", "./my_quad", "my_quad/vehicle.toml", "crazyflie"):
+            with self.subTest(vehicle):
+                (self.folder / "fleet" / "sets.toml").write_text(
+                    f'format = "gustlab-sets/1"\n[[set]]\nname = "a"\nfit = ["../trials/broken.csv"]\nvehicle = "{vehicle}"\n')
+                # the vehicle is there, and then no set has a usable flight
+                self.assertIn("a: unusable", self.call("diagnose", "--batch", "fleet/sets.toml", "--out", "out", code=3)[0])
 
 
 if __name__ == "__main__":
