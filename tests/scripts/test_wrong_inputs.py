@@ -80,7 +80,7 @@ def files():
              "weightless.toml": VEHICLE.replace("body.xml", "weightless.xml"), "weightless.xml": BODY.replace('mass="1.2"', 'mass="0"'),
              "tied.toml": VEHICLE.replace("body.xml", "tied.xml"), "tied.xml": BODY.replace("<freejoint/>", ""), "nobody_there.toml": VEHICLE.replace("body.xml", "gone.xml"),
              "falls.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{9 - k}\n" for k in range(10)), "held.csv": "throttle,thrust_N\n" + "0.5,3\n" * 10,
-             "weak.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{k / 10}\n" for k in range(10)), "mixed.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{-k if k == 3 else k}\n" for k in range(10)),
+             "weak.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{k * k / 100}\n" for k in range(10)), "mixed.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{-k if k == 3 else k}\n" for k in range(10)),
              "pushed.csv": "throttle,thrust_N\n" + "".join(f"{k / 10},{-k}\n" for k in range(10)), "ampere.csv": "throttle,current\n" + "0.5,3\n" * 10}
     made |= {"deep.toml": MAP + "notes = " + "[" * 100_000, "dotted.toml": MAP + ".".join("a" * 100_000) + " = 1\n", "latin.toml": MAP.encode() + b"notes = '\xe9'\n",
              "kind.toml": MAP.replace('kind = "csv"', "kind = 5"), "table.toml": MAP.replace('[position]\ncolumns = ["x", "y", "z"]', "position = 3"),
