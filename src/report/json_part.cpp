@@ -95,7 +95,7 @@ class JsonReader {
     if (end == at_) fail_without("a value");
     const std::string word = text_.substr(at_, end - at_);
     Json value = Json::parse(word, nullptr, false);
-    if (value.is_discarded())
+    if (value.is_discarded() || word.find('\0') != std::string::npos)  // there nlohmann::json would end
       fail(word.front() == '"' ? "a text with letters that JSON does not take"
                                : fmt::format("\"{}\" is no value of JSON", config::printable(word)));
     at_ = end;

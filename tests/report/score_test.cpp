@@ -275,6 +275,7 @@ TEST_F(ScoreTest, AnswersSayWhereTheyAreWrong) {
            {R"({"trial": "t")", ":14: not an answer (the JSON is not complete); "},
            {R"({"trial": "t)", ":11: not an answer (a quotation mark is not closed); "},
            {R"({"trial": "t"} {})", ":16: not an answer (the JSON ended before this); "},
+           {std::string("{\"trial\": 1\0 2}", 14), ":11: not an answer (\"1\\x00\" is no value of JSON); "},
            {R"(name = "x")", ":1: not an answer (\"name\" is no value of JSON); "}}) {
     std::ofstream(folder_ / "answers.jsonl") << "\n" << line << "\n";
     EXPECT_THAT([&] { score(); }, testing::ThrowsMessage<DataError>(testing::AllOf(
