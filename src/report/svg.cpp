@@ -120,9 +120,10 @@ std::string draw_line(const Series& series, const Axis& x, const Axis& y) {
 std::string draw_bars(const Series& series, const Axis& x, const Axis& y) {
   std::string text;
   for (std::size_t i = 0; i < std::min({series.x.size(), series.low.size(), series.high.size()}); ++i)
-    if (x.shows(series.x[i]) && y.shows(series.low[i]) && y.shows(series.high[i]))
+    if (x.shows(series.x[i]) && std::isfinite(series.low[i]) && y.shows(series.high[i]))
       text += fmt::format("<line class=\"{} whisker\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>",
-                          series.style, x(series.x[i]), x(series.x[i]), y(series.low[i]), y(series.high[i]));
+                          series.style, x(series.x[i]), x(series.x[i]),
+                          y.shows(series.low[i]) ? y(series.low[i]) : y.from_px, y(series.high[i]));
   return text;
 }
 

@@ -16,8 +16,9 @@ enum class Mark { line, dots, points_with_bars };
 struct Series {
   std::string style;  // class of the style sheet: measured, before, after, noise, hold
   Mark mark = Mark::line;
-  std::vector<double> x, y;       // a value that is not finite breaks the line
-  std::vector<double> low, high;  // optional, of y: bars, or a band under a line
+  std::vector<double> x, y;  // a value that is not finite breaks the line
+  // optional, of y: bars, or a band under a line; on a log axis a bar from 0 or less begins at the chart's lower edge
+  std::vector<double> low, high;
 };
 
 struct Chart {

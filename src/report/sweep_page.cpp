@@ -59,6 +59,17 @@ std::string unit_of(const Results& results, const std::string& axis) {
   return "";
 }
 
+// " N = 5 runs for each mean; 6 of 240 were not completed."
+std::string runs_in_words(const std::vector<TableCell>& cells) {
+  std::size_t total = 0, completed = 0, counted = 0;
+  for (const TableCell& cell : cells) total += cell.total, completed += cell.completed, counted += cell.errors[rmse].n;
+  std::string text = fmt::format(" N = {} runs for each mean", runs_of_each(cells));
+  text +=
+      completed == total ? ", all completed" : fmt::format("; {} of {} were not completed", total - completed, total);
+  if (counted < total) text += fmt::format(", and {} without an error count in no mean", total - counted);
+  return text + ".";
+}
+
 class Sweep {
  public:
   explicit Sweep(const Results& results) : results_(results), cells_(aggregate(results.rows)) {
@@ -121,7 +132,12 @@ class Sweep {
                         : fmt::format(" {} ended before {:g} s and have none: means are over the n others.", without,
                                       results_.settle_s);
   }
-  std::string axis_chart(const std::string& trajectory, std::size_t axis) const;
+  // what the caption of charts over an axis has to say
+  struct Curves {
+    std::vector<TableCell> cells;
+    bool cut_at_zero = false, below_log = false;
+  };
+  std::string axis_chart(const std::string& trajectory, std::size_t axis, Curves& curves) const;
 
   const Results& results_;
   std::vector<TableCell> cells_;
@@ -197,13 +213,14 @@ std::string Sweep::table() const {
     rows += "</tr>";
   }
   const std::string whole = card_table(columns, rows, " errors");
-  const std::string note = paragraph(fmt::format("Distance to the reference, seen from above unless z is named, in "
-                                                 "samples from {:g} s on: RMSE is the root of "
-                                                 "its mean square, MAE its mean, 95 % of the samples are below P95. "
-                                                 "Mean ± sample standard deviation over runs. "
-                                                 "The bar is the mean RMSE.",
-                                                 results_.settle_s),
-                                     "note");
+  const std::string note =
+      paragraph(fmt::format("Distance to the reference, seen from above unless z is named, in "
+                            "samples from {:g} s on: RMSE is the root of "
+                            "its mean square, MAE its mean, 95 % of the samples are below P95. "
+                            "Mean ± sample standard deviation over runs. "
+                            "The bar is the mean RMSE.{}{}",
+                            results_.settle_s, runs_in_words(cells_), escape(flown_in_words(results_))),
+                "note");
   // what is drawn below need not be scrolled past
   return cells_.size() > 40
              ? note + fmt::format("<details><summary>All {} cells</summary>{}</details>", cells_.size(), whole)
@@ -221,8 +238,10 @@ std::string Sweep::heat_maps() const {
     if (std::isfinite(cell.errors[rmse].mean)) full = std::max(full, cell.errors[rmse].mean);
     any_failed = any_failed || cell.completed < cell.total;
   }
+  std::vector<TableCell> shown;
   const auto heat = [&](const TableCell* cell) -> std::string {
     if (!cell) return "<td></td>";
+    shown.push_back(*cell);
     const double mean = cell->errors[rmse].mean;
     const std::string failed =
         cell->completed == cell->total ? "" : fmt::format(" <span class=\"soft\">{}</span>", completed_of(*cell));
@@ -261,15 +280,16 @@ std::string Sweep::heat_maps() const {
     if (const std::string others = others_at(at, drawn); !others.empty()) note = " Shown at " + others + ".";
   }
   return paragraph(
-             "Mean RMSE in m; the stronger the colour, the larger." +
+             "Mean RMSE in m; the stronger the colour, the larger." + runs_in_words(shown) +
                  std::string(any_failed ? " Small figures say how many runs were completed, where not all were." : "") +
                  note,
              "note") +
          "<div class=\"charts\">" + maps + "</div>";
 }
 
-std::string Sweep::axis_chart(const std::string& trajectory, std::size_t axis) const {
+std::string Sweep::axis_chart(const std::string& trajectory, std::size_t axis, Curves& curves) const {
   svg::Chart chart;
+  bool reaches_zero = false;
   chart.title = trajectory;
   chart.x_label = axes_[axis].title();
   chart.y_label = "RMSE [m]";
@@ -289,8 +309,10 @@ std::string Sweep::axis_chart(const std::string& trajectory, std::size_t axis) c
       const Interval interval = error.n > 1 ? mean_interval(error, 0.95) : Interval{error.mean, error.mean};
       series.x.push_back(x);
       series.y.push_back(error.mean);
-      series.low.push_back(interval.low);
+      series.low.push_back(std::max(interval.low, 0.0));  // no error is less
       series.high.push_back(interval.high);
+      reaches_zero = reaches_zero || interval.low < 0.0;
+      curves.cells.push_back(*cell);
     }
     chart.series.push_back(std::move(series));
   }
@@ -301,6 +323,7 @@ std::string Sweep::axis_chart(const std::string& trajectory, std::size_t axis) c
       if (mean > 0.0) least = std::min(least, mean), most = std::max(most, mean);
   chart.log_y = most > 10.0 * least;
   chart.zero_y = !chart.log_y;
+  (chart.log_y ? curves.below_log : curves.cut_at_zero) |= reaches_zero;
   return svg::draw(chart);
 }
 
@@ -311,13 +334,17 @@ std::string Sweep::over_axes() const {
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     if (!is_axis(a) || !axes_[a].numeric()) continue;
     std::string charts;
-    for (const std::string& trajectory : trajectories_) charts += axis_chart(trajectory, a);
+    Curves curves;
+    for (const std::string& trajectory : trajectories_) charts += axis_chart(trajectory, a, curves);
     if (charts.empty()) continue;
     const std::string others = others_at(middle(), {a});
     html += fmt::format(
         "<figure><h3>Over {}</h3>{}<div class=\"charts\">{}</div><figcaption>Mean RMSE; bars: 95 % intervals of "
-        "the mean.{}</figcaption></figure>",
-        escape(axes_[a].name), legend(entries), charts, others.empty() ? "" : escape(" Shown at " + others + "."));
+        "the mean{}.{}{}{}</figcaption></figure>",
+        escape(axes_[a].name), legend(entries), charts,
+        curves.cut_at_zero ? ", cut off at 0 because no error is less" : "",
+        curves.below_log ? " On a log scale, which has no 0, a bar that reaches 0 ends at the lower edge." : "",
+        runs_in_words(curves.cells), others.empty() ? "" : escape(" Shown at " + others + "."));
   }
   return html;
 }

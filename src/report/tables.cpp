@@ -13,16 +13,18 @@ namespace gustlab {
 
 namespace {
 
+std::string named(const std::string& plain, const std::map<std::string, std::string>& names) {
+  const auto known = names.find(plain);
+  return known == names.end() ? plain : known->second;
+}
+
 // What the formats share: cells, their names, and which means are the best.
 class Page {
  public:
   Page(const Results& results, const TableOptions& options)
-      : cells(aggregate(results.rows)), settle_s(results.settle_s), options_(options), arcs_(results.arcs) {}
+      : cells(aggregate(results.rows)), settle_s(results.settle_s), options_(options), results_(results) {}
 
-  std::string name(const std::string& plain) const {
-    const auto known = options_.names.find(plain);
-    return known == options_.names.end() ? plain : known->second;
-  }
+  std::string name(const std::string& plain) const { return named(plain, options_.names); }
 
   // the same table block: one trajectory at one point of the axes
   static bool together(const TableCell& a, const TableCell& b) {
@@ -36,20 +38,11 @@ class Page {
   }
 
   std::string caption() const {
-    std::size_t fewest = cells.empty() ? 0 : cells.front().total, most = fewest;
-    for (const TableCell& cell : cells) {
-      fewest = std::min(fewest, cell.total);
-      most = std::max(most, cell.total);
-    }
-    const std::string runs = fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
     std::string text = fmt::format(
         "Tracking error in m, planar unless z is named: mean ± sample standard deviation{} over N = {} runs, samples "
         "from {} s on.",
-        options_.format == TableFormat::latex ? "" : " (median)", runs, config::shortest(settle_s));
-    std::string flown;
-    for (const NamedValue& arc : arcs_)
-      flown += fmt::format("{}{} {}", flown.empty() ? "" : "; ", name(arc.name), arc.value);
-    if (!flown.empty()) text += fmt::format(" Flown: {}.", flown);
+        options_.format == TableFormat::latex ? "" : " (median)", runs_of_each(cells), config::shortest(settle_s));
+    text += flown_in_words(results_, options_.names);
     if (std::any_of(cells.begin(), cells.end(), [](const TableCell& cell) { return cell.completed < cell.total; }))
       text +=
           " Completed: flown to the end, however large the error. A run that was not keeps its errors up to its end.";
@@ -65,7 +58,7 @@ class Page {
 
  private:
   const TableOptions& options_;
-  const std::vector<NamedValue>& arcs_;
+  const Results& results_;
 };
 
 std::vector<NamedValue> axes_of(const std::vector<TableCell>& cells) {
@@ -259,6 +252,22 @@ std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {
   for (std::size_t place = 0; place < cells.size(); ++place)
     for (std::size_t i = 0; i < tracking_metrics.size(); ++i) cells[place].errors[i] = summarize(values[place][i]);
   return cells;
+}
+
+std::string runs_of_each(const std::vector<TableCell>& cells) {
+  std::size_t fewest = cells.empty() ? 0 : cells.front().total, most = fewest;
+  for (const TableCell& cell : cells) {
+    fewest = std::min(fewest, cell.total);
+    most = std::max(most, cell.total);
+  }
+  return fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
+}
+
+std::string flown_in_words(const Results& results, const std::map<std::string, std::string>& names) {
+  std::string flown;
+  for (const NamedValue& arc : results.arcs)
+    flown += fmt::format("{}{} {}", flown.empty() ? "" : "; ", named(arc.name, names), arc.value);
+  return flown.empty() ? "" : fmt::format(" Flown: {}.", flown);
 }
 
 std::string to_table(const Results& results, const TableOptions& options) {

@@ -43,6 +43,10 @@ struct TableCell {
 };
 // In the order in which the cells first appear.
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows);
+// "5", or "3 to 5" where cells differ: runs of each cell.
+std::string runs_of_each(const std::vector<TableCell>& cells);
+// " Flown: lemniscate 15 s, 2.8 m, 0.62 laps." with the names of the table; empty where the sweep does not say.
+std::string flown_in_words(const Results& results, const std::map<std::string, std::string>& names = {});
 // "2/3", and how many runs have an error where some have none: "1/3, n = 2".
 std::string completed_of(const TableCell& cell);
 // Completed the larger share of its runs; or as large a share, and more of them have an error; or both alike, with the lesser mean of

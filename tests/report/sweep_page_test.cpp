@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <regex>
 
 #include "report/page_checks.hpp"
 
 namespace gustlab {
 namespace sweep_page_test {
 
+using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -141,6 +143,69 @@ TEST(SweepPage, SaysHowManyRunsHaveAnError) {
                         "s and have none: means are over the n others."));
   EXPECT_THAT(html, HasSubstr(">4/5, n = 4<"));
   EXPECT_THAT(sweep_page(grid(), {}), Not(HasSubstr("have none")));
+}
+
+// the bars of one curve, as "from y to y"
+std::vector<std::pair<double, double>> bars_of(const std::string& html) {
+  const std::regex bar("whisker\" x1=\"[0-9.]+\" x2=\"[0-9.]+\" y1=\"([0-9.]+)\" y2=\"([0-9.]+)\"");
+  std::vector<std::pair<double, double>> found;
+  for (std::sregex_iterator at(html.begin(), html.end(), bar), end; at != end; ++at)
+    found.emplace_back(std::stod((*at)[1]), std::stod((*at)[2]));
+  return found;
+}
+
+// one controller on one trajectory over the strength, and runs so far apart at the strongest gust that their interval reaches below 0
+Results scattered(double mean_at_2) {
+  Results results = grid();
+  std::erase_if(results.rows, [](const ResultRow& row) {
+    return row.trajectory != "circle" || row.controller != "pid" || row.axes[1].value != "0";
+  });
+  for (ResultRow& row : results.rows)
+    if (row.axes[0].value == "2") row.rmse_xy_m = mean_at_2 * (row.replicate == 1 ? 4.6 : 0.1);
+  return results;
+}
+
+constexpr double lower_edge_px = 230.0 - 38.0;  // of a chart
+
+// GIVEN an interval that reaches below 0 WHEN the scale is logarithmic THEN its bar goes down to the edge (it was left out)
+TEST(SweepPage, ABarThatReachesZeroIsDrawnOnALogScale) {
+  const std::string html = sweep_page(scattered(5.0), {});
+  expect_sound(html);
+  ASSERT_EQ(bars_of(html).size(), 4u);
+  EXPECT_EQ(bars_of(html).back().first, lower_edge_px);
+  EXPECT_LT(bars_of(html).front().first, lower_edge_px);
+  EXPECT_THAT(html, HasSubstr("a bar that reaches 0 ends at the lower edge"));
+  EXPECT_THAT(html, Not(HasSubstr("cut off at 0")));
+}
+
+// the axis of an error went down to -2.3 m
+TEST(SweepPage, AnIntervalEndsAtZero) {
+  const std::string html = sweep_page(scattered(0.3), {});
+  ASSERT_EQ(bars_of(html).size(), 4u);
+  EXPECT_EQ(bars_of(html).back().first, lower_edge_px);
+  EXPECT_THAT(html, Not(HasSubstr(">−")));
+  EXPECT_THAT(html, HasSubstr("95 % intervals of the mean, cut off at 0 because no error is less."));
+  EXPECT_THAT(html, Not(HasSubstr("lower edge")));
+  EXPECT_THAT(sweep_page(grid(), {}), Not(AnyOf(HasSubstr("lower edge"), HasSubstr("cut off"))));
+}
+
+// GIVEN cells of different numbers of runs WHEN the page is written THEN each caption says its own runs, and who failed
+TEST(SweepPage, CaptionsSayHowManyRuns) {
+  Results results = grid();
+  results.arcs = {{"circle", "15 s, 6.3 m, 1.5 laps"}};
+  std::erase_if(results.rows, [](const ResultRow& row) {
+    return row.axes[0].value == "0" && row.axes[1].value == "0" && row.replicate > 3;
+  });
+  const std::string html = sweep_page(results, {});
+  EXPECT_THAT(html, HasSubstr("The bar is the mean RMSE. N = 3 to 5 runs for each mean; 6 of 232 were not completed. "
+                              "Flown: circle 15 s, 6.3 m, 1.5 laps."));
+  EXPECT_THAT(html, HasSubstr("the larger. N = 3 to 5 runs for each mean; 6 of 232 were not completed. Small figures"));
+  EXPECT_THAT(html, HasSubstr("N = 3 to 5 runs for each mean; 2 of 72 were not completed. Shown at mass = 0."));
+  EXPECT_THAT(html, HasSubstr("N = 5 runs for each mean, all completed. Shown at strength = 1 m/s²."));
+  for (ResultRow& row : results.rows)
+    if (row.outcome == Outcome::crashed) row.rmse_xy_m = NAN;
+  EXPECT_THAT(sweep_page(results, {}),
+              HasSubstr("2 of 72 were not completed, and 2 without an error count in no mean. Shown at mass = 0."));
 }
 
 }  // namespace sweep_page_test
