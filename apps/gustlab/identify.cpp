@@ -36,14 +36,9 @@ struct IdentifyArguments {
   std::string out;
 };
 
-// an option that nothing reads is a misunderstanding
 void check_options_are_read(const CLI::App& command, const IdentifyArguments& options) {
   const auto only = [&](std::initializer_list<const char*> names, bool read, const std::string& chosen,
-                        const char* readers) {
-    for (const char* name : names)
-      if (!read && command.count(name) > 0)
-        throw ConfigError(fmt::format("{}: {} has no use for it (it is for {}); leave it out", name, chosen, readers));
-  };
+                        const char* readers) { check_is_read(command, names, read, chosen, readers); };
   const std::string& optimizer = options.identify.optimizer;
   only({"--nu", "--penalty", "--constraint", "--tolerance"}, optimizer == "sr3", "optimizer " + optimizer, "sr3");
   only({"--ridge"}, optimizer == "stlsq", "optimizer " + optimizer, "stlsq");

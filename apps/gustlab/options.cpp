@@ -9,6 +9,8 @@
 #include <functional>
 #include <limits>
 
+#include "gustlab/errors.hpp"
+
 namespace gustlab {
 
 void ExperimentOptions::add_to(CLI::App& command) {
@@ -85,6 +87,13 @@ CLI::Validator positive() {
 
 CLI::Validator number_up_to(double most) {
   return finite(fmt::format("from 0 to {}", most), [most](double value) { return value >= 0.0 && value <= most; });
+}
+
+void check_is_read(const CLI::App& command, std::initializer_list<const char*> names, bool read,
+                   const std::string& chosen, const char* readers) {
+  for (const char* name : names)
+    if (!read && command.count(name) > 0)
+      throw ConfigError(fmt::format("{}: {} has no use for it (it is for {}); leave it out", name, chosen, readers));
 }
 
 void add_jobs(CLI::App& command, int& jobs) {

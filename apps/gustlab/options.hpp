@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,10 @@ std::string shell_word(const std::string& word);
 CLI::Validator not_negative();
 CLI::Validator positive();
 CLI::Validator number_up_to(double most);
+// Throws ConfigError for one of these options that is given though what was chosen ("optimizer sr3") does not read it: that is a
+// misunderstanding. `readers`: what does read it.
+void check_is_read(const CLI::App& command, std::initializer_list<const char*> names, bool read,
+                   const std::string& chosen, const char* readers);
 // --jobs.
 void add_jobs(CLI::App& command, int& jobs);
 

@@ -11,6 +11,7 @@
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/flight_log.hpp"
+#include "options.hpp"
 #include "report/sweep_page.hpp"
 #include "report/tables.hpp"
 #include "sweep/sweep.hpp"
@@ -90,7 +91,64 @@ void warn_of_unused(const std::map<std::string, std::string>& names, const std::
                           config::suggest(ours, known)));
 }
 
-void table_command(TableArguments options) {
+// two rows of one name are two vehicles, trajectories, controllers or axes that nobody tells apart
+void check_names_differ(const std::map<std::string, std::string>& names, const std::vector<ResultRow>& rows) {
+  std::map<std::string, std::set<std::string>> kinds;
+  for (const ResultRow& row : rows) {
+    kinds["vehicles"].insert(row.vehicle);
+    kinds["trajectories"].insert(row.trajectory);
+    kinds["controllers"].insert(row.controller);
+    for (const NamedValue& axis : row.axes) kinds["axes"].insert(axis.name);
+  }
+  for (const auto& [kind, ours] : kinds) {
+    std::map<std::string, std::string> called;  // in the table → here
+    for (const std::string& name : ours) {
+      const auto known = names.find(name);
+      const std::string theirs = known == names.end() ? name : known->second;
+      const auto [first, is_new] = called.try_emplace(theirs, name);
+      if (!is_new)
+        throw ConfigError(fmt::format("--names: two {} would be called {} ({} and {}); choose another name", kind,
+                                      theirs, first->second, name));
+    }
+  }
+}
+
+void check_format_reads(const CLI::App& command, const std::string& format) {
+  const std::string chosen = "format " + format;
+  const bool text = format == "md" || format == "latex";
+  check_is_read(command, {"--label"}, format == "latex", chosen, "latex");
+  check_is_read(command, {"--bold-best", "--names"}, text, chosen, "md and latex");
+  check_is_read(command, {"--columns"}, text || format == "csv", chosen, "md, csv and latex");
+}
+
+std::vector<std::size_t> columns_of(const std::vector<std::string>& words) {
+  std::vector<std::size_t> columns;
+  for (const std::string& word : words) {
+    const auto metric = find_tracking_metric(word);
+    if (!metric)
+      throw ConfigError(fmt::format("--columns {}: no such figure (a table has rmse, mae, p95, max and rmse_z)", word));
+    if (std::find(columns.begin(), columns.end(), *metric) != columns.end())
+      throw ConfigError(fmt::format("--columns {}: is given twice; leave one out", word));
+    columns.push_back(*metric);
+  }
+  return columns;
+}
+
+std::map<std::string, std::string> names_of(const std::vector<std::string>& words) {
+  std::map<std::string, std::string> names;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == word.size())
+      throw ConfigError(fmt::format(
+          "--names {}: not a name (ours=theirs); for example --names daiml=ADAIML,lemniscate=infinity", word));
+    if (!names.emplace(word.substr(0, equals), word.substr(equals + 1)).second)
+      throw ConfigError(fmt::format("--names {}: {} is given twice; leave one out", word, word.substr(0, equals)));
+  }
+  return names;
+}
+
+void table_command(TableArguments options, const CLI::App& command) {
+  check_format_reads(command, options.format);
   if (options.format == "html") {
     const Results results = read_results(options.folder);
     if (results.rows.empty())
@@ -100,22 +158,10 @@ void table_command(TableArguments options) {
     return;
   }
   options.table.format = find_table_format(options.format).value();
-  if (!options.columns.empty()) options.table.columns.clear();
-  for (const std::string& column : options.columns) {
-    const auto metric = find_tracking_metric(column);
-    if (!metric)
-      throw ConfigError(
-          fmt::format("--columns {}: no such figure (a table has rmse, mae, p95, max and rmse_z)", column));
-    options.table.columns.push_back(*metric);
-  }
-  for (const std::string& name : options.names) {
-    const std::size_t equals = name.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == name.size())
-      throw ConfigError(fmt::format(
-          "--names {}: not a name (ours=theirs); for example --names daiml=ADAIML,lemniscate=infinity", name));
-    options.table.names[name.substr(0, equals)] = name.substr(equals + 1);
-  }
+  if (!options.columns.empty()) options.table.columns = columns_of(options.columns);
+  options.table.names = names_of(options.names);
   const Results results = read_results(options.folder);
+  check_names_differ(options.table.names, results.rows);
   warn_of_unused(options.table.names, results.rows);
   const std::string text = to_table(results, options.table);
   std::fwrite(text.data(), 1, text.size(), stdout);
@@ -133,16 +179,17 @@ void add_table(CLI::App& app) {
                    "latex: the layout of the paper's tables; html: one page of table, heat maps, paths and failures")
       ->check(CLI::IsMember({"md", "csv", "latex", "json", "html"}))
       ->capture_default_str();
-  command->add_option("--columns", options->columns, "figures to show: rmse, mae, p95, max, rmse_z")
+  command->add_option("--columns", options->columns, "figures to show: rmse, mae, p95, max, rmse_z (md, csv, latex)")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_flag("--bold-best", options->table.bold_best,
-                    "the least mean of each trajectory in bold, of those that completed most");
-  command->add_option("--names", options->names, "what the table calls ours: daiml=ADAIML,lemniscate=infinity")
+                    "the least mean of each trajectory in bold, of those that completed most (md, latex)");
+  command
+      ->add_option("--names", options->names, "what the table calls ours: daiml=ADAIML,lemniscate=infinity (md, latex)")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--label", options->table.label, "LaTeX label behind tab:, instead of the experiment's name");
-  command->callback([options] { table_command(*options); });
+  command->add_option("--label", options->table.label, "label behind tab:, instead of the experiment's name (latex)");
+  command->callback([options, command] { table_command(*options, *command); });
 }
 
 }  // namespace gustlab

@@ -244,8 +244,17 @@ class Axes(Commands):
             self.assertIn(axis, page)
         self.assertEqual(self.call("table", "a", "--names", "pid=PID,strength=gust")[1], "")
         self.assertIn('this table has no pdi; did you mean "pid"?', self.call("table", "a", "--names", "pdi=PID")[1])
+        self.refuse_to_call_two_alike()
         self.call("gate", "a", "--baseline", "base.csv", "--update")
         self.assertIn("passed", self.call("gate", "a", "--baseline", "base.csv")[0])
+
+    def refuse_to_call_two_alike(self):
+        for names, says in (("strength=period", "--names: two axes would be called period (period and strength); choose another name"),
+                            ("period=x,strength=x", "two axes would be called x"), ("circle=hover", "two trajectories would be called hover (circle and hover)")):
+            out, err = self.call("table", "a", "--names", names, code=2)
+            self.assertEqual(out, "")
+            self.assertIn(says, err)
+        self.assertIn("| period | strength |", self.call("table", "a", "--names", "strength=period,period=strength")[0])
 
     @unittest.skipUnless(shutil.which("pdflatex"), "no pdflatex here: apt-get install texlive-latex-recommended texlive-latex-extra")
     def test_latex_of_a_grid_compiles(self):
