@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <set>
 
 #include "commands.hpp"
 #include "gustlab/errors.hpp"
@@ -50,12 +49,9 @@ void check_options_are_read(const CLI::App& command, const IdentifyArguments& op
 
 // a flight that is fitted twice counts twice, and one that is fitted proves nothing when it is held out
 void check_flights_differ(const IdentifyArguments& options) {
-  std::set<std::string> seen;
-  for (const auto* paths : {&options.logs, &options.holdout})
-    for (const std::string& path : *paths)
-      if (!seen.insert(std::filesystem::weakly_canonical(path).string()).second)
-        throw ConfigError(
-            fmt::format("{}: is given twice (a flight is fitted once, or held out); leave one out", path));
+  std::vector<std::string> all = options.logs;
+  all.insert(all.end(), options.holdout.begin(), options.holdout.end());
+  check_paths_differ(all, "a flight is fitted once, or held out");
 }
 
 // the one that --vehicle names may be another description of the vehicle that flew, but hardly another vehicle

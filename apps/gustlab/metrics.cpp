@@ -18,6 +18,7 @@ struct MetricsArguments {
 };
 
 void metrics(const MetricsArguments& options) {
+  check_paths_differ(options.logs, "its errors would stand there twice");
   std::vector<TrackingFigures> figures;
   for (const std::string& path : options.logs) figures.push_back(tracking_of(path, options.settle_s));
   if (options.format == "json") {

@@ -38,6 +38,8 @@ CLI::Validator number_up_to(double most);
 // misunderstanding. `readers`: what does read it.
 void check_is_read(const CLI::App& command, std::initializer_list<const char*> names, bool read,
                    const std::string& chosen, const char* readers);
+// Throws ConfigError for a path that is given twice, whatever it is called. `use`: "a flight is fitted once, or held out".
+void check_paths_differ(const std::vector<std::string>& paths, const std::string& use);
 // --jobs.
 void add_jobs(CLI::App& command, int& jobs);
 

@@ -199,6 +199,7 @@ class Replayer {
 void run(const ReplayArguments& options) {
   interrupted();
   check_horizons(options.horizon_s);
+  check_paths_differ(options.flights, "a flight that is replayed twice counts twice");
   Replayer replayer(options);
   Progress progress;
   for (std::size_t i = 0; i < options.flights.size(); ++i) {

@@ -320,7 +320,7 @@ class Signals(Commands):
         "conceal": ["conceal", "t.toml", "--set", "duration_s=5000", "--out", "x", "--answers", "y", "--jobs", "1"],
         "diagnose": ["diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg", "--jobs", "1"],
         "bench": ["bench", "--rounds", "1000"],
-        "replay": ["replay", *["trials/nothing/fit_1.csv"] * 1000],
+        "replay": ["replay", *(f"again_{i}.csv" for i in range(40)), "--stride", "1", "--jobs", "1"],  # half a minute
         "identify": ["identify", "trials/nothing/fit_1.csv", "--optimizer", "sr3", "--max-iterations", "1000000000", "--tolerance", "1e-300", "--lambda", "1"],
         "vehicle fit": ["vehicle", "fit", "trials/nothing/fit_1.csv", "--out", "v", "--jobs", "1"],
         "vehicle new": ["vehicle", "new", "--mass", "1kg", "--from-log", "pipe", "--out", "v"],  # its script waits for the pipe
@@ -328,6 +328,9 @@ class Signals(Commands):
 
     def test_each_signal_ends_each_command_with_130_and_no_output(self):
         os.mkfifo(self.folder / "pipe")
+        for i in range(40):
+            for ending in ("csv", "meta.toml"):
+                os.link(self.folder / f"trials/nothing/fit_1.{ending}", self.folder / f"again_{i}.{ending}")
         before = self.files()
         for name, arguments in self.LONG.items():
             for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1, signal.SIGHUP):

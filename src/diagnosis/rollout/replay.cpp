@@ -158,6 +158,13 @@ FitErrors replay(const Recording& recording, const std::vector<EffectSpec>& effe
   Rollout scout(recording, effects);
   const std::vector<RotorArray> rotor_speeds = scout.rotor_speeds();
   const std::vector<Window> windows = find_windows(recording.motion, options, scout.pose_delay_s());
+  // a window ends at the sample that is nearest to its horizon, which is not the one where it starts
+  const double sample_s = recording.motion.sample_s();
+  if (windows.empty() && options.horizon_s.front() < 0.5 * sample_s)
+    throw DataError(
+        fmt::format("{}: a horizon of {} s is shorter than a sample of {:.3g} s (nothing lies between); "
+                    "ask for {:.3g} s or more",
+                    recording.log.path, options.horizon_s.front(), sample_s, sample_s));
   if (windows.empty())
     throw DataError(
         fmt::format("{}: no unbroken stretch of {} s to replay", recording.log.path, options.horizon_s.back()));
