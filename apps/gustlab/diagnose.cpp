@@ -179,9 +179,13 @@ void check_flight(const std::string& path, std::set<std::filesystem::path>& seen
   sidecar_path(path);  // refuses what is no flight log
   if (const std::string why = why_unreadable(path); !why.empty())
     throw DataError(fmt::format("{}: cannot read ({})", path, why));
-  if (!seen.insert(std::filesystem::canonical(path)).second)
-    throw ConfigError(
-        fmt::format("{}: is given twice (a flight is fitted, held out or a reference); leave one out", path));
+  check_is_new(path, seen, "a flight is fitted, held out or a reference");
+}
+
+void check_flights(const diagnosis::DiagnoseOptions& wanted) {
+  std::set<std::filesystem::path> seen;
+  for (const auto* paths : {&wanted.fit, &wanted.holdout, &wanted.reference})
+    for (const std::string& path : *paths) check_flight(path, seen);
 }
 
 std::string diagnosed_key(const std::string& out) {
@@ -193,13 +197,6 @@ std::string diagnosed_key(const std::string& out) {
 std::string model_file(const diagnosis::Diagnosis& result) {
   const bool empty = result.augmented_toml.find("[[effect]]") == std::string::npos;
   return result.augmented_toml + (empty ? "\neffect = []  # nothing was found\n" : "");
-}
-
-// an unusable flight is set aside, but one that is not there is a slip of the hand
-void check_flights(const diagnosis::DiagnoseOptions& wanted) {
-  std::set<std::filesystem::path> seen;
-  for (const auto* paths : {&wanted.fit, &wanted.holdout, &wanted.reference})
-    for (const std::string& path : *paths) check_flight(path, seen);
 }
 
 void warn_of_set_aside(const diagnosis::Diagnosis& result) {

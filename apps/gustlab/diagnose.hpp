@@ -13,12 +13,12 @@ namespace gustlab {
 // Diagnoses, and replaces OUT by the result. `key`, if not empty, is kept beside it: what the result was made of.
 diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::DiagnoseOptions& wanted,
                                    const std::string& key = {});
-// Takes a flight log to those that were `seen`. Throws DataError where it is not there, ConfigError where it is among them.
-void check_flight(const std::string& path, std::set<std::filesystem::path>& seen);
 // The key of a finished diagnosis in OUT; empty when there is none.
 std::string diagnosed_key(const std::string& out);
 
-// Throws DataError for a flight that is not there, ConfigError for one that is given twice.
+// Takes a flight log to those that were `seen`. Throws DataError where it is not there, ConfigError where it is among them.
+void check_flight(const std::string& path, std::set<std::filesystem::path>& seen);
+// The same of all flights.
 void check_flights(const diagnosis::DiagnoseOptions& wanted);
 // Warns of every flight that was set aside.
 void warn_of_set_aside(const diagnosis::Diagnosis& result);

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <set>
 
 #include "gustlab/errors.hpp"
 
@@ -97,14 +96,16 @@ void check_is_read(const CLI::App& command, std::initializer_list<const char*> n
       throw ConfigError(fmt::format("{}: {} has no use for it (it is for {}); leave it out", name, chosen, readers));
 }
 
+void check_is_new(const std::string& path, std::set<std::filesystem::path>& seen, const std::string& use) {
+  std::error_code wrong;  // whoever reads it says what
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(path, wrong);
+  if (!seen.insert(wrong ? std::filesystem::path(path) : whole).second)
+    throw ConfigError(fmt::format("{}: is given twice ({}); leave one out", path, use));
+}
+
 void check_paths_differ(const std::vector<std::string>& paths, const std::string& use) {
   std::set<std::filesystem::path> seen;
-  for (const std::string& path : paths) {
-    std::error_code wrong;  // whoever reads it says what
-    const std::filesystem::path whole = std::filesystem::weakly_canonical(path, wrong);
-    if (!seen.insert(wrong ? std::filesystem::path(path) : whole).second)
-      throw ConfigError(fmt::format("{}: is given twice ({}); leave one out", path, use));
-  }
+  for (const std::string& path : paths) check_is_new(path, seen, use);
 }
 
 void add_jobs(CLI::App& command, int& jobs) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <initializer_list>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -38,7 +40,10 @@ CLI::Validator number_up_to(double most);
 // misunderstanding. `readers`: what does read it.
 void check_is_read(const CLI::App& command, std::initializer_list<const char*> names, bool read,
                    const std::string& chosen, const char* readers);
-// Throws ConfigError for a path that is given twice, whatever it is called. `use`: "a flight is fitted once, or held out".
+// Takes a path to those that were `seen`. Throws ConfigError where it is among them, whatever it is called there. `use`: "a flight is fitted
+// once, or held out".
+void check_is_new(const std::string& path, std::set<std::filesystem::path>& seen, const std::string& use);
+// The same of all paths.
 void check_paths_differ(const std::vector<std::string>& paths, const std::string& use);
 // --jobs.
 void add_jobs(CLI::App& command, int& jobs);

@@ -77,13 +77,23 @@ SweepFigures paths_in(const std::filesystem::path& folder, const std::vector<Res
   return figures;
 }
 
-// one list of names may serve many tables, so a name that this one does not have is no error
-void warn_of_unused(const std::map<std::string, std::string>& names, const std::vector<ResultRow>& rows) {
-  std::set<std::string> here;
+// what a table calls by name
+using NamesByKind = std::map<std::string, std::set<std::string>>;
+NamesByKind names_here(const std::vector<ResultRow>& rows) {
+  NamesByKind kinds;
   for (const ResultRow& row : rows) {
-    here.insert({row.vehicle, row.trajectory, row.controller});
-    for (const NamedValue& axis : row.axes) here.insert(axis.name);
+    kinds["vehicles"].insert(row.vehicle);
+    kinds["trajectories"].insert(row.trajectory);
+    kinds["controllers"].insert(row.controller);
+    for (const NamedValue& axis : row.axes) kinds["axes"].insert(axis.name);
   }
+  return kinds;
+}
+
+// one list of names may serve many tables, so a name that this one does not have is no error
+void warn_of_unused(const std::map<std::string, std::string>& names, const NamesByKind& kinds) {
+  std::set<std::string> here;
+  for (const auto& [kind, ours] : kinds) here.insert(ours.begin(), ours.end());
   const std::vector<std::string> known(here.begin(), here.end());
   for (const auto& [ours, theirs] : names)
     if (here.count(ours) == 0)
@@ -92,14 +102,7 @@ void warn_of_unused(const std::map<std::string, std::string>& names, const std::
 }
 
 // two rows of one name are two vehicles, trajectories, controllers or axes that nobody tells apart
-void check_names_differ(const std::map<std::string, std::string>& names, const std::vector<ResultRow>& rows) {
-  std::map<std::string, std::set<std::string>> kinds;
-  for (const ResultRow& row : rows) {
-    kinds["vehicles"].insert(row.vehicle);
-    kinds["trajectories"].insert(row.trajectory);
-    kinds["controllers"].insert(row.controller);
-    for (const NamedValue& axis : row.axes) kinds["axes"].insert(axis.name);
-  }
+void check_names_differ(const std::map<std::string, std::string>& names, const NamesByKind& kinds) {
   for (const auto& [kind, ours] : kinds) {
     std::map<std::string, std::string> called;  // in the table → here
     for (const std::string& name : ours) {
@@ -161,8 +164,9 @@ void table_command(TableArguments options, const CLI::App& command) {
   if (!options.columns.empty()) options.table.columns = columns_of(options.columns);
   options.table.names = names_of(options.names);
   const Results results = read_results(options.folder);
-  check_names_differ(options.table.names, results.rows);
-  warn_of_unused(options.table.names, results.rows);
+  const NamesByKind here = names_here(results.rows);
+  check_names_differ(options.table.names, here);
+  warn_of_unused(options.table.names, here);
   const std::string text = to_table(results, options.table);
   std::fwrite(text.data(), 1, text.size(), stdout);
 }

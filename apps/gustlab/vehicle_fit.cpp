@@ -39,9 +39,11 @@ struct FitArguments {
   int jobs = default_jobs();
 };
 
-// The files of a vehicle by path from its folder: `text` as its vehicle.toml, the MJCF, and all that this names.
-std::map<std::string, std::string> files_of(const VehicleModel& vehicle, const std::string& text) {
-  std::map<std::string, std::string> files = {{"vehicle.toml", text}};
+// The files of a vehicle by path from its folder: vehicle.toml, the MJCF, and all that this names.
+using Files = std::map<std::string, std::string>;
+constexpr const char* vehicle_file = "vehicle.toml";
+Files files_of(const VehicleModel& vehicle) {
+  Files files = {{vehicle_file, read_file<ConfigError>(vehicle.source_path)}};
   const fs::path home = fs::path(vehicle.source_path).parent_path();
   const fs::path below = fs::relative(fs::path(vehicle.mjcf_path).parent_path(), home.empty() ? "." : home);
   for (auto& [name, bytes] : read_mjcf_files(vehicle.mjcf_path).bytes)
@@ -50,8 +52,8 @@ std::map<std::string, std::string> files_of(const VehicleModel& vehicle, const s
 }
 
 // Where the fitted vehicle goes: nothing there is overwritten.
-void check_new(const fs::path& folder, const VehicleModel& vehicle) {
-  for (const auto& [name, bytes] : files_of(vehicle, {}))
+void check_new(const fs::path& folder, const Files& files) {
+  for (const auto& [name, bytes] : files)
     if (fs::exists(folder / name))
       throw ConfigError(fmt::format("{}: is there already (a vehicle is never overwritten); name another --out",
                                     (folder / name).string()));
@@ -59,9 +61,8 @@ void check_new(const fs::path& folder, const VehicleModel& vehicle) {
 }
 
 // Writes the vehicle, and then says what was fitted; nothing of both where it cannot be read again. `data`: what it was fitted to.
-void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const std::string& text,
-                   const std::string& data, const std::string& said) {
-  const auto write_into = [files = files_of(vehicle, text)](const fs::path& to) {
+void write_vehicle(const fs::path& folder, const Files& files, const std::string& data, const std::string& said) {
+  const auto write_into = [&](const fs::path& to) {
     for (const auto& [name, bytes] : files) {
       make_folder((to / name).parent_path().string());
       write_file((to / name).string(), bytes);
@@ -70,13 +71,13 @@ void write_vehicle(const fs::path& folder, const VehicleModel& vehicle, const st
   const ScratchFolder trial(fs::temp_directory_path());
   write_into(trial.path());
   try {
-    read_vehicle((trial.path() / "vehicle.toml").string());
+    read_vehicle((trial.path() / vehicle_file).string());
   } catch (const ConfigError& error) {
     throw DataError(fmt::format("{}: the vehicle that it gives is refused: {}", data,
                                 boost::replace_all_copy(std::string(error.what()), trial.path().string() + "/", "")));
   }
   write_together([&] { write_into(folder); });
-  fmt::print("{}{}\n", said, (folder / "vehicle.toml").string());
+  fmt::print("{}{}\n", said, (folder / vehicle_file).string());
 }
 
 // physics of the vehicle itself: not of one flight, of the room, of a sensor, and no damage
@@ -183,7 +184,8 @@ void fit_flights(const FitArguments& options) {
   const FlightLog first = read_flight_log(options.logs.front());
   const VehicleModel vehicle =
       options.vehicle.empty() ? read_vehicle(first.meta.vehicle, first.path) : read_vehicle(options.vehicle);
-  check_new(options.out, vehicle);
+  Files files = files_of(vehicle);
+  check_new(options.out, files);
   // without --vehicle all logs have to say the same one
   if (!options.vehicle.empty()) wanted.vehicle = vehicle.source_path;
   Progress progress;
@@ -191,14 +193,13 @@ void fit_flights(const FitArguments& options) {
   const diagnosis::Diagnosis found = diagnosis::diagnose(wanted);
   progress.end();
   warn_of_set_aside(found);
-  std::string text = read_file<ConfigError>(vehicle.source_path);
   bool with_rest = !found.residual_model.is_null();
-  std::string said = take_all(found, vehicle, text, with_rest);
+  std::string said = take_all(found, vehicle, files[vehicle_file], with_rest);
   for (const diagnosis::NotIdentifiable& unknown : found.not_identifiable)
     if (const EffectRow* row = find_effect(unknown.effect); row != nullptr && is_constant(*row))
       said += fmt::format("{:<20} stays unknown: {}\n", unknown.effect, unknown.why);
   said += error_lines(found.fit, with_rest);
-  write_vehicle(options.out, vehicle, text, options.logs.front(), said);
+  write_vehicle(options.out, files, options.logs.front(), said);
 }
 
 // the input's map into the file: as it is where rotor speeds have a scale, otherwise as the input that hovers and how thrust rises
@@ -239,9 +240,10 @@ void take_max_speed(const ThrustStand& stand, const std::string& source, std::st
 
 void fit_stand(const FitArguments& options) {
   const VehicleModel vehicle = read_vehicle(options.vehicle);
-  check_new(options.out, vehicle);
+  Files files = files_of(vehicle);
+  check_new(options.out, files);
   const ThrustStand stand = read_thrust_stand(options.thrust_stand);
-  std::string text = read_file<ConfigError>(vehicle.source_path), said;
+  std::string &text = files[vehicle_file], said;
   const std::string source =
       fmt::format("thrust stand, {} rows of {}", stand.rows, fs::path(options.thrust_stand).filename().string());
   const auto set = [&](const char* key, const std::optional<Estimate>& estimate, const char* unit) {
@@ -273,7 +275,7 @@ void fit_stand(const FitArguments& options) {
                         with_spread(stand.voltage_exponent->value, stand.voltage_exponent->deviation));
   }
   for (const std::string& unknown : stand.unknown) said += fmt::format("stays unknown: {}\n", unknown);
-  write_vehicle(options.out, vehicle, text, options.thrust_stand, said);
+  write_vehicle(options.out, files, options.thrust_stand, said);
 }
 
 void fit(const FitArguments& options) {
