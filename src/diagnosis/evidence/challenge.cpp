@@ -32,22 +32,22 @@ void ask_sensors(const Session& session, const Selection& selection,
 }
 
 std::vector<std::size_t> failing(const Selection& selection, const std::vector<Evidence>& records,
-                                 const std::vector<int>& means, double stands_from) {
+                                 const std::vector<int>& means, double stays_from) {
   std::vector<std::size_t> at_once, doubtful;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (selection.findings[i].calibration) continue;
     if (std::ranges::count(means, records[i].group) > 0) at_once.push_back(i);
-    else if (records[i].probability < stands_from) doubtful.push_back(i);
+    else if (records[i].probability < stays_from) doubtful.push_back(i);
   }
   if (at_once.empty() && !doubtful.empty()) at_once.push_back(weakest(records, std::move(doubtful)));
   return at_once;
 }
 
-// groups that are named or suspected, sorted
+// groups that stay, sorted
 std::vector<int> likely(const std::vector<Evidence>& records) {
   std::vector<int> groups;
   for (const Evidence& record : records)
-    if (record.probability >= decisions::suspected_from) groups.push_back(record.group);
+    if (record.probability >= decisions::stays_from) groups.push_back(record.group);
   std::ranges::sort(groups);
   return groups;
 }
@@ -137,7 +137,7 @@ std::optional<int> nearest_rival(const Catalogue& catalogue, const Selection& se
 }
 
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
-                    const std::function<std::optional<double>()>& most_pose_latency_s, int jobs, double stands_from) {
+                    const std::function<std::optional<double>()>& most_pose_latency_s, int jobs, double stays_from) {
   Challenge result;
   const std::vector<Recording> to_fly = recordings_to_fly(held.logs, session.vehicle());
   Looks looks;
@@ -157,7 +157,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
     result.history.push_back(judged_set(selection, result.records));
     const std::vector<int> means =
         result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{};
-    const std::vector<std::size_t> failed = failing(selection, result.records, means, stands_from);
+    const std::vector<std::size_t> failed = failing(selection, result.records, means, stays_from);
     if (failed.empty()) {
       if (result.withdrawn.empty()) break;
       std::optional<Selection> next = looks.next(session, selection, result, left_out);

@@ -45,10 +45,10 @@ bool explains_more(const Session& session, const Selection& one, const Selection
 // What was withdrawn is looked at again at the end, beside noise that was learned beside all effects; where it costs a name or a suspicion and the new set
 // explains no more, all is exactly as it was before.
 // `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
-// `stands_from`: the probability from which a finding stands.
+// `stays_from`: the probability from which a finding stays.
 // The session must be linearised at the selection, and is so again at the end.
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs,
-                    double stands_from = decisions::suspected_from);
+                    double stays_from = decisions::stays_from);
 
 }  // namespace gustlab::diagnosis

@@ -229,6 +229,24 @@ int alike(const Session& session, const Selection& selection, const Finding& fin
   return static_cast<int>(others) + (by_means && !thrust_tells_rotor(session, selection, group) ? 1 : 0);
 }
 
+// what the search says of a finding by itself
+Evidence begun_record(const Catalogue& catalogue, const Selection& selection, const Finding& finding) {
+  const Group& group = catalogue.group(finding.group);
+  Evidence record;
+  record.effect = group.row->name;
+  record.group = finding.group;
+  record.rotor = group.rotor;
+  record.per_flight = group.row->per_flight;
+  record.constant =
+      group.row->per_flight || (group.row->in_hover == InHover::weight && group.row->place == Place::body);
+  record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
+  record.delta_chi2 = finding.delta_chi2;
+  record.delta_chi2_with_partner = finding.delta_chi2_with_partner;
+  record.delta_chi2_alone = finding.delta_chi2_alone;
+  record.dwarfed_by = dwarfed_by(catalogue, selection, finding);
+  return record;
+}
+
 }  // namespace
 
 bool headings_are_kept(const Session& session) {
@@ -294,6 +312,19 @@ std::vector<Undoing> undoings(const Eigen::MatrixXd& gram, const std::vector<Eig
   return found;
 }
 
+double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const Finding& finding) {
+  const auto air = [&](const Finding& f) { return catalogue.group(f.group).row->air; };
+  const auto one_feels_the_other = [&](const Finding& other) {
+    return (air(finding) == Airflow::wind && air(other) == Airflow::drag) ||
+           (air(finding) == Airflow::drag && air(other) == Airflow::wind);
+  };
+  double largest = 0.0;
+  for (const Finding& other : selection.findings)
+    if (other.group != finding.group && !other.calibration && !one_feels_the_other(other))
+      largest = std::max(largest, other.delta_chi2);
+  return largest / std::max(1.0, finding.delta_chi2);
+}
+
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
                                       const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest) {
   const Catalogue& catalogue = session.catalogue();
@@ -309,17 +340,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     const auto i = static_cast<std::size_t>(at);
     const Finding& finding = selection.findings[i];
     const Group& group = catalogue.group(finding.group);
-    Evidence& record = records[i];
-    record.effect = group.row->name;
-    record.group = finding.group;
-    record.rotor = group.rotor;
-    record.per_flight = group.row->per_flight;
-    record.constant =
-        group.row->per_flight || (group.row->in_hover == InHover::weight && group.row->place == Place::body);
-    record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
-    record.delta_chi2 = finding.delta_chi2;
-    record.delta_chi2_with_partner = finding.delta_chi2_with_partner;
-    record.delta_chi2_alone = finding.delta_chi2_alone;
+    Evidence& record = records[i] = begun_record(catalogue, selection, finding);
     record.held_out_delta_chi2 = tested.delta_chi2[i];
     record.held_out_expected = tested.expected[i];
     measure_signature(session, selection, rows, finding, record);

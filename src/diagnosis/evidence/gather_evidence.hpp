@@ -30,6 +30,10 @@ struct Undoing {
 // `gram`: of the columns; one vector of coefficients an effect.
 std::vector<Undoing> undoings(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects);
 
+// Δχ² of the largest other name, over the finding's own; 0: there is none. A trim is no name, and a wind and the drag that feels it do not
+// count for each other.
+double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const Finding& finding);
+
 // Root mean square, over all samples of the fit flights, of the linear acceleration by a finding's own values, m/s². The session is
 // linearised there.
 double own_acceleration_mps2(const Session& session, const Selection& selection, const Finding& finding);

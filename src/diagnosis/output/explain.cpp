@@ -155,8 +155,8 @@ void fill_aliases(const Session& session, const Selection& selection, int group,
       effect.classmates.emplace_back(other);
 }
 
-// named, suspected, or no missing physics at all
-void explain_finding(const Session& session, const Selection& selection, const Challenge& challenge, std::size_t i,
+// Named, suspected, or no missing physics at all; false: none of these.
+bool explain_finding(const Session& session, const Selection& selection, const Challenge& challenge, std::size_t i,
                      Diagnosis& out) {
   const Finding& finding = selection.findings[i];
   const Group& group = group_of(session, finding.group);
@@ -176,7 +176,9 @@ void explain_finding(const Session& session, const Selection& selection, const C
   put_in_order(effect);
   effect.confidence = challenge.records[i].probability;
   if (!challenge.regimes[i].empty()) effect.least_even = challenge.regimes[i].front();
+  if (!calibration && effect.confidence < suspected_from) return false;
   (calibration ? out.calibration : effect.confidence >= named_from ? out.effects : out.suspected).push_back(effect);
+  return true;
 }
 
 void note_tilted_frame(const Session& session, Diagnosis& out) {
@@ -235,9 +237,10 @@ void list_not_identifiable(const Session& session, const Selection& selection, D
   }
 }
 
-// What was withdrawn, the best of what was not chosen, and every other effect that these flights would show; each effect, or each rotor of
-// it, once. What is not identifiable is said there.
-void list_rejected(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
+// What is `unlikely` by its evidence, the best of what was not chosen, and every other effect that these flights would show; each effect, or each
+// rotor of it, once. What is not identifiable is said there.
+void list_rejected(const Session& session, const Selection& selection, const std::vector<Evidence>& unlikely,
+                   Diagnosis& out) {
   constexpr std::size_t best = 5;
   const auto name_of = [&](int g) { return group_of(session, g).row->name; };
   std::set<std::string_view> said, not_identifiable;
@@ -252,7 +255,7 @@ void list_rejected(const Session& session, const Selection& selection, const Cha
     out.rejected.push_back({with_rotor(group.row->name, group.rotor), score, why,
                             unfelt ? std::vector<NamedValue>{} : would_show(session, projected, group)});
   };
-  for (const Evidence& record : challenge.withdrawn) {
+  for (const Evidence& record : unlikely) {
     if (not_identifiable.contains(name_of(record.group))) continue;
     const auto added = scores.find(record.group);
     const double score = added == scores.end()
@@ -298,10 +301,12 @@ void explain(const Session& session, const Selection& selection, const Challenge
   out.evidence = challenge.records;
   out.evidence.insert(out.evidence.end(), challenge.withdrawn.begin(), challenge.withdrawn.end());
   for (Evidence& record : out.evidence) record.weak_points = weak_points(record);
-  for (std::size_t i = 0; i < selection.findings.size(); ++i) explain_finding(session, selection, challenge, i, out);
+  std::vector<Evidence> unlikely = challenge.withdrawn;
+  for (std::size_t i = 0; i < selection.findings.size(); ++i)
+    if (!explain_finding(session, selection, challenge, i, out)) unlikely.push_back(challenge.records[i]);
   note_tilted_frame(session, out);
   list_not_identifiable(session, selection, out);
-  list_rejected(session, selection, challenge, out);
+  list_rejected(session, selection, unlikely, out);
 }
 
 void say_what_channels_show(std::vector<Mismatch>& channels) {

@@ -109,6 +109,11 @@ constexpr Words words[] = {
      [](const Evidence& e) {
        return fmt::format("the other names do {:.1f} times as much against it as it does", e.outweighed);
      }},
+    {"dwarfed",
+     [](const Evidence& e) {
+       return fmt::format("another name gains {:.0f} times as much, and what its model leaves may look like this",
+                          e.dwarfed_by);
+     }},
     {"constant",
      [](const Evidence&) -> std::string { return "it should be the same all along a flight, and surely is not"; }},
     {"tilt",

@@ -156,7 +156,11 @@ inline constexpr double hardly_shown = 6.0;
 // A candidate is named, suspected, or withdrawn at once with the others that are hopeless.
 // Statistic: probability by its record (evidence/judge.cpp). From: of the names from 0.8 on 95 % are true on the data of the fit, of those between 0.5 and
 // 0.8 73 %; no derivation for hopeless. Costs: docs/proof/judge.md.
-inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.1;
+inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.043;
+// While names are judged together a candidate stays beside the others from here on.
+// Statistic: probability by its record. From: what others take from it may come back when they have gone; no derivation. Costs: a candidate that is
+// rejected in the end may hold what another one needs.
+inline constexpr double stays_from = 0.414;
 // A name gains far more than another one, and is left beside it where the other is asked what it gains by itself.
 // Statistic: ratio of Δχ². From: two that undo each other gain alike; a thrust scale beside a moment, a drag and an inflow of nanodrone that gain 3 to
 // 40 times as much. Costs: docs/decisions/59.

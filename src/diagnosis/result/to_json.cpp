@@ -85,6 +85,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"at_bound", e.at_bound},
                         {"undone_share", number(e.undone)},
                         {"outweighed", number(e.outweighed)},
+                        {"dwarfed_by", number(e.dwarfed_by)},
                         {"push_over_tilt", number(e.force_over_tilt)},
                         {"lone_latency", e.lone_latency},
                         {"alike", e.alike},

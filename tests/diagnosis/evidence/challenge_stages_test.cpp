@@ -109,7 +109,7 @@ Evidence candidate(const std::string& effect, double probability, double delta_c
 
 TEST(Weakest, IsTheHopelessOneThatGainsLeast) {
   const std::vector<Evidence> records = {candidate("mass", 0.4, 5.0), candidate("inertia", 0.02, 40.0),
-                                         candidate("battery_sag", 0.05, 30.0), candidate("motor_lag", 0.01, 60.0)};
+                                         candidate("battery_sag", 0.03, 30.0), candidate("motor_lag", 0.01, 60.0)};
   EXPECT_EQ(weakest(records, {0, 1, 2, 3}), 2u);
   EXPECT_EQ(weakest(records, {0, 1, 3}), 1u);
   EXPECT_EQ(weakest(records, {0}), 0u);

@@ -67,6 +67,7 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
       [](Evidence& e) { e.lone_latency = true; },
       [](Evidence& e) { e.undone = 0.8; },
       [](Evidence& e) { e.outweighed = 1.3; },
+      [](Evidence& e) { e.dwarfed_by = 5000.0; },
       [](Evidence& e) { e.force_over_tilt = 0.5; }};
   for (std::size_t i = 0; i < worse.size(); ++i) {
     Evidence e = strong();
@@ -135,6 +136,20 @@ TEST(Judge, WhatGainsNothingWithoutItsPartnerIsNotNamed) {
   Evidence e = strong();
   e.delta_chi2_with_partner = 12.0;
   EXPECT_LT(probability(e), named_from);
+}
+
+// an error of a hundredth of a large effect's form gains one part in ten thousand of what that gains
+TEST(Judge, WhatAnErrorOfALargerNameMayLeaveIsNotNamed) {
+  Evidence e = strong();
+  e.dwarfed_by = 8000.0;
+  EXPECT_LT(probability(e), suspected_from);
+  EXPECT_GT(probability_without_others([&] {
+              judge(e);
+              return e;
+            }()),
+            named_from);
+  e.dwarfed_by = 1000.0;
+  EXPECT_EQ(probability(e), probability(strong()));
 }
 
 TEST(Evidence, CountsFlightsForAndAgainst) {

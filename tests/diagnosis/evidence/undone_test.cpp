@@ -48,6 +48,33 @@ TEST(Undoings, AnEffectAloneIsNotUndone) {
   EXPECT_TRUE(std::ranges::all_of(undoings(gram, {Eigen::Vector2d(0.3, 0.0), Eigen::Vector2d::Zero()}), is_free));
 }
 
+// a wind and the drag that feels it are one push, and a trim is no name
+TEST(DwarfedBy, IsHowManyTimesTheLargestOtherNameGainsAsMuch) {
+  RotorArray hovering{};
+  hovering.fill(test::crazyflie().hover_speed_radps());
+  const Session session(
+      {test::flight_of(
+          test::crazyflie(), 2.0, 0.01, [](double) { return Motion{}; }, [&](double) { return hovering; })},
+      test::crazyflie(), 1);
+  const Catalogue& catalogue = session.catalogue();
+  Selection selection;
+  const auto find = [&](int group, double delta_chi2) {
+    Finding finding;
+    finding.group = group, finding.delta_chi2 = delta_chi2;
+    selection.findings.push_back(finding);
+  };
+  find(catalogue.find(Airflow::wind), 50.0);
+  const auto of_wind = [&] { return dwarfed_by(catalogue, selection, selection.findings.front()); };
+  EXPECT_EQ(of_wind(), 0.0);
+  find(catalogue.find(Airflow::drag), 1e6);
+  EXPECT_EQ(of_wind(), 0.0);
+  find(catalogue.find("mass"), 5000.0);
+  EXPECT_EQ(of_wind(), 100.0);
+  EXPECT_EQ(dwarfed_by(catalogue, selection, selection.findings.back()), 200.0);
+  selection.findings.back().calibration = true;
+  EXPECT_EQ(of_wind(), 0.0);
+}
+
 // at rest, so that the drag that was found is felt in the wind alone
 TEST(WeightsAddedUp, CountTheForceOfAWindOnce) {
   constexpr double found_Nspm = 0.02, wind_mps = 3.0;

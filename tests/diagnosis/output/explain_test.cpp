@@ -13,6 +13,7 @@
 namespace gustlab::diagnosis {
 namespace explain_test {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::Field;
@@ -93,7 +94,8 @@ class Explained : public ::testing::Test {
     f.group = session.catalogue().find(group);
     f.delta_chi2 = 400.0;
     selection.value[column(group)] += change;
-    challenge.records.emplace_back().probability = probability;
+    Evidence& record = challenge.records.emplace_back();
+    record.group = f.group, record.probability = probability;
     challenge.regimes.emplace_back();
   }
   void withdrawn(const char* group, double delta_chi2, double probability) {
@@ -122,6 +124,15 @@ TEST_F(Explained, IsNamedSuspectedOrCalibrationByItsProbabilityAndItsSize) {
   EXPECT_THAT(d.calibration, ElementsAre(Field(&EffectFinding::effect, "thrust_curve")));
   EXPECT_NEAR(d.effects[0].parameters[0].value, 0.05, 1e-15);
   EXPECT_EQ(d.effects[0].confidence, 0.97);
+}
+
+// it stays beside the others while they are judged, and is no suspicion
+TEST_F(Explained, IsRejectedBelowOneHalf) {
+  found("rotor_drag", 0.01, 0.45);
+  const Diagnosis d = explained();
+  EXPECT_THAT(d.suspected, IsEmpty());
+  EXPECT_THAT(d.rejected, Contains(AllOf(Field(&Rejected::effect, "rotor_drag"),
+                                         Field(&Rejected::why, HasSubstr("makes it 45 % likely")))));
 }
 
 TEST_F(Explained, ADiagnosisSaysThatTorquesWereJudged) { EXPECT_EQ(to_json(explained())["torque_told"], true); }
