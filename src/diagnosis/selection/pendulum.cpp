@@ -136,8 +136,13 @@ std::vector<Regression> regressions(const Session& session, const Swing& swing) 
   return flights;
 }
 
-// the same at any angle, when that leaves less; wide swings take longer than small ones, and hide the length's best value among others
-PendulumScan swung_out(const Session& session, const PendulumScan& small, double squares) {
+struct Lengths {
+  double shortest_m, longest_m;
+};
+
+// The same at any angle, when that leaves less; wide swings take longer than small ones, and hide the length's best value among others. A fit
+// that ran out of the lengths that are asked is none: nothing has to stop it at a cable of no length.
+PendulumScan swung_out(const Session& session, const PendulumScan& small, double squares, const Lengths& asked) {
   std::vector<const FlightData*> flights;
   std::vector<const Smoothed*> smoothed;
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
@@ -162,7 +167,9 @@ PendulumScan swung_out(const Session& session, const PendulumScan& small, double
   });
   PendulumScan best = small;
   for (const PendulumScan& wide : swung)
-    if (wide.share > best.share) best = wide;
+    if (wide.share > best.share && wide.swing.length_m >= asked.shortest_m / longer.back() &&
+        wide.swing.length_m <= asked.longest_m * longer.back())
+      best = wide;
   return best;
 }
 
@@ -210,7 +217,7 @@ PendulumScan scan_pendulum(const Session& session) {
     }
     if (!better(near)) step *= 0.5;
   }
-  return swung_out(session, best, squares);
+  return swung_out(session, best, squares, {shortest_m, longest_m});
 }
 
 std::vector<Vector3> pendulum_force(const FlightData& flight, const Smoothed& smoothed, double vehicle_mass_kg,
