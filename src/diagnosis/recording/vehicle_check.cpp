@@ -81,6 +81,13 @@ Eigen::MatrixXd nominal_gains(const VehicleModel& vehicle, const std::vector<int
   return gains;
 }
 
+// yaw acceleration over what these gains predict of it
+double yaw_size(const Response& response, const Row& gains, const VehicleModel& vehicle) {
+  const double thrust_N = vehicle.rotors[0].thrust_coefficient_Ns2 * std::pow(vehicle.hover_speed_radps(), 2);
+  return gains.dot(response.right.col(2)) / ((gains * response.gram).dot(gains) + 1e-300) *
+         vehicle.inertia_B_kgm2(2, 2) / thrust_N;
+}
+
 std::string order_text(const std::vector<int>& place) {
   std::string text;
   for (const int p : place) text += fmt::format("{}{}", text.empty() ? "" : ", ", p + 1);
@@ -135,10 +142,13 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
       for (std::size_t i = 0; i < best.size(); ++i) vehicle.rotors[i] = rotors[static_cast<std::size_t>(best[i])];
     }
   }
-  // a part that small is noise, which agrees with any torque or its opposite
-  if (level(place) > 1.0 && found.yaw_explained > 0.05 && vehicle.rotors[0].torque_ratio_m > 0.0) {
-    const double yaw = found.agreement(2, nominal_gains(vehicle, place).row(2));
-    if (yaw < -0.6) {
+  // A part that small is noise, which agrees with any torque or its opposite. And the loop of a right vehicle may answer what yaws it at once,
+  // with a torque against the acceleration that is there: that is several times smaller, or larger, than the file's torque would need.
+  constexpr double least_explained = 0.15, surely = 0.6, alike = 2.5;
+  if (level(place) > 1.0 && found.yaw_explained > least_explained && vehicle.rotors[0].torque_ratio_m > 0.0) {
+    const Row gains = nominal_gains(vehicle, place).row(2);
+    const double yaw = found.agreement(2, gains), size = yaw_size(found, gains, vehicle);
+    if (yaw < -surely && size < -1.0 / alike && size > -alike) {
       LogFinding finding;
       finding.file = file;
       finding.column = "rotor.direction";

@@ -93,6 +93,17 @@ TEST(CheckRotors, LeavesDirectionsAloneWhereTheRotorsHardlyExplainYaw) {
   EXPECT_EQ(vehicle.rotors[0].direction, truth().rotors[0].direction);
 }
 
+// what yaws a right vehicle comes from elsewhere, and its loop answers at once with a torque that is far too small, or takes nearly all back
+TEST(CheckRotors, LeavesDirectionsAloneWhereYawIsOfAnotherSize) {
+  for (const double size : {-6.0, -0.1}) {
+    VehicleModel vehicle = truth();
+    FlightData flight = turning();
+    for (Motion& motion : flight.motion) motion.angular_acceleration_B_radps2.z() *= size;
+    EXPECT_THAT(check_rotors({flight}, vehicle), IsEmpty()) << size;
+    EXPECT_EQ(vehicle.rotors[0].direction, truth().rotors[0].direction);
+  }
+}
+
 // at 4 Hz half a swing is an eighth of a second
 TEST(CheckRotors, TakesTheLesserOfTwoDelaysThatExplainAsMuch) {
   VehicleModel vehicle = truth();
