@@ -194,6 +194,7 @@ struct EffectRow {
   std::string_view stand_in = {};          // the effect that is named by logs which do not tell this one
   std::string_view never_beside = {};      // an exact alias of this one where the moments of inertia are free
   ExactAlias alias = {};
+  std::string_view like_but_for_turning = {};  // what pushes the same for a command, and turns differently
   std::array<std::string_view, 2> like_unless_turning = {};  // what looks the same in flights that keep their heading
   std::string_view says;                                     // one plain sentence of what it does
   std::string_view shows_in;                                 // the flight that makes it visible

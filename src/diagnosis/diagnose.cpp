@@ -337,7 +337,10 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   if (torques_mislead(aligned, fitted)) fitted = fit(aligned, true, testing, options);
 
   Diagnosis out = describe(fitted);
-  if (aligned.hold_unknown && !aligned.was_filtered()) judge_by_half_rate(aligned, fitted, jobs, out);
+  if (aligned.hold_unknown && !aligned.was_filtered()) {
+    judge_by_half_rate(aligned, fitted, jobs, out);
+    class_what_pushes_alike(out);
+  }
   out.vehicle = recordings.vehicle.name;
   say_first(recordings.set_aside, {&recordings.remarks, &aligned.remarks, &fitted.reading.remarks}, out);
   out.flights.insert(out.flights.end(), fitted.used.begin(), fitted.used.end());

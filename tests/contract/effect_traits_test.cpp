@@ -286,9 +286,23 @@ TEST_P(EffectTraits, LikeOthersUnlessTurningPushesInTheBodyWhatTheyPushInTheWorl
   }
 }
 
+// lighter as it pushes harder, and one turns the vehicle otherwise
+TEST_P(EffectTraits, LikeAnotherButForTurningPushesAsThatDoes) {
+  if (row.like_but_for_turning.empty()) GTEST_SKIP();
+  const EffectRow& other = *find_effect(row.like_but_for_turning);
+  EXPECT_EQ(other.like_but_for_turning, row.name);
+  constexpr double delta = 0.08;
+  const auto moved = [&](const EffectRow& of, double value) {
+    return first_step(planted(of, {{parameters_of(*of.make()).front().name, value}}), at_rest(vehicle));
+  };
+  const FirstStep own = moved(row, delta), like = moved(other, 1.0 / (1.0 + delta) - 1.0);
+  EXPECT_NEAR(own.linear_W_mps2.z(), like.linear_W_mps2.z(), 1e-6);
+}
+
 TEST_P(EffectTraits, NamesOthersThatAreThereAndSaysWhy) {
-  for (const std::string_view name : {row.stand_in, row.never_beside, row.alias.effect, row.alias.unless[0],
-                                      row.alias.unless[1], row.like_unless_turning[0], row.like_unless_turning[1]})
+  for (const std::string_view name :
+       {row.stand_in, row.never_beside, row.alias.effect, row.alias.unless[0], row.alias.unless[1],
+        row.like_but_for_turning, row.like_unless_turning[0], row.like_unless_turning[1]})
     if (!name.empty()) {
       ASSERT_NE(find_effect(name), nullptr) << name;
       EXPECT_TRUE(find_effect(name)->diagnosable);

@@ -295,6 +295,21 @@ void put_in_order(EffectFinding& effect) {
   effect.classmates = std::move(ordered);
 }
 
+void class_what_pushes_alike(Diagnosis& out) {
+  const auto is_said = [&](std::string_view name) {
+    return std::ranges::count(out.effects, name, &EffectFinding::effect) +
+               std::ranges::count(out.suspected, name, &EffectFinding::effect) >
+           0;
+  };
+  for (std::vector<EffectFinding>* list : {&out.effects, &out.suspected})
+    for (EffectFinding& effect : *list) {
+      const std::string_view other = find_effect(effect.effect)->like_but_for_turning;
+      if (other.empty() || is_said(other)) continue;
+      effect.classmates.emplace_back(other);
+      put_in_order(effect);
+    }
+}
+
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out) {
   describe_sensors(session, selection.noise_selected, out);
   out.history = challenge.history;

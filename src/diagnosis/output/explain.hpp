@@ -11,6 +11,9 @@ namespace gustlab::diagnosis {
 void explain(const Session& session, const Selection& selection, const Challenge& challenge, Diagnosis& out);
 // The class of a finding: what fits best first, the others in catalogue order, each name once.
 void put_in_order(EffectFinding& effect);
+// Of logs that do not say how commands go on between rows: how strongly a command turns the vehicle is not told by them, so what pushes alike is a
+// class. Nothing where both are named or suspected.
+void class_what_pushes_alike(Diagnosis& out);
 // Says of the channels of time which effects they would show: those that make a command, or a pose, late.
 void say_what_channels_show(std::vector<Mismatch>& channels);
 // Names `gust` when the flight says so; per axis strength, correlation time and a spectral line.

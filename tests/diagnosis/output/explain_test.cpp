@@ -126,6 +126,21 @@ TEST_F(Explained, IsNamedSuspectedOrCalibrationByItsProbabilityAndItsSize) {
   EXPECT_EQ(d.effects[0].confidence, 0.97);
 }
 
+TEST(WhatPushesAlike, IsAClassUnlessBothAreNamed) {
+  Diagnosis d;
+  for (const char* name : {"rotor_drag", "mass"}) {
+    EffectFinding& effect = d.effects.emplace_back();
+    effect.effect = name, effect.classmates = {name};
+  }
+  class_what_pushes_alike(d);
+  EXPECT_THAT(d.effects[0].classmates, ElementsAre("rotor_drag"));
+  EXPECT_THAT(d.effects[1].classmates, ElementsAre("mass", "thrust_scale"));
+  d.effects[1].classmates = {"mass"};
+  d.suspected.emplace_back().effect = "thrust_scale";
+  class_what_pushes_alike(d);
+  EXPECT_THAT(d.effects[1].classmates, ElementsAre("mass"));
+}
+
 // it stays beside the others while they are judged, and is no suspicion
 TEST_F(Explained, IsRejectedBelowOneHalf) {
   found("rotor_drag", 0.01, 0.45);
