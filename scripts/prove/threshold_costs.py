@@ -36,7 +36,7 @@ STEPS = {
     "number_costs": ("hover", 3.8, 10.8), "other_number_costs": ("hover", 1.0, 4.0), "often_limited": ("hover", 0.1, 0.5),
     "wald_p": ("air", 1e-5, 0.05), "materiality": ("air", 0.0003, 0.0012), "relative_materiality": ("air", 5e-5, 2e-4),
     "scatter_margin": ("air", 1.0, 1.5), "trim_cost": ("air", 4.0, 16.0), "most_lost_to_rival": ("air", 0.25, 0.75),
-    "hopeless": ("air", 0.05, 0.2), "named_from": ("confidence", 0.7, 0.9), "surely_needed": ("air", 1.0, 3.0),
+    "hopeless": ("air", 0.02, 0.1), "named_from": ("confidence", 0.7, 0.9), "surely_needed": ("air", 1.0, 3.0),
     "beyond_chance_sd": ("air", 4.0, 9.0), "most_correlation": ("air", 0.1, 0.2), "most_of_floor": ("air", 1.8, 3.5),
     "explained_share": ("air", 0.05, 0.2), "lasting_correlation": ("air", 0.07, 0.15), "least_share_of_floor": ("air", 0.25, 0.5),
 }

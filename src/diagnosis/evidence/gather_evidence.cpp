@@ -136,6 +136,14 @@ void measure_flights(const Session& session, const Selection& selection, const W
       count > 1.0 ? std::sqrt(std::max(0.0, (q - (count - 1.0)) / (weight - weight_squares / weight))) : 0.0;
 }
 
+// what each finding does, weights of these columns
+Eigen::MatrixXd effects_of(const Catalogue& catalogue, const Selection& selection, const std::vector<int>& columns) {
+  Eigen::MatrixXd effects(std::ssize(columns), std::ssize(selection.findings));
+  for (std::size_t i = 0; i < selection.findings.size(); ++i)
+    effects.col(static_cast<Eigen::Index>(i)) = own_weights(catalogue, selection, selection.findings[i])(columns);
+  return effects;
+}
+
 // The whitened rows of all columns that any finding is tested with, and what was fitted: both counted from the vehicle file.
 struct FittedRows {
   std::vector<int> columns;
@@ -243,7 +251,6 @@ Evidence begun_record(const Catalogue& catalogue, const Selection& selection, co
   record.delta_chi2 = finding.delta_chi2;
   record.delta_chi2_with_partner = finding.delta_chi2_with_partner;
   record.delta_chi2_alone = finding.delta_chi2_alone;
-  record.dwarfed_by = dwarfed_by(catalogue, selection, finding);
   return record;
 }
 
@@ -312,17 +319,28 @@ std::vector<Undoing> undoings(const Eigen::MatrixXd& gram, const std::vector<Eig
   return found;
 }
 
-double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const Finding& finding) {
-  const auto air = [&](const Finding& f) { return catalogue.group(f.group).row->air; };
-  const auto one_feels_the_other = [&](const Finding& other) {
-    return (air(finding) == Airflow::wind && air(other) == Airflow::drag) ||
-           (air(finding) == Airflow::drag && air(other) == Airflow::wind);
+Eigen::MatrixXd shown_beside(const RowSeries& rows, const Eigen::MatrixXd& effects) {
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(effects.cols(), effects.cols());
+  for (const auto& flight : rows)
+    for (const Eigen::MatrixXd& of_channel : flight) {
+      const Eigen::MatrixXd done = (of_channel.leftCols(effects.rows()) * effects).cwiseAbs2();
+      squares += done.transpose() * done;
+    }
+  return (squares.diagonal().array() + 1e-300).inverse().matrix().asDiagonal() * squares;
+}
+
+double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const Eigen::MatrixXd& beside,
+                  std::size_t i) {
+  const auto air = [&](std::size_t f) { return catalogue.group(selection.findings[f].group).row->air; };
+  const auto one_feels_the_other = [&](std::size_t other) {
+    return (air(i) == Airflow::wind && air(other) == Airflow::drag) ||
+           (air(i) == Airflow::drag && air(other) == Airflow::wind);
   };
   double largest = 0.0;
-  for (const Finding& other : selection.findings)
-    if (other.group != finding.group && !other.calibration && !one_feels_the_other(other))
-      largest = std::max(largest, other.delta_chi2);
-  return largest / std::max(1.0, finding.delta_chi2);
+  for (std::size_t other = 0; other < selection.findings.size(); ++other)
+    if (other != i && !selection.findings[other].calibration && !one_feels_the_other(other))
+      largest = std::max(largest, beside(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(other)));
+  return largest;
 }
 
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
@@ -334,6 +352,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
   const std::vector<Undoing> undone =
       undoings(project_out(total, session.biases()), weights_added_up(catalogue, selection));
   const FittedRows rows = fitted_rows(session, selection);
+  const Eigen::MatrixXd beside = shown_beside(rows.series, effects_of(catalogue, selection, rows.columns));
   const bool headings_kept = headings_are_kept(session);
   std::vector<Evidence> records(selection.findings.size());
   parallel_for(std::ssize(records), session.jobs(), [&](std::int64_t at) {
@@ -369,6 +388,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.unexplained_delta_chi2 = rest.omnibus_delta_chi2;
     record.at_bound = at_its_bound(catalogue, selection.value, finding.group);
     record.undone = undone[i].share, record.outweighed = undone[i].outweighed;
+    record.dwarfed_by = dwarfed_by(catalogue, selection, beside, i);
     record.lone_latency = session.reference() && session.reference()->flights == 1 &&
                           group.row->place == Place::actuation && group.row->latency != Latency::none;
     record.alike = alike(session, selection, finding);

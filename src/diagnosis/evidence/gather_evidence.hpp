@@ -30,9 +30,11 @@ struct Undoing {
 // `gram`: of the columns; one vector of coefficients an effect.
 std::vector<Undoing> undoings(const Eigen::MatrixXd& gram, const std::vector<Eigen::VectorXd>& effects);
 
-// Δχ² of the largest other name, over the finding's own; 0: there is none. A trim is no name, and a wind and the drag that feels it do not
-// count for each other.
-double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const Finding& finding);
+// Of effects (weights of the columns, one column an effect) at (i, j): the mean square of what effect j does to the whitened rows, over that of effect
+// i, where each row counts by what i does there, squared. Large where i shows only in rows that j changes far more.
+Eigen::MatrixXd shown_beside(const RowSeries& rows, const Eigen::MatrixXd& effects);
+// The largest of these for finding i; 0: there is none. A trim is no name, and a wind and the drag that feels it do not count for each other.
+double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const Eigen::MatrixXd& beside, std::size_t i);
 
 // Root mean square, over all samples of the fit flights, of the linear acceleration by a finding's own values, m/s². The session is
 // linearised there.

@@ -66,8 +66,8 @@ struct Feature {
 //   3.1 in the other is the same force.
 // * "material": 1.7 before. Of 753 trials (seeds 84000 to 86000) it had withheld seven right single names of one and a half to three tolerances that
 //   1.2 gives, and no wrong one. 0.8 would give three more, and a wind for an updraft (1 of 68 foreign trials).
-// * "dwarfed": a model of what is found is right to a hundredth of its size at best, and an error of its form has one part in ten thousand of its Δχ².
-//   Of 267 names beside another one seven had less than one part in 3,000, and none of them was right (decision 63).
+// * "dwarfed": a model of what is found is right to a hundredth of its size at best, and an error of its form is one part in ten thousand of its square
+//   (decision 63).
 // * "constant": two tethers each in the trials of seeds 86000 and 87000 were a constant force (.82 to .89), which grew by a half with height or to one side.
 //   With that withdrawn all four were a mass (.86 to .93). Neither changes along a flight: of 67 right names of the two .18 is the largest change, of the
 //   wrong ones .18 to .32. Other effects' sizes do differ so much in recordings (the drag of nanodrone by .65), as their formulas are none too exact.

@@ -111,8 +111,9 @@ constexpr Words words[] = {
      }},
     {"dwarfed",
      [](const Evidence& e) {
-       return fmt::format("another name gains {:.0f} times as much, and what its model leaves may look like this",
-                          e.dwarfed_by);
+       return fmt::format(
+           "another name does {:.0f} times as much where it shows, and what its model leaves may look like this",
+           std::sqrt(e.dwarfed_by));
      }},
     {"constant",
      [](const Evidence&) -> std::string { return "it should be the same all along a flight, and surely is not"; }},

@@ -59,7 +59,7 @@ struct Evidence {
   double undone = 0.0;
   // what all other findings do against it, over what it does
   double outweighed = 0.0;
-  // Δχ² of the largest other name, over its own; 0: there is none
+  // mean square of what the largest other name does where this one shows, over its own; 0: there is none
   double dwarfed_by = 0.0;
   // a force of a flight's own over what an attitude a little off leaves of gravity; infinite where that would show as well
   double force_over_tilt = std::numeric_limits<double>::infinity();

@@ -48,8 +48,19 @@ TEST(Undoings, AnEffectAloneIsNotUndone) {
   EXPECT_TRUE(std::ranges::all_of(undoings(gram, {Eigen::Vector2d(0.3, 0.0), Eigen::Vector2d::Zero()}), is_free));
 }
 
+// rows: the first two effects share the first two, the third has the last for itself
+TEST(ShownBeside, CountsOnlyWhereTheEffectShows) {
+  Eigen::MatrixXd rows(3, 4);  // z last
+  rows << 1.0, 100.0, 0.0, 7.0, 2.0, 200.0, 0.0, 7.0, 0.0, 0.0, 1.0, 7.0;
+  const Eigen::MatrixXd beside = shown_beside({{rows}}, 0.5 * Eigen::Matrix3d::Identity());
+  EXPECT_NEAR(beside(0, 1), 1e4, 1e-8);
+  EXPECT_NEAR(beside(1, 0), 1e-4, 1e-12);
+  EXPECT_EQ(beside(2, 1), 0.0);
+  EXPECT_EQ(beside(2, 2), 1.0);
+}
+
 // a wind and the drag that feels it are one push, and a trim is no name
-TEST(DwarfedBy, IsHowManyTimesTheLargestOtherNameGainsAsMuch) {
+TEST(DwarfedBy, IsTheLargestOtherName) {
   RotorArray hovering{};
   hovering.fill(test::crazyflie().hover_speed_radps());
   const Session session(
@@ -58,21 +69,13 @@ TEST(DwarfedBy, IsHowManyTimesTheLargestOtherNameGainsAsMuch) {
       test::crazyflie(), 1);
   const Catalogue& catalogue = session.catalogue();
   Selection selection;
-  const auto find = [&](int group, double delta_chi2) {
-    Finding finding;
-    finding.group = group, finding.delta_chi2 = delta_chi2;
-    selection.findings.push_back(finding);
-  };
-  find(catalogue.find(Airflow::wind), 50.0);
-  const auto of_wind = [&] { return dwarfed_by(catalogue, selection, selection.findings.front()); };
-  EXPECT_EQ(of_wind(), 0.0);
-  find(catalogue.find(Airflow::drag), 1e6);
-  EXPECT_EQ(of_wind(), 0.0);
-  find(catalogue.find("mass"), 5000.0);
-  EXPECT_EQ(of_wind(), 100.0);
-  EXPECT_EQ(dwarfed_by(catalogue, selection, selection.findings.back()), 200.0);
-  selection.findings.back().calibration = true;
-  EXPECT_EQ(of_wind(), 0.0);
+  for (const int group : {catalogue.find(Airflow::wind), catalogue.find(Airflow::drag), catalogue.find("mass")})
+    selection.findings.emplace_back().group = group;
+  const Eigen::Matrix3d beside{{1.0, 1e6, 100.0}, {1e-6, 1.0, 10.0}, {0.01, 200.0, 1.0}};
+  EXPECT_EQ(dwarfed_by(catalogue, selection, beside, 0), 100.0);
+  EXPECT_EQ(dwarfed_by(catalogue, selection, beside, 2), 200.0);
+  selection.findings[2].calibration = true;
+  EXPECT_EQ(dwarfed_by(catalogue, selection, beside, 0), 0.0);
 }
 
 // at rest, so that the drag that was found is felt in the wind alone

@@ -56,7 +56,8 @@ TEST(WeakPoints, OneThatSpeaksAgainstItIsTheFirst) {
   EXPECT_THAT(first([](Evidence& e) { e.alike = 1; }), HasSubstr("two at once are rare"));
   EXPECT_THAT(first([](Evidence& e) { e.lone_latency = true; }), HasSubstr("one reference flight alone"));
   EXPECT_THAT(first([](Evidence& e) { e.undone = 0.97; }), "the other names take back 97 % of what it does");
-  EXPECT_THAT(first([](Evidence& e) { e.dwarfed_by = 9000.0; }), HasSubstr("another name gains 9000 times as much"));
+  EXPECT_THAT(first([](Evidence& e) { e.dwarfed_by = 9000.0; }),
+              HasSubstr("another name does 95 times as much where it shows"));
   EXPECT_THAT(first([](Evidence& e) { e.outweighed = 4.16; }),
               "the other names do 4.2 times as much against it as it does");
   EXPECT_THAT(first([](Evidence& e) { e.force_excess = -0.63, e.part_lacking = 0.63; }),
