@@ -11,13 +11,13 @@ namespace {
 class RotorInertia final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
-    // the rotors of a recorded Crazyflie have 1.9e-3 of its inertia in yaw (imrc, bare), six times the tolerance
+    // the rotors of a recorded Crazyflie have 1.9e-3 of its inertia in yaw (imrc, bare), thirteen times the tolerance
     visitor.number("inertia", inertia_kgm2_,
                    {.unit = "kg m^2",
                     .help = "of one rotor and its propeller about the axis",
                     .min = 0.0,
                     .natural = 1e-3,
-                    .tolerance = 3e-4,
+                    .tolerance = 1.5e-4,
                     .scale = Scale::yaw_inertia});
   }
 

@@ -56,7 +56,7 @@ std::vector<Effect> build() {
   all.push_back({"saturation", {{"max_speed", {140, 40}, {0, 0}}}, 6, false});
   all.push_back({"battery_sag", {{"exponent", {1, 1}, {0, 0}}, {"rate", {0.004, 0.004}, {0, 0}}}, 3, false});
   all.push_back({"yaw_torque_ratio", {{"delta", {0.15, 0.15}, {five, five}}}, 4, true});
-  all.push_back({"rotor_inertia", {{"inertia", {3e-8, 1e-5}, {9e-9, 3e-6}}}, 10, false});
+  all.push_back({"rotor_inertia", {{"inertia", {3e-8, 1e-5}, {4.4e-9, 8.3e-6}}}, 10, false});
   all.push_back({"attitude_offset", {{"x", {0.02, 0.02}, {0, 0}}, {"y", {0.02, 0.02}, {0, 0}}}, 6, true});
   all.push_back({"yaw_offset", {{"z", {0.03, 0.03}, {0, 0}}}, 8, true});
   all.push_back({"pose_delay", {{"delay", {0.01, 0.01}, {delay, delay}}}, 4, false});
