@@ -115,32 +115,31 @@ class Sweeps(Commands):
         self.assertEqual((self.folder / "a" / logs[0]).read_text(), "mine")
         self.assertTrue((self.folder / "a" / "hover_pid_2.csv").exists())
 
-    def memory_KiB(self, replicates, duration_s):
+    def peak_KiB(self, replicates, duration_s):
         """of the program itself (what wait4 says of a child counts the memory of Python, which it was before), and what of it no
-        file stands behind: how much of its code is in memory is the system's choice. In small pages: huge ones (2 MiB) are too. What
-        nine of ten samples do not exceed: the start needs half as much again for milliseconds. The store is in memory where that is: behind a slow
-        disk runs wait to be written, and what they needed is kept. The address sanitizer keeps what was freed from use, by default 256 MB of it"""
+        file stands behind: how much of its code is in memory is the system's choice. In small pages: huge ones (2 MiB) are too. The store is
+        in memory where that is: on a disk the heap is up to 2 MB larger in some sweeps and not in others. The address sanitizer keeps what was freed
+        from use, by default 256 MB of it"""
         no_huge_pages = functools.partial(ctypes.CDLL(None).prctl, 41, 1, 0, 0, 0)  # PR_SET_THP_DISABLE of linux/prctl.h
         in_memory = tempfile.TemporaryDirectory(dir="/dev/shm" if os.access("/dev/shm", os.W_OK) else None)
         self.addCleanup(in_memory.cleanup)
-        room = in_memory.name
-        process = self.start("sweep", self.experiment, "--out", Path(tempfile.mkdtemp(dir=room)) / "out", "--jobs", "1",
+        process = self.start("sweep", self.experiment, "--out", Path(in_memory.name) / "out", "--jobs", "1",
                              "--set", f"replicates={replicates}", "--set", f"duration_s={duration_s}", first=no_huge_pages,
                              ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1")
-        whole, own = 0, []
+        whole, own = 0, 0
         while process.poll() is None:
             status = dict(re.findall(r"(\w+):\s+(\d+) kB", Path(f"/proc/{process.pid}/status").read_text()))
-            whole = max(whole, int(status.get("VmHWM", 0)))
-            own.append(int(status.get("RssAnon", 0)))
+            whole, own = max(whole, int(status.get("VmHWM", 0))), max(own, int(status.get("RssAnon", 0)))
             time.sleep(0.002)
         _, err = process.communicate()
         self.assertEqual(process.returncode, 0, err)
-        return whole, sorted(own)[len(own) * 9 // 10]
+        return whole, own
 
     def test_memory_does_not_grow_with_the_number_of_runs(self):
-        (_, few), (_, many) = self.memory_KiB(10, 0.5), self.memory_KiB(500, 0.5)
+        (_, few), (_, many) = self.peak_KiB(10, 0.5), self.peak_KiB(500, 0.5)
         self.assertLess(many - few, 4096, (few, many))
-        (whole, few), (_, many) = self.memory_KiB(6000, 0.02), self.memory_KiB(25000, 0.02)
+        # a shorter sweep may end before a busy machine sees its peak
+        (whole, few), (_, many) = self.peak_KiB(6000, 0.02), self.peak_KiB(25000, 0.02)
         self.assertLess(many - few, 0.05 * whole, (few, many, whole))
 
 
