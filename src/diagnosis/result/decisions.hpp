@@ -158,7 +158,8 @@ inline constexpr double hardly_shown = 6.0;
 // 0.8 73 %; no derivation for hopeless. Costs: docs/proof/judge.md.
 inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.043;
 // While names are judged together a candidate stays beside the others from here on.
-// Statistic: probability by its record. From: what others take from it may come back when they have gone; no derivation. Costs: a candidate that is
+// Statistic: probability by its record. From: what others take from it may come back when they have gone; it is one half before it is stretched
+// (evidence/judge.cpp), as hopeless is a tenth; no derivation. Costs: a candidate that is
 // rejected in the end may hold what another one needs.
 inline constexpr double stays_from = 0.414;
 // A name gains far more than another one, and is left beside it where the other is asked what it gains by itself.
