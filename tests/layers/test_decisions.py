@@ -30,7 +30,7 @@ METHOD = {
     "estimation/torque_trims.cpp": "steps least_share",
     "evidence/challenge.cpp": "most_looks",
     "evidence/gather_evidence.cpp": "parts_of_flight shortest_part_s",
-    "evidence/judge.cpp": "intercept",  # a fitted weight
+    "evidence/judge.cpp": "intercept steepness",  # fitted, as the weights are
     "hover/hover_balance.cpp": "slow_mps slow_vertical_mps margin_s",  # what hover is
     "hover/hover_balance.hpp": "least_hover_s",
     "model/catalogue.hpp": "torque_trim_sd command_clock_sd command_smoothing_sd",  # natural sizes of nuisances
