@@ -14,11 +14,12 @@ from pathlib import Path
 
 import numpy as np
 from gustlab_import.kinds import kind_of
-from gustlab_import.problems import ImportFailure, printable
+from gustlab_import.problems import ImportFailure, printable, understood
 from gustlab_import.read_mavlink import read_dataflash
-from gustlab_import.read_ulog import read_ulog
+from gustlab_import.read_ulog import load, read_ulog
 from gustlab_import.segments import split
-from pyulog import ULog
+from gustlab_import.tables import read_bytes
+from gustlab_import.ulog_damage import without_damage
 
 KM_DEFAULT = 0.05       # PX4's default moment ratio CA_ROTORn_KM, which says nothing of a vehicle
 MULTICOPTERS = {2: 4, 13: 6, 14: 8, 15: 3}  # MAV_TYPE (MAVLink common.xml): rotors
@@ -101,10 +102,7 @@ def torque_ratio(parameters):
 
 
 def of_px4(path):
-    try:
-        log = ULog(str(path), ["hover_thrust_estimate"], disable_str_exceptions=True)
-    except Exception as error:  # noqa: BLE001 (pyulog raises whatever a broken file leads to)
-        raise ImportFailure(f"{path}: not a PX4 log that can be read ({type(error).__name__}: {error})") from error
+    log, _ = load(str(path), without_damage(read_bytes(path))[0], ["hover_thrust_estimate"])
     parameters = log.initial_parameters
     kind = int(parameters.get("MAV_TYPE", 2))
     if kind not in MULTICOPTERS or int(parameters.get("CA_AIRFRAME", 0)) != 0:
@@ -117,7 +115,10 @@ def of_px4(path):
 def said_of(path):
     """What a log says of its vehicle; None for kinds of logs that do not."""
     of_kind = {"dataflash": of_ardupilot, "ulog": of_px4}.get(kind_of(path))
-    return of_kind(path) if of_kind else None
+    if of_kind is None:
+        return None
+    with understood(path):
+        return of_kind(path)
 
 
 def main():

@@ -13,7 +13,7 @@ from .kinds import kind_of, reader_of
 from .new_vehicle import add_options, given, make_vehicle, missing, vehicle_there
 from .outcome import FORMAT, as_document, as_json, as_text
 from .outputs import file_on_the_way, write_outputs
-from .problems import DATA, USAGE, ImportFailure, ended, printable
+from .problems import DATA, USAGE, ImportFailure, ended, printable, understood
 from .progress import LogProgress
 from .segments import reasons
 from .vehicle_file import read_vehicle
@@ -52,6 +52,11 @@ def stem(path: Path, by_folder: bool) -> str:
     return f"{path.resolve().parent.name}-{name}" if by_folder else name
 
 
+def recording_of(path: Path):
+    with understood(path):
+        return reader_of(kind_of(path), path)(path)
+
+
 def run(argv: list) -> int:
     options = arguments(argv)
     if options.out is not None and (file := file_on_the_way(options.out)):
@@ -71,7 +76,7 @@ def run(argv: list) -> int:
             if column_map is not None:
                 outcomes.append(import_table(path, name, column_map, vehicle, options))
             else:
-                outcomes.append(import_recording(reader_of(kind_of(path), path)(path), name, vehicle, options))
+                outcomes.append(import_recording(recording_of(path), name, vehicle, options))
     # -q keeps to errors what is said to people; a document that was asked for is data
     if options.format == "json":
         print(as_json(as_document(outcomes)), end="")

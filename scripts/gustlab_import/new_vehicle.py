@@ -79,7 +79,11 @@ def make_vehicle(options: Namespace) -> NewVehicle:
 def missing(options: Namespace, log: Path) -> str:
     """What is said where flight logs were written and no vehicle: what of it this log does not say."""
     from log_vehicle import said_of  # the script behind `vehicle new --from-log`, whose libraries take a second
-    said = said_of(log) or {"metres": False, "hover": None}
+    try:
+        said = said_of(log)
+    except ImportFailure:  # its flights are written: what it says of the vehicle is too damaged
+        said = None
+    said = said or {"metres": False, "hover": None}
     lacks = ["what the vehicle weighs (--mass 1.2kg)"]
     if not said["metres"]:
         lacks.append("how far its motors are from its centre (--arm 0.25m)")

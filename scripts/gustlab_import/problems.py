@@ -31,6 +31,16 @@ class ImportFailure(Exception):
         self.code = code
 
 
+@contextlib.contextmanager
+def understood(path):
+    """What a decoded log's fields make impossible (not there, of another kind, out of range) becomes one line that names it."""
+    try:
+        yield
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise ImportFailure(f"{path}: what the log holds is not as its kind of logs have it ({type(error).__name__}: {error}); is it damaged? "
+                            "fetch it again") from error
+
+
 class _Stdout:
     """stdout whose failures are not taken for those of other files."""
 

@@ -57,14 +57,15 @@ def read_dataflash(path: Path) -> Recording:
 
 @contextlib.contextmanager
 def _set_aside():
-    """What pymavlink's compiled reader writes to the process's stderr, a line for each byte that it skips: a list of one bytes object."""
+    """What pymavlink and its compiled reader write to stderr, a line for each byte or message that they skip: a list of one bytes object."""
     said = [b""]
     sys.stderr.flush()
     real = os.dup(2)
     with tempfile.TemporaryFile() as file:
         os.dup2(file.fileno(), 2)
         try:
-            yield said
+            with open(2, "w", closefd=False) as text, contextlib.redirect_stderr(text):
+                yield said
         finally:
             os.dup2(real, 2)
             os.close(real)
@@ -266,7 +267,7 @@ def read_tlog(path: Path) -> Recording:
     from pymavlink import mavutil  # a second to import
     data = read_bytes(path)
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _set_aside():
             warnings.simplefilter("ignore")
             log = mavutil.mavlink_connection(str(path))
             messages = _collect(log, lambda m: (m.get_type(), m.get_srcSystem(), m.get_srcComponent()), _boot_time)

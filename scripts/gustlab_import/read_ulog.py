@@ -31,15 +31,11 @@ SETTINGS = {"rate": "SDLOG_PROFILE: set bits 3 (system identification) and 4 (hi
 
 
 def read_ulog(path: Path) -> Recording:
-    data = read_bytes(path)
-    try:
-        return _Reader(str(path), data).recording()
-    except (KeyError, IndexError, ValueError, TypeError, OverflowError) as error:  # a name or a number that is not what PX4 writes
-        raise ImportFailure(f"{path}: the ULog's topics are not as PX4 writes them ({type(error).__name__}: {error}); is it damaged? "
-                            "fetch it again") from error
+    return _Reader(str(path), read_bytes(path)).recording()
 
 
-def _load(name: str, data: bytes):
+def load(name: str, data: bytes, topics=None):
+    """(ULog, what pyulog says of it), of bytes `without_damage`: in others pyulog may read for ever."""
     from pyulog import ULog  # a second to import
     if data[:7] != b"ULog\x01\x12\x35":
         raise ImportFailure(f"{name}: byte 0: not a PX4 ULog (the file does not begin with its mark); fetch it again")
@@ -48,7 +44,7 @@ def _load(name: str, data: bytes):
     try:
         # what pyulog prints would stand in the middle of the document
         with contextlib.redirect_stdout(said):
-            return ULog(file), " ".join(dict.fromkeys(said.getvalue().split("\n"))).strip()
+            return ULog(file, topics), " ".join(dict.fromkeys(said.getvalue().split("\n"))).strip()
     except Exception as error:  # pyulog raises whatever a damaged byte leads to
         raise ImportFailure(f"{name}: the ULog cannot be read ({type(error).__name__}: {error}); fetch it again") from error
 
@@ -60,7 +56,7 @@ def _place(part) -> str:
 class _Reader:
     def __init__(self, name: str, data: bytes):
         whole, lost, cut = without_damage(data)
-        self.log, damage = _load(name, whole)
+        self.log, damage = load(name, whole)
         self.data = {(d.name, d.multi_id): d.data for d in self.log.data_list if len(d.data.get("timestamp", ()))}
         if not self.data:
             raise ImportFailure(f"{name}: the ULog holds no samples (cut off after its header?); fetch it again")

@@ -40,10 +40,21 @@ def split(recording: Recording) -> tuple:
             kept, why = cut(recording, lifted[0]) if lifted else ([], [])
             refused += why
             flights += kept
-    for span in [span for span in flights if span[1] - span[0] < SHORTEST_s]:
-        flights.remove(span)
-        refused.append((*span, f"too short: {span[1] - span[0]:.1f} s in the air, {SHORTEST_s:g} s are needed"))
+    for span in list(flights):
+        if why := nothing_to_judge(recording, *span):
+            flights.remove(span)
+            refused.append((*span, why))
     return sorted(flights), sorted(part for part in refused if part[1] - part[0] > 0.05)
+
+
+def nothing_to_judge(recording: Recording, from_s: float, to_s: float) -> str:
+    """Why this stretch of a log is no flight, or an empty text."""
+    if to_s - from_s < SHORTEST_s:
+        return f"too short: {to_s - from_s:.1f} s in the air, {SHORTEST_s:g} s are needed"
+    sampled = [name for name, stream in recording.streams.items() if len(stream.between(from_s, to_s).time_s)]
+    if "u" not in sampled and "rotor" not in sampled:
+        return "no motor commands and no rotor speeds were logged there"
+    return "" if any(name in sampled for name in NEEDED) else "neither position nor specific force nor body rate was logged there"
 
 
 def reasons(refused: list) -> list:
