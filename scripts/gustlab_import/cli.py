@@ -5,6 +5,8 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+import numpy as np
+
 from .column_map import load_map
 from .command_line import Options, seconds
 from .from_recording import import_recording
@@ -66,7 +68,8 @@ def run(argv: list) -> int:
     named = options.vehicle or (None if column_map else vehicle_there(options.out))
     vehicle = made.vehicle if made else read_vehicle(str(named), options.out) if named else None
     outcomes, names = [], {}
-    with LogProgress(len(options.inputs), options.quiet) as progress:
+    # numbers of a damaged log may be of any size: the checks say so, numpy's warnings are no lines for people
+    with LogProgress(len(options.inputs), options.quiet) as progress, np.errstate(all="ignore"):
         for path in options.inputs:
             name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
             if name in names and options.out is not None:

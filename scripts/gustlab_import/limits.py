@@ -46,9 +46,11 @@ def _of(flight: Flight) -> dict:
         for effect in ("inertia", "center_of_mass", "rotor_loss", "yaw_torque_ratio", "motor_lag"):
             out[effect] = ("only the total thrust is in the log, not the single motors", "rate")
     elif inputs < MOTOR_Hz:
+        # one lag or delay of more than a sample shows, but not which of the two it is
+        shows = f"motors are logged at {inputs:.0f} Hz, which shows no lag below {1e3 / inputs:.0f} ms, nor a lag from a delay" if inputs else \
+            "the motors have two samples at most"
         for effect in ("motor_lag", "actuation_delay"):
-            # one lag or delay of more than a sample shows, but not which of the two it is
-            out[effect] = (f"motors are logged at {inputs:.0f} Hz, which shows no lag below {1e3 / inputs:.0f} ms, nor a lag from a delay", "rate")
+            out[effect] = (shows, "rate")
     if not collective and min(inputs, rates) < TORQUE_Hz:
         slow = f"motors are logged at {inputs:.0f} Hz" if inputs <= rates else \
             f"body rates are logged at {rates:.0f} Hz" if rates else "there is no body rate"

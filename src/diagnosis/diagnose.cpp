@@ -11,6 +11,7 @@
 #include "config/toml.hpp"
 #include "diagnosis/alignment/align.hpp"
 #include "diagnosis/estimation/rotor_speeds.hpp"
+#include "diagnosis/evidence/between_rows.hpp"
 #include "diagnosis/evidence/challenge.hpp"
 #include "diagnosis/evidence/half_rate.hpp"
 #include "diagnosis/evidence/reference_fit.hpp"
@@ -260,6 +261,22 @@ void judge_by_half_rate(const Aligned& aligned, const Fitted& fitted, int jobs, 
   }
 }
 
+// A gyroscope that reads less than the attitude turns, where the loop turned the body further between the rows than on them.
+void judge_by_turns_between_rows(const Fitted& fitted, Diagnosis& out) {
+  const double further = turn_between_rows(fitted.session.flights());
+  if (further <= 0.0) return;
+  suspect(
+      out,
+      fmt::format("only suspected: between its rows the loop turned the body {:.2g} % further than the rates on them "
+                  "say, as its commands show; a gyroscope that reads so much less looks the same",
+                  100.0 * further),
+      [further](const EffectFinding& effect) {
+        if (find_effect(effect.effect)->corrects != Corrects::rate_scale) return true;
+        const double reads_less = -effect.parameters.front().value / further;
+        return reads_less < 0.0 || reads_less > decisions::most_of_turns_between_rows;
+      });
+}
+
 // what was found, and where the simulation and the recordings differ; the session is linearised at the nominal vehicle then
 Diagnosis describe(Fitted& fitted) {
   Diagnosis out;
@@ -339,6 +356,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   Diagnosis out = describe(fitted);
   if (aligned.hold_unknown && !aligned.was_filtered()) {
     judge_by_half_rate(aligned, fitted, jobs, out);
+    judge_by_turns_between_rows(fitted, out);
     class_what_pushes_alike(out);
   }
   out.vehicle = recordings.vehicle.name;

@@ -105,6 +105,11 @@ inline constexpr double unknown_hold_samples = 1.0;
 // Statistic: relative change of its size. From: simulated logs of 50 and 100 Hz of faster loops: of 126 right names (lags and delays apart) one changes by .37 and
 // the others by .29 at most, of 32 wrong ones 15 by more. Costs: sizes that only the fastest motion shows.
 inline constexpr double same_at_half_rate = 1.0 / 3.0;
+// A gyroscope that reads less stands for physics where it is so many times what the commands say that the loop turned the body further between
+// the rows than the rates on them say.
+// Statistic: share of the turn, over its share by commands at the rows. From: simulated logs of 50 and 100 Hz of loops at 500 Hz that set new attitudes at
+// 50 Hz. Costs: small scales of logs whose rows meet the loop's updates.
+inline constexpr double most_of_turns_between_rows = 2.0;
 // A lag or delay up to here may be a filter's, in logs that were low-pass filtered while their commands were not.
 // Statistic: difference from the vehicle file, s. From: up to 30 ms were named on filtered flights without any. Costs: lags up to there on such logs.
 inline constexpr double filter_lag_s = 0.03;
