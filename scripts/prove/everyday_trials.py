@@ -14,6 +14,7 @@ import json
 import random
 import subprocess
 import sys
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -25,7 +26,7 @@ from semi_real import label, means
 VEHICLES = ("crazyflie", "crazyflie_21", "crazyflie_real", "imrc_brushed", "imrc_brushless", "iris", "neuralfly_tunnel", "neurobem_racer")
 TRAJECTORIES = ("lemniscate", "circle", "multisine", "spiral", "hover")
 CONTROLLERS = ("pid", "indi", "geometric", "l1", "mpc")
-# of everyone's size: weight N, arm m
+# of everyone's size: weight N, arm m; a drag comes on top of the vehicle file's
 EFFECTS = {
     "none": lambda weight, arm: [],
     "mass": lambda weight, arm: [{"type": "mass", "delta": 0.1}],
@@ -51,10 +52,12 @@ OUTCOMES = ("exact", "some", "withheld", "nothing", "wrong", "failed")
 
 
 @cache
-def weight_and_arm(gustlab, vehicle):
+def facts(gustlab, vehicle):
+    """(weight N, arm m, the vehicle file's own drag of its rotors N s/m)"""
     # exit 1: the paper's iris contradicts itself, and flies
     said = json.loads(subprocess.run([gustlab, "vehicle", "check", vehicle, "--format", "json"], capture_output=True, check=False).stdout)
-    return said["weight_N"], said["arm_m"]
+    file = tomllib.loads((HOME / "models" / vehicle / "vehicle.toml").read_text(encoding="utf-8"))
+    return said["weight_N"], said["arm_m"], sum(effect["at_hover"] for effect in file.get("effect", []) if effect["type"] == "rotor_drag")
 
 
 def draw(seed, number, effects=EFFECTS):
@@ -69,9 +72,11 @@ def inline(effect):
     return "{" + ", ".join(f"{key} = {json.dumps(value)}" for key, value in effect.items()) + "}"
 
 
-def experiment(drawn, weight, arm):
+def experiment(drawn, weight, arm, drag):
     """(the TOML, the effects that are concealed)"""
-    hidden = (EFFECTS | TURNING)[drawn["effect"]](weight, arm)
+    # an effect of an experiment replaces that of the vehicle file
+    hidden = [{**effect, "at_hover": drag + effect["at_hover"]} if effect["type"] == "rotor_drag" else effect
+              for effect in (EFFECTS | TURNING)[drawn["effect"]](weight, arm)]
     around = [NOISE] if drawn["noise"] == "noise" else []
     if drawn["gust"] == "gust":
         around.append({"type": "gust", "sigma_xy": 0.02 * weight, "sigma_z": 0.01 * weight})
@@ -95,7 +100,7 @@ def trial(number, options):
     drawn = draw(options.seed, number, KINDS[options.effects])
     place = options.out / drawn["trial"]
     place.mkdir(parents=True, exist_ok=True)
-    text, hidden = experiment(drawn, *weight_and_arm(options.gustlab, drawn["vehicle"]))
+    text, hidden = experiment(drawn, *facts(options.gustlab, drawn["vehicle"]))
     (place / "experiment.toml").write_text(text, encoding="utf-8")
     found = place / "diagnosis" / "diagnosis.json"
     if not found.exists():

@@ -23,11 +23,12 @@ def test_a_trial_is_drawn_again_alike_and_all_kinds_come():
 def test_the_experiment_holds_what_is_concealed_and_what_was_drawn():
     for number in range(120):
         drawn = draw(3, number, TURNING if number % 2 else EFFECTS)
-        text, hidden = experiment(drawn, 2.0, 0.1)
+        text, hidden = experiment(drawn, 2.0, 0.1, 0.3)
         said = tomllib.loads(text)
         kinds = [effect["type"] for effect in said["effect"]]
         assert kinds[:len(hidden)] == [effect["type"] for effect in hidden]
         assert ("measurement_noise" in kinds) == (drawn["noise"] == "noise") and ("gust" in kinds) == (drawn["gust"] == "gust")
+        assert all(effect["at_hover"] == 0.4 for effect in hidden if effect["type"] == "rotor_drag")   # 0.05 of the weight beyond the file's
         assert ("log_rate_hz" in said) == (drawn["log"] != "at the loop's rate")
 
 
