@@ -68,8 +68,7 @@ def run(argv: list) -> int:
     named = options.vehicle or (None if column_map else vehicle_there(options.out))
     vehicle = made.vehicle if made else read_vehicle(str(named), options.out) if named else None
     outcomes, names = [], {}
-    # numbers of a damaged log may be of any size: the checks say so, numpy's warnings are no lines for people
-    with LogProgress(len(options.inputs), options.quiet) as progress, np.errstate(all="ignore"):
+    with LogProgress(len(options.inputs), options.quiet) as progress:
         for path in options.inputs:
             name = stem(path, column_map is not None and column_map.get("", "name") == "folder")
             if name in names and options.out is not None:
@@ -179,4 +178,6 @@ def former_import(folder: Path) -> list:
 
 
 def main(argv=None) -> int:
-    return ended(run, sys.argv[1:] if argv is None else argv)
+    # numbers of a damaged log may be of any size: the checks say so, numpy's warnings are no lines for people
+    with np.errstate(all="ignore"):
+        return ended(run, sys.argv[1:] if argv is None else argv)
