@@ -13,6 +13,9 @@ namespace gustlab {
 
 enum class ActuatorKind { rotor_speed, thrust, throttle, pwm, collective_thrust };
 enum class Hold { unknown, zoh, linear };
+// What rotors do between the rows of a log that does not say how commands go on: as `hold` has it; from the command of a row to the speed that the
+// next one measures; or what a faster loop adds, which is not logged.
+enum class BetweenRows { as_said, from_command_to_speed, loop_goes_on };
 std::string_view to_string(ActuatorKind kind);
 std::string_view to_string(Hold hold);
 
@@ -29,6 +32,7 @@ struct LogMeta {
   ActuatorKind actuator = ActuatorKind::rotor_speed;
   std::string source = "recording";  // simulation | recording
   Hold hold = Hold::unknown;
+  BetweenRows between_rows = BetweenRows::as_said;  // no key of a file: found by the diagnosis
   std::string notes;
   Environment environment;
   // free keys, values as TOML literals; condition is shown and never fitted

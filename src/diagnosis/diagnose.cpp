@@ -10,8 +10,8 @@
 
 #include "config/toml.hpp"
 #include "diagnosis/alignment/align.hpp"
+#include "diagnosis/alignment/between_rows.hpp"
 #include "diagnosis/estimation/rotor_speeds.hpp"
-#include "diagnosis/evidence/between_rows.hpp"
 #include "diagnosis/evidence/challenge.hpp"
 #include "diagnosis/evidence/half_rate.hpp"
 #include "diagnosis/evidence/reference_fit.hpp"
@@ -23,6 +23,7 @@
 #include "diagnosis/output/habit.hpp"
 #include "diagnosis/output/next_flight.hpp"
 #include "diagnosis/output/residual_effect.hpp"
+#include "diagnosis/recording/limit_cycle.hpp"
 #include "diagnosis/recording/recordings.hpp"
 #include "diagnosis/recording/sensor_latency.hpp"
 #include "diagnosis/recording/total_thrust.hpp"
@@ -162,10 +163,12 @@ Fitted fit_beside(const ReferenceFit* normal, const Aligned& aligned, Reading re
                     "told from the delay of the filter, which smoothed the motion and not the commands",
                     1e3 * decisions::filter_lag_s));
   if (session.catalogue().commands_are_slow())
-    reading.remarks.notes.emplace_back(
-        "the commands were logged at a lower rate than the motion: how much torque in roll and pitch the loop added "
-        "between them is estimated with all else, and what roll and pitch alone would show (inertia, damping) is not "
-        "told");
+    reading.remarks.notes.push_back(
+        fmt::format("{}: how much torque in roll and pitch the loop added between them is estimated with all else, and "
+                    "what roll and pitch alone would show (inertia, damping) is not told",
+                    session.flights().front().loop_goes_on
+                        ? "the loop sets new commands on the rows of the logs, and goes on between them"
+                        : "the commands were logged at a lower rate than the motion"));
   report_progress(options, "choosing effects");
   Selection selection = select_within_bounds(session);
   report_progress(options, testing);
@@ -263,18 +266,31 @@ void judge_by_half_rate(const Aligned& aligned, const Fitted& fitted, int jobs, 
 
 // A gyroscope that reads less than the attitude turns, where the loop turned the body further between the rows than on them.
 void judge_by_turns_between_rows(const Fitted& fitted, Diagnosis& out) {
-  const double further = turn_between_rows(fitted.session.flights());
-  if (further <= 0.0) return;
+  if (!fitted.session.flights().front().loop_goes_on) return;
+  const double further = turn_between_rows(fitted.session.flights()).share;
   suspect(
       out,
       fmt::format("only suspected: between its rows the loop turned the body {:.2g} % further than the rates on them "
                   "say, as its commands show; a gyroscope that reads so much less looks the same",
                   100.0 * further),
       [further](const EffectFinding& effect) {
-        if (find_effect(effect.effect)->corrects != Corrects::rate_scale) return true;
-        const double reads_less = -effect.parameters.front().value / further;
-        return reads_less < 0.0 || reads_less > decisions::most_of_turns_between_rows;
+        const double delta = effect.parameters.empty() ? 0.0 : effect.parameters.front().value;
+        return find_effect(effect.effect)->corrects != Corrects::rate_scale || delta > 0.0 ||
+               -delta > decisions::most_of_turns_between_rows * further;
       });
+}
+
+// A flight out of control shows that rotors answer late, and nothing else.
+void judge_by_control(const Aligned& aligned, Diagnosis& out) {
+  const double share = share_at_both_limits(aligned.raw_fit);
+  if (share < decisions::most_at_both_limits) return;
+  out.notes.push_back(
+      fmt::format("the loop runs the rotors from one limit to the other ({:.0f} % of the commands are at the highest, "
+                  "and as many at the lowest, or more): the vehicle is out of control, which lags and delays do; "
+                  "nothing else is told by such flights",
+                  100.0 * share));
+  suspect(out, "only suspected: the vehicle is out of control, its rotors run from one limit to the other",
+          [](const EffectFinding& effect) { return makes_rotors_late(*find_effect(effect.effect)); });
 }
 
 // what was found, and where the simulation and the recordings differ; the session is linearised at the nominal vehicle then
@@ -349,7 +365,8 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
   const std::string_view testing = recordings.holdout.empty() ? "testing them on the last third of the flight"
                                                               : "testing them on the held-out flights";
   recordings = with_held_out_part(std::move(recordings));
-  const Aligned aligned = align(recordings);
+  Aligned aligned = align(recordings);
+  settle_between_rows(aligned);
   Fitted fitted = fit(aligned, false, testing, options);
   if (torques_mislead(aligned, fitted)) fitted = fit(aligned, true, testing, options);
 
@@ -359,6 +376,7 @@ Diagnosis diagnose_motion(Recordings recordings, const DiagnoseOptions& options)
     judge_by_turns_between_rows(fitted, out);
     class_what_pushes_alike(out);
   }
+  judge_by_control(aligned, out);
   out.vehicle = recordings.vehicle.name;
   say_first(recordings.set_aside, {&recordings.remarks, &aligned.remarks, &fitted.reading.remarks}, out);
   out.flights.insert(out.flights.end(), fitted.used.begin(), fitted.used.end());

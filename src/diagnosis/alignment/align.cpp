@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "diagnosis/alignment/between_rows.hpp"
 #include "diagnosis/alignment/command_offsets.hpp"
 #include "diagnosis/alignment/hold.hpp"
 #include "diagnosis/recording/clock_checks.hpp"
@@ -71,6 +72,31 @@ bool find_jitter(const std::vector<FlightData>& flights, std::vector<LogFinding>
   return true;
 }
 
+std::vector<FlightLog> marked(std::vector<FlightLog> logs, BetweenRows as) {
+  for (FlightLog& log : logs) log.meta.between_rows = as;
+  return logs;
+}
+
+BetweenRows found_between_rows(const Aligned& aligned) {
+  if (std::ranges::none_of(aligned.raw_fit, [](const FlightData& f) { return !f.measured_speed.empty(); })) {
+    const TurnBetweenRows turn = turn_between_rows(aligned.raw_fit);
+    const bool goes_on =
+        turn.share > std::max(decisions::least_turn_between_rows, decisions::turn_between_rows_errors * turn.std);
+    return goes_on ? BetweenRows::loop_goes_on : BetweenRows::as_said;
+  }
+  // rotors that are slow, as the vehicle file says, do not jump
+  if (std::ranges::any_of(aligned.vehicle.effects, [](const EffectSpec& effect) {
+        return find_effect(effect.type)->latency != Latency::none &&
+               find_effect(effect.type)->place == Place::actuation;
+      }))
+    return BetweenRows::as_said;
+  const auto read = [&aligned](bool jump) {
+    const BetweenRows as = jump ? BetweenRows::from_command_to_speed : BetweenRows::as_said;
+    return prepare(marked(aligned.fit, as), aligned.vehicle, aligned.reading, aligned.offset_s);
+  };
+  return speeds_jump(read) ? BetweenRows::from_command_to_speed : BetweenRows::as_said;
+}
+
 }  // namespace
 
 Aligned align(const Recordings& recordings) {
@@ -108,6 +134,18 @@ Aligned align(const Recordings& recordings) {
         "the commanded torques are not known between samples: only forces, and torques over two seconds, are judged");
   }
   return out;
+}
+
+void settle_between_rows(Aligned& aligned) {
+  if (!aligned.hold_unknown || aligned.was_filtered() || aligned.reading.forces_only) return;
+  const BetweenRows found = found_between_rows(aligned);
+  for (std::vector<FlightLog>* logs : {&aligned.fit, &aligned.holdout, &aligned.reference})
+    *logs = marked(std::move(*logs), found);
+  if (found == BetweenRows::from_command_to_speed)
+    aligned.remarks.notes.emplace_back(
+        "measured rotor speeds are those before the commands of their rows, which the rotors obey at once: between "
+        "rows "
+        "they go from the command to what the next row measures");
 }
 
 Reading settle_reading(const Aligned& aligned, bool forces_only, int jobs) {

@@ -22,6 +22,8 @@ struct Aligned {
 };
 // Throws DataError when inputs cannot be mapped by the vehicle.
 Aligned align(const Recordings& recordings);
+// Marks the logs with what their rotors do between rows, where they do not say it.
+void settle_between_rows(Aligned& aligned);
 
 // How the flights are read for the filter.
 struct Reading {

@@ -21,8 +21,7 @@ namespace {
 double misfit(FlightData flight, const VehicleModel& vehicle, double later_s) {
   // whenever they are read, of the same samples
   flight = without_spin_up(std::move(flight), 2.0 * spin_up_s);
-  flight.commands.delay(later_s);
-  flight.measured_speed.delay(later_s);
+  flight.delay_inputs(later_s);
   std::vector<FlightData> one;
   one.push_back(std::move(flight));
   Session session(std::move(one), vehicle, 1);

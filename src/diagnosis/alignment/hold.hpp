@@ -11,4 +11,10 @@ namespace gustlab::diagnosis {
 bool linear_is_likelier(const VehicleModel& vehicle, int jobs,
                         const std::function<std::vector<FlightData>(bool linear)>& read);
 
+// Whether measured rotor speeds jump to the commands of their rows, as rotors that obey at once do: on a row they are those before its command, and
+// between rows they are larger than a straight line from one row to the next says. Judged by what either leaves of the change of the body's
+// rates from row to row in roll and pitch, each axis with a gain of its own (the moment of inertia may be wrong). `read`: the flights in one way or
+// the other; false where a flight has not both speeds and commands, in the same rows.
+bool speeds_jump(const std::function<std::vector<FlightData>(bool jump)>& read);
+
 }  // namespace gustlab::diagnosis

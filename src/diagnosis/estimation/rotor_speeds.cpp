@@ -105,7 +105,7 @@ std::vector<double> smoothed(const std::vector<double>& y, const std::vector<dou
 void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                      const SpeedNoise& noise) {
   flight.estimated = {};
-  if (flight.measured_at_sample.empty() || noise.white <= 0.0) return;
+  if (flight.measured_at_sample.empty() || !flight.jumping_speed.empty() || noise.white <= 0.0) return;
   const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
   RotorHistory estimate = commanded_history(flight, forces);
   const std::vector<RotorArray>& measured = flight.measured_at_sample;

@@ -66,6 +66,7 @@ std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight) {
 bool commands_are_slower(const FlightData& flight) {
   const std::vector<double>& at_s = flight.commands.time_s();
   if (flight.hold_known || !flight.measured_speed.empty() || at_s.size() < 2) return false;
+  if (flight.loop_goes_on) return true;
   const double interval_s = (at_s.back() - at_s.front()) / static_cast<double>(at_s.size() - 1);
   return interval_s > slower_commands * flight.sample_s;
 }
@@ -121,7 +122,7 @@ std::vector<CommandInnovation> command_innovation(const FlightData& flight) {
   for (std::size_t k = 1; k < innovation.size(); ++k)
     if (!flight.samples[k].starts_segment)
       innovation[k].segment<4>(4) = kept * innovation[k - 1].segment<4>(4) + (1.0 - kept) * innovation[k - 1].head<4>();
-  if (intervals < each.size())
+  if (commands_are_slower(flight))
     for (std::size_t k = 0; k < innovation.size(); ++k)
       innovation[k].tail<4>() << known[k].body_rate_B_radps.head<2>(), each[k].head<2>();
   return innovation;

@@ -24,7 +24,8 @@ std::vector<CommandInnovation> command_innovation(const FlightData& flight);
 // Acceleration that the rotors of the nominal vehicle cause at rest, per sample: roll, pitch, yaw [rad/s²], along the body's z [m/s²].
 std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight);
 
-// Whether commands drive the rotors that were logged at a lower rate than the motion, and the log does not say that they were held.
+// Whether commands drive the rotors that were logged at a lower rate than the motion or of which it was found that the loop went on between them,
+// and the log does not say that they were held.
 bool commands_are_slower(const FlightData& flight);
 
 }  // namespace gustlab::diagnosis

@@ -119,7 +119,7 @@ RotorHistory history_of(const FlightData& flight, const ForceModel* forces) {
       }
       const CommandRecord& record = flight.measured_speed;
       const RotorArray ahead = record.mean(t + 0.5 * h, t + 1.5 * h), behind = record.mean(t - 0.5 * h, t + 0.5 * h);
-      mean = record.mean(t, t + h);
+      mean = (flight.jumping_speed.empty() ? record : flight.jumping_speed).mean(t, t + h);
       for (std::size_t i = 0; i < max_rotors; ++i) rise[i] = (ahead[i] - behind[i]) / h;
       speed = ahead;
     }

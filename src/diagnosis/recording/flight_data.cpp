@@ -504,6 +504,19 @@ FlightData sensors_alone(const FlightLog& log, const VehicleModel& vehicle, cons
   return flight;
 }
 
+// From the command of each row to the speed that the next one measures. Empty where the two have other rows.
+CommandRecord from_commands(const CommandRecord& commands, const CommandRecord& measured) {
+  constexpr double jump_s = 1e-6;
+  if (commands.time_s() != measured.time_s()) return {};
+  std::vector<double> time_s;
+  std::vector<RotorArray> speed;
+  for (std::size_t k = 0; k < commands.time_s().size(); ++k) {
+    if (k > 0) time_s.push_back(commands.time_s()[k] - jump_s), speed.push_back(measured.speed_radps()[k]);
+    time_s.push_back(commands.time_s()[k]), speed.push_back(commands.speed_radps()[k]);
+  }
+  return {std::move(time_s), std::move(speed), true};
+}
+
 // one log, as the options say; without `each_rotor` and `sensors`
 FlightData read_alone(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
   const bool filters = options.common_filter_s > 0.0, averages = !filters && options.coarse_rate_hz > 0.0;
@@ -525,6 +538,9 @@ FlightData read_alone(const FlightLog& original, const VehicleModel& vehicle, co
       log.meta.hold == Hold::linear || (log.meta.hold == Hold::unknown && options.linear_hold.value_or(false));
   flight.commands = speeds_recorded(log, vehicle, "u", log.meta.actuator, linear);
   flight.measured_speed = speeds_recorded(log, vehicle, "rotor", ActuatorKind::rotor_speed, true);
+  flight.loop_goes_on = log.meta.between_rows == BetweenRows::loop_goes_on;
+  if (log.meta.between_rows == BetweenRows::from_command_to_speed)
+    flight.jumping_speed = from_commands(flight.commands, flight.measured_speed);
   if (flight.commands.empty() && flight.measured_speed.empty())
     throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
                                 vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));

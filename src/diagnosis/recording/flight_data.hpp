@@ -108,14 +108,17 @@ struct FlightData {
   std::vector<Motion> motion;  // per sample, with `corrected` taken out
   std::vector<GyroFit> gyro;   // per sample
   SensorCorrection corrected;
-  CommandRecord commands;                      // mapped to rotor speed
-  CommandRecord measured_speed;                // rotor* columns, when there
+  CommandRecord commands;        // mapped to rotor speed
+  CommandRecord measured_speed;  // rotor* columns, when there
+  // The same where they jump to the command of each row and go on to what the next row measures: what drives the body. Empty: they do not.
+  CommandRecord jumping_speed;
   std::vector<RotorArray> measured_at_sample;  // the same at the samples; empty: not compared with commands
   RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp
   bool collective_only = false;  // torques unknown, or not to be judged
   bool has_voltage = false;
   bool inertial_unused = false;  // an accelerometer was recorded, and no attitude to compare it with the path
   SensorLatency late;
+  bool loop_goes_on = false;               // between the commands that were logged
   bool hold_known = false;                 // interpolated commands were resampled, or sent faster than the log
   std::vector<Vector3> load_force_W_mps2;  // force of a slung load per kg of it, per sample; empty: none is suspected
   // what a lower speed limit changes, per sample: linear acceleration in W, angular in B; empty: none is suspected
@@ -133,6 +136,10 @@ struct FlightData {
   std::shared_ptr<const FlightData> sensors;
   // with the command of each rotor, where the total alone is known from sample to sample: means of torques over a while
   std::shared_ptr<const FlightData> each_rotor;
+  // Commands and speeds as if they were logged so much later.
+  void delay_inputs(double by_s) {
+    for (CommandRecord* record : {&commands, &measured_speed, &jumping_speed}) record->delay(by_s);
+  }
   // from the first sample to the last
   double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s - samples.front().time_s; }
   // the same, of a gap no more than longest_walk_s

@@ -138,8 +138,7 @@ std::vector<FlightData> prepare(const std::vector<FlightLog>& logs, const Vehicl
   for (std::size_t i = 0; i < logs.size(); ++i) {
     flights.push_back(prepare_flight(logs[i], vehicle, options));
     if (first + i >= offset_s.size()) continue;
-    flights.back().commands.delay(offset_s[first + i]);
-    flights.back().measured_speed.delay(offset_s[first + i]);
+    flights.back().delay_inputs(offset_s[first + i]);
   }
   return flights;
 }

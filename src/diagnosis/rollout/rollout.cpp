@@ -43,7 +43,9 @@ Recording::Recording(const FlightLog& flight_log, const VehicleModel& nominal, c
   vehicle = data.vehicle;
   vehicle.shapes.clear();
   speed_is_measured = !data.measured_speed.empty();
-  inputs = speed_is_measured ? std::move(data.measured_speed) : std::move(data.commands);
+  inputs = !data.jumping_speed.empty() ? std::move(data.jumping_speed)
+           : speed_is_measured         ? std::move(data.measured_speed)
+                                       : std::move(data.commands);
   inputs.delay(options.command_delay_s);
   collective_only = data.collective_only && !speed_is_measured;
   step_s = motion.sample_s() / std::max(1.0, std::ceil(motion.sample_s() / options.max_step_s - 1e-9));

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "diagnosis/model/command_innovation.hpp"
 #include "support/trials.hpp"
 
 namespace gustlab::diagnosis {
@@ -136,6 +137,94 @@ TEST(Align, SaysThatCommandsJitterWhereTheClocksAreApartToo) {
   const Aligned found = align(with_clocks_apart(trial));
   EXPECT_TRUE(found.reading.forces_only);
   EXPECT_TRUE(found.commands_jitter);
+}
+
+// A loop at 500 Hz that sets new attitudes at 50 Hz, on the rows of its log: measured speeds of a row are those before its commands.
+test::TrialSettings on_the_rows() {
+  return {.vehicle = "neurobem_racer",
+          .controller = "mpc",
+          .fit = {"multisine"},
+          .holdout = {"circle"},
+          .sensors = {"pose", "gyroscope", "rotor_speed"},
+          .duration_s = 10.0,
+          .log_rate_hz = 50.0,
+          .noise = 0.0,
+          .air_sd_N = 0.05};
+}
+
+Aligned settled(const test::TrialSettings& trial) {
+  const TemporaryFolder folder;
+  const DiagnoseOptions flown = test::fly_trial(folder, trial);
+  Aligned aligned = align(check(read_recordings(flown.fit, flown.holdout, {}, std::nullopt)));
+  settle_between_rows(aligned);
+  return aligned;
+}
+
+// Roll acceleration from row to row over that of the rotors.
+double gain(const Aligned& aligned) {
+  const FlightData flight = prepare(aligned.fit, aligned.vehicle, {}).front();
+  const std::vector<Eigen::Vector4d> rotors = rotor_acceleration(flight);
+  double both = 0.0, squared = 0.0;
+  for (std::size_t k = 50; k + 1 < flight.samples.size(); ++k) {
+    const Sample &now = flight.samples[k], &next = flight.samples[k + 1];
+    both += rotors[k].x() * (next.body_rate_B_radps.x() - now.body_rate_B_radps.x()) / (next.time_s - now.time_s);
+    squared += rotors[k].x() * rotors[k].x();
+  }
+  return both / squared;
+}
+
+TEST(MeasuredSpeeds, JumpToTheCommandsOfTheirRows) {
+  Aligned aligned = settled(on_the_rows());
+  ASSERT_EQ(aligned.fit.front().meta.between_rows, BetweenRows::from_command_to_speed);
+  ASSERT_EQ(aligned.holdout.front().meta.between_rows, BetweenRows::from_command_to_speed);
+  EXPECT_THAT(aligned.remarks.notes, Contains(HasSubstr("obey at once")));
+  EXPECT_NEAR(gain(aligned), 1.0, 0.02);
+  aligned.fit.front().meta.between_rows = BetweenRows::as_said;
+  EXPECT_GT(gain(aligned), 1.1);
+}
+
+TEST(MeasuredSpeeds, DoNotJumpWhereRotorsAreSlowOrNotMeasured) {
+  test::TrialSettings slow = on_the_rows(), known = on_the_rows(), unmeasured = on_the_rows();
+  slow.controller = "geometric";  // mpc does not hold it
+  slow.concealed = R"({type = "motor_lag", time_constant = 0.06})";
+  known.vehicle = "crazyflie";  // with a lag in its file
+  unmeasured.sensors = {"pose", "gyroscope"};
+  for (const test::TrialSettings& trial : {slow, known, unmeasured})
+    EXPECT_NE(settled(trial).fit.front().meta.between_rows, BetweenRows::from_command_to_speed);
+}
+
+// Commands alone show a quarter more torque than there is.
+TEST(CommandsAlone, SayThatTheLoopGoesOn) {
+  test::TrialSettings trial = on_the_rows();
+  trial.sensors = {"pose", "gyroscope"};
+  EXPECT_EQ(settled(trial).fit.front().meta.between_rows, BetweenRows::loop_goes_on);
+  trial.log_rate_hz = 500.0;
+  EXPECT_EQ(settled(trial).fit.front().meta.between_rows, BetweenRows::as_said);
+}
+
+TEST(CommandsAloneTrials, NameNoMomentsOfInertia) {
+  const TemporaryFolder folder;
+  test::TrialSettings trial = on_the_rows();
+  trial.sensors = {"pose", "velocity", "gyroscope", "accelerometer"};
+  trial.concealed = R"({type = "mass", delta = 0.1})";
+  const Diagnosis found = diagnose(test::fly_trial(folder, trial));
+  ASSERT_EQ(found.effects.size(), 1u);
+  EXPECT_THAT(found.effects.front().classmates, Contains("mass"));
+  EXPECT_THAT(found.notes, Contains(HasSubstr("goes on between them")));
+}
+
+// Read as straight lines the speeds showed a quarter less torque, and a right moment of inertia a quarter less.
+TEST(MeasuredSpeedsTrials, GiveTheMomentsOfInertia) {
+  const TemporaryFolder folder;
+  test::TrialSettings trial = on_the_rows();
+  trial.concealed = R"({type = "inertia", delta_x = 0.3, delta_y = 0.3})";
+  const Diagnosis found = diagnose(test::fly_trial(folder, trial));
+  ASSERT_EQ(found.effects.size(), 1u);
+  EXPECT_EQ(found.effects.front().effect, "inertia");
+  for (const NamedValue& delta : found.effects.front().parameters)
+    if (delta.name != "delta_z") {
+      EXPECT_NEAR(delta.value, 0.3, 0.02);
+    }
 }
 
 }  // namespace align_test

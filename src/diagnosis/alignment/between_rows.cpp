@@ -1,4 +1,6 @@
-#include "diagnosis/evidence/between_rows.hpp"
+#include "diagnosis/alignment/between_rows.hpp"
+
+#include <cmath>
 
 #include "diagnosis/model/command_innovation.hpp"
 
@@ -6,15 +8,15 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// Sums over the rows of a flight: what turns further times what the rates say [rad²], and the square of the latter.
+// Sums over the rows of a flight: what turns further times what the rates say [rad²], its square, and the square of what the rates say.
 struct Sums {
-  double further = 0.0, squared = 0.0;
+  double further = 0.0, scatter = 0.0, squared = 0.0;
 };
 
 Sums sums_of(FlightData flight) {
   // each until the next comes, as they are on their rows; measured speeds of a row may be those before its commands
   flight.commands = {flight.commands.time_s(), flight.commands.speed_radps(), false};
-  flight.measured_speed = {}, flight.estimated = {};
+  flight.measured_speed = flight.jumping_speed = {}, flight.estimated = {};
   const std::vector<Eigen::Vector4d> commanded = rotor_acceleration(flight);
   const auto size = static_cast<Eigen::Index>(flight.samples.size());
   Eigen::Matrix3Xd excess(3, size), turn(3, size);
@@ -32,7 +34,8 @@ Sums sums_of(FlightData flight) {
   const Vector3 trim = excess.leftCols(count).rowwise().mean();
   Sums sums;
   for (Eigen::Index i = 0; i < count; ++i) {
-    sums.further += (excess.col(i) - trim).dot(turn.col(i)) * interval_s[i] * interval_s[i] / 6.0;
+    const double further = (excess.col(i) - trim).dot(turn.col(i)) * interval_s[i] * interval_s[i] / 6.0;
+    sums.further += further, sums.scatter += further * further;
     sums.squared += turn.col(i).squaredNorm();
   }
   return sums;
@@ -40,14 +43,15 @@ Sums sums_of(FlightData flight) {
 
 }  // namespace
 
-double turn_between_rows(const std::vector<FlightData>& flights) {
+TurnBetweenRows turn_between_rows(const std::vector<FlightData>& flights) {
   Sums all;
   for (const FlightData& flight : flights) {
     if (flight.collective_only || flight.commands.empty()) continue;
     const Sums own = sums_of(flight);
-    all.further += own.further, all.squared += own.squared;
+    all.further += own.further, all.scatter += own.scatter, all.squared += own.squared;
   }
-  return all.squared > 0.0 ? all.further / all.squared : 0.0;
+  if (all.squared == 0.0) return {};
+  return {all.further / all.squared, std::sqrt(all.scatter) / all.squared};
 }
 
 }  // namespace gustlab::diagnosis
