@@ -144,8 +144,7 @@ void settle_between_rows(Aligned& aligned) {
   if (found == BetweenRows::from_command_to_speed)
     aligned.remarks.notes.emplace_back(
         "measured rotor speeds are those before the commands of their rows, which the rotors obey at once: between "
-        "rows "
-        "they go from the command to what the next row measures");
+        "rows they go from the command to what the next row measures");
 }
 
 Reading settle_reading(const Aligned& aligned, bool forces_only, int jobs) {

@@ -16,6 +16,7 @@ double share_at_both_limits(const std::vector<FlightData>& flights) {
     double least = *range(commands.front()).first, most = *range(commands.front()).second;
     for (const RotorArray& row : commands)
       least = std::min(least, *range(row).first), most = std::max(most, *range(row).second);
+    if (!(most > least)) continue;
     for (const RotorArray& row : commands) {
       low += *range(row).first <= least + cut_off * (most - least) ? 1.0 : 0.0;
       high += *range(row).second >= most - cut_off * (most - least) ? 1.0 : 0.0;

@@ -36,6 +36,9 @@ TEST(ShareAtBothLimits, IsThatOfSignalsThatAreCutOff) {
   EXPECT_LT(share_at_both_limits({swinging(100.0)}), 0.01);
   EXPECT_GT(share_at_both_limits({swinging(1e4)}), 0.5);
   EXPECT_EQ(share_at_both_limits({}), 0.0);
+  FlightData frozen = swinging(100.0);
+  frozen.commands = CommandRecord({0.0, 1.0}, {RotorArray{}, RotorArray{}}, false);
+  EXPECT_EQ(share_at_both_limits({frozen}), 0.0);
 }
 
 // a battery that is empty is at one limit
