@@ -1,6 +1,6 @@
 """Logs of every kind and column maps, damaged by Hypothesis: an answer with exit 0, 2 or 3, one line for what is wrong, and never a traceback.
 
-GUSTLAB_MUTATIONS: how many of each kind; GUSTLAB_MUTATIONS_SEED: others. What fails is made smaller and printed, as the list of what was done to the good file."""
+GUSTLAB_MUTATIONS: how many of each kind; GUSTLAB_MUTATIONS_SEED: others. What fails is printed, as the list of what was done to the good file."""
 
 import os
 import unittest

@@ -3,9 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
-#include "diagnosis/diagnose.hpp"
 #include "diagnosis/model/propagation.hpp"
 #include "support/sessions.hpp"
 

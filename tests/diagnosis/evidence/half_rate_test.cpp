@@ -69,6 +69,23 @@ TEST(ChangesAtHalfRate, AreNotToldWithoutASensor) {
   EXPECT_TRUE(changes_at_half_rate(half, session, selection).empty());
 }
 
+// With commands alone moments of inertia are not asked there.
+TEST(HalfRateTrials, WhatCommandsAloneLeaveOutIsNoPhysics) {
+  const TemporaryFolder folder;
+  const Diagnosis found = diagnose(test::fly_trial(folder, {.vehicle = "crazyflie_21",
+                                                            .controller = "mpc",
+                                                            .fit = {"multisine"},
+                                                            .holdout = {"hover"},
+                                                            .sensors = {"pose", "gyroscope", "accelerometer"},
+                                                            .duration_s = 15.0,
+                                                            .log_rate_hz = 100.0,
+                                                            .noise = 0.1,
+                                                            .air_sd_N = 0.0,
+                                                            .concealed = R"({type = "thrust_scale", delta = -0.08})"}));
+  ASSERT_EQ(found.effects.size(), 1u);
+  EXPECT_EQ(found.effects.front().effect, "thrust_scale");
+}
+
 // A simulated flight without noise, logged at a fifth of the loop's rate: moments of inertia stood in for what the rotors did between rows.
 TEST(HalfRateTrials, WhatALogLeavesOutBetweenItsRowsIsNoPhysics) {
   const TemporaryFolder folder;
