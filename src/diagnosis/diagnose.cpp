@@ -212,8 +212,6 @@ bool torques_mislead(const Aligned& aligned, const Fitted& fitted) {
   return !aligned.attitude && !fitted.challenged.rest.alarms.empty();
 }
 
-bool makes_rotors_late(const EffectRow& row) { return row.place == Place::actuation && row.latency != Latency::none; }
-
 // How well commands predict the measured speeds, nothing where no held-out flight has both. Of commands that were sampled from a faster loop and
 // jitter a lag is a better mean, late or not: where they hardly predict the speeds better, a lag and a delay are alike, and where they do not, it is none.
 void judge_by_speeds(const Session& session, const Selection& selection, std::vector<FlightData> holdout,

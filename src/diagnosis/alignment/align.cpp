@@ -85,11 +85,7 @@ BetweenRows found_between_rows(const Aligned& aligned) {
     return goes_on ? BetweenRows::loop_goes_on : BetweenRows::as_said;
   }
   // rotors that are slow, as the vehicle file says, do not jump
-  if (std::ranges::any_of(aligned.vehicle.effects, [](const EffectSpec& effect) {
-        return find_effect(effect.type)->latency != Latency::none &&
-               find_effect(effect.type)->place == Place::actuation;
-      }))
-    return BetweenRows::as_said;
+  if (rotors_are_late(aligned.vehicle)) return BetweenRows::as_said;
   const auto read = [&aligned](bool jump) {
     const BetweenRows as = jump ? BetweenRows::from_command_to_speed : BetweenRows::as_said;
     return prepare(marked(aligned.fit, as), aligned.vehicle, aligned.reading, aligned.offset_s);

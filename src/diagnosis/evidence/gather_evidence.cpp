@@ -389,8 +389,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.at_bound = at_its_bound(catalogue, selection.value, finding.group);
     record.undone = undone[i].share, record.outweighed = undone[i].outweighed;
     record.dwarfed_by = dwarfed_by(catalogue, selection, beside, i);
-    record.lone_latency = session.reference() && session.reference()->flights == 1 &&
-                          group.row->place == Place::actuation && group.row->latency != Latency::none;
+    record.lone_latency = session.reference() && session.reference()->flights == 1 && makes_rotors_late(*group.row);
     record.alike = alike(session, selection, finding);
   });
   return records;

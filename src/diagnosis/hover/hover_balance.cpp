@@ -33,7 +33,7 @@ struct HoverBlocks {
 // one block, when it is hover
 void add_block(const FlightData& flight, const VehicleModel& vehicle, std::size_t first, std::size_t length,
                HoverBlocks& out) {
-  const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  const CommandRecord& record = flight.rotor_record();
   const auto rotors = static_cast<std::size_t>(vehicle.rotor_count);
   double level = 0.0, vertical = 0.0, mean_V = 0.0;
   bool known = true;

@@ -12,13 +12,17 @@ namespace {
 
 using OfRotor = std::function<double(const Rotor&, const VehicleModel&)>;
 
-// Sum over rotors of squared speeds, each times its weight, at every new command: other columns may be logged faster.
-std::vector<double> sums_at_commands(const FlightData& flight, const OfRotor& weight) {
-  const auto& rows = flight.commands.speed_radps();
+// Commands or measured speeds.
+using Rotors = CommandRecord FlightData::*;
+
+// Sum over rotors of squared speeds, each times its weight, at every new row of them: other columns may be logged faster.
+std::vector<double> sums_at_rows(const FlightData& flight, Rotors of, const OfRotor& weight) {
+  const CommandRecord& record = flight.*of;
+  const auto& rows = record.speed_radps();
   const auto rotors = static_cast<std::size_t>(flight.vehicle.rotor_count);
   std::vector<double> sums;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double time_s = flight.commands.time_s()[k];
+    const double time_s = record.time_s()[k];
     const bool flown = time_s >= flight.start_s && time_s <= flight.start_s + flight.duration_s();
     if (!flown || (k > 0 && rows[k] == rows[k - 1])) continue;
     double sum = 0.0;
@@ -29,13 +33,13 @@ std::vector<double> sums_at_commands(const FlightData& flight, const OfRotor& we
   return sums;
 }
 
-// Of a flight's commands: sums over them of the square of what is faster than half a hertz, and of its white part.
+// Of a flight's commands or speeds: sums over them of the square of what is faster than half a hertz, and of its white part.
 struct Squares {
   double white = 0.0, all = 0.0;
 };
 
-Squares squares_of(const FlightData& flight, const OfRotor& weight) {
-  const std::vector<double> total = sums_at_commands(flight, weight);
+Squares squares_of(const FlightData& flight, Rotors of, const OfRotor& weight) {
+  const std::vector<double> total = sums_at_rows(flight, of, weight);
   if (total.size() < 200) return {};
   constexpr double slow_s = 2.0;
   const auto half = static_cast<std::size_t>(0.5 * slow_s * static_cast<double>(total.size()) / flight.duration_s());
@@ -52,14 +56,25 @@ Squares squares_of(const FlightData& flight, const OfRotor& weight) {
   return squares;
 }
 
-double white_share(const std::vector<const FlightData*>& flights, const OfRotor& weight) {
+double white_share(const std::vector<const FlightData*>& flights, Rotors of, const OfRotor& weight) {
   Squares sum;
   for (const FlightData* flight : flights) {
-    if (flight->commands.empty()) continue;
-    const Squares own = squares_of(*flight, weight);
+    if ((flight->*of).empty()) continue;
+    const Squares own = squares_of(*flight, of, weight);
     sum.white += own.white, sum.all += own.all;
   }
   return sum.all > 0.0 ? std::min(1.0, sum.white / sum.all) : 0.0;
+}
+
+// Measured speeds of rotors that turn out slower than the loop are smooth where its commands jitter. Rotors that are late by their file are left
+// out: what torques are named from their speeds was wrong as often as right (docs/decisions/25).
+double white_share(const std::vector<const FlightData*>& flights, const OfRotor& weight) {
+  const double commanded = white_share(flights, &FlightData::commands, weight);
+  if (std::ranges::any_of(flights, [](const FlightData* flight) {
+        return flight->measured_speed.empty() || rotors_are_late(flight->vehicle);
+      }))
+    return commanded;
+  return std::min(commanded, white_share(flights, &FlightData::measured_speed, weight));
 }
 
 }  // namespace

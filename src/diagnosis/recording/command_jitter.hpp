@@ -8,7 +8,8 @@
 namespace gustlab::diagnosis {
 
 // Share of the variance of the commanded roll and pitch torque (what is faster than half a hertz of it, in all these flights together) that is
-// white from sample to sample, the larger of the two axes: 0 smooth, 1 nothing but jitter. By third differences, robust.
+// white from sample to sample, the larger of the two axes: 0 smooth, 1 nothing but jitter. By third differences, robust. Where all flights have
+// measured speeds of rotors that are not late by the vehicle file: the smaller one of the torques by commands and by speeds.
 // With more than that of a regressor being noise, effects come out smaller and lags longer by as much (attenuation;
 // Fuller, Measurement Error Models, 1987).
 double command_jitter_share(std::vector<const FlightData*> flights);

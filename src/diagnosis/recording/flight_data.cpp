@@ -486,7 +486,7 @@ void find_segments(FlightData& flight) {
 
 // commands at a limit say nothing of the small signal
 void find_saturation(FlightData& flight) {
-  const CommandRecord& inputs = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  const CommandRecord& inputs = flight.rotor_record();
   for (std::size_t k = 1; k < flight.samples.size(); ++k) {
     const RotorArray mean = inputs.mean(flight.samples[k].time_s - flight.sample_s, flight.samples[k].time_s);
     for (std::size_t i = 0; i < static_cast<std::size_t>(flight.vehicle.rotor_count); ++i)
@@ -595,6 +595,13 @@ void keep(const std::vector<bool>& kept, std::vector<Value>& values) {
 }
 
 }  // namespace
+
+bool makes_rotors_late(const EffectRow& row) { return row.place == Place::actuation && row.latency != Latency::none; }
+
+bool rotors_are_late(const VehicleModel& vehicle) {
+  return std::ranges::any_of(vehicle.effects,
+                             [](const EffectSpec& effect) { return makes_rotors_late(*find_effect(effect.type)); });
+}
 
 FlightData without_spin_up(FlightData flight, double spin_up) {
   if (flight.each_rotor) flight.each_rotor = std::make_shared<FlightData>(without_spin_up(*flight.each_rotor, spin_up));

@@ -136,6 +136,8 @@ struct FlightData {
   std::shared_ptr<const FlightData> sensors;
   // with the command of each rotor, where the total alone is known from sample to sample: means of torques over a while
   std::shared_ptr<const FlightData> each_rotor;
+  // what is known of the rotors: their measured speeds, or else their commands
+  const CommandRecord& rotor_record() const { return measured_speed.empty() ? commands : measured_speed; }
   // Commands and speeds as if they were logged so much later.
   void delay_inputs(double by_s) {
     for (CommandRecord* record : {&commands, &measured_speed, &jumping_speed}) record->delay(by_s);
@@ -145,6 +147,10 @@ struct FlightData {
   // the same, of a gap no more than longest_walk_s
   double flown_s() const;
 };
+
+bool makes_rotors_late(const EffectRow& row);
+// Whether rotors follow their commands late, as the vehicle file says.
+bool rotors_are_late(const VehicleModel& vehicle);
 
 // how long a motor remembers how fast it turned: some time constants of a slow one
 inline constexpr double spin_up_s = 0.15;

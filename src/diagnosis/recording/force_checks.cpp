@@ -42,7 +42,7 @@ double thrust_per_mass(const CommandRecord& record, const VehicleModel& vehicle,
 
 Windows windows_of(const FlightLog& log, const VehicleModel& vehicle) {
   const FlightData data = prepare_flight(log, vehicle, {.linear_hold = false, .max_rate_hz = 1e6});
-  const CommandRecord& record = data.measured_speed.empty() ? data.commands : data.measured_speed;
+  const CommandRecord& record = data.rotor_record();
   Windows result;
   result.by_motion = log.find("qw") && (log.find("px") || log.find("vx"));
   result.with_accelerometer = log.find("ax") && log.find("ay") && log.find("az");

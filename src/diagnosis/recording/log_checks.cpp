@@ -214,7 +214,7 @@ class Checker {
     constexpr double shortest_stop_s = 1.0;
     std::vector<bool> off(log_.rows(), false);
     const FlightData data = prepare_flight(log_, vehicle_, {.linear_hold = false, .max_rate_hz = 1e6});
-    const CommandRecord& record = data.measured_speed.empty() ? data.commands : data.measured_speed;
+    const CommandRecord& record = data.rotor_record();
     for (std::size_t k = 0; k < log_.rows(); ++k) {
       const RotorArray mean = record.mean(log_.time_s[k] - 0.15, log_.time_s[k] + 0.15);
       double thrust = 0.0;

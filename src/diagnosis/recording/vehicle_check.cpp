@@ -41,7 +41,7 @@ Response measured_response(const std::vector<FlightData>& flights, const Vehicle
   const double hover = vehicle.hover_speed_radps();
   for (const FlightData& flight : flights) {
     if (flight.collective_only) continue;
-    const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+    const CommandRecord& record = flight.rotor_record();
     const auto back = static_cast<std::size_t>(std::max(1.0, std::round(difference_s / flight.sample_s)));
     const auto at = [&](std::size_t k) {
       Row speed(rotors);
@@ -166,7 +166,7 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
 }
 
 AngularAccelerationSeries angular_acceleration_series(const FlightData& flight, const VehicleModel& vehicle) {
-  const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  const CommandRecord& record = flight.rotor_record();
   std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
   std::iota(place.begin(), place.end(), 0);
   const Eigen::MatrixXd gains = nominal_gains(vehicle, place);
@@ -195,7 +195,7 @@ AngularAccelerationSeries angular_acceleration_series(const FlightData& flight, 
 
 std::optional<double> torque_delay_s(const FlightData& flight, const VehicleModel& vehicle) {
   if (flight.collective_only || flight.samples.size() < 200) return std::nullopt;
-  const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  const CommandRecord& record = flight.rotor_record();
   std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
   std::iota(place.begin(), place.end(), 0);
   const Eigen::MatrixXd gains = nominal_gains(vehicle, place);

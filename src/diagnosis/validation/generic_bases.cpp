@@ -22,7 +22,7 @@ struct Look {
 
 std::vector<Look> looks(const FlightData& flight, const FlownVolume& volume, double hover) {
   std::vector<Look> result(flight.samples.size());
-  const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+  const CommandRecord& record = flight.rotor_record();
   for (std::size_t k = 0; k < result.size(); ++k) {
     const Motion& m = flight.motion[k];
     const double t = flight.samples[k].time_s, dt = flight.sample_s;

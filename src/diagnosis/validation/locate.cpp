@@ -105,7 +105,7 @@ Blocks blocks(const Session& session, const std::vector<Smoothed>& smoothed) {
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
     const auto length = static_cast<std::size_t>(std::max(1.0, std::round(decisions::block_s / flight.sample_s)));
-    const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+    const CommandRecord& record = flight.rotor_record();
     for (std::size_t first = length; first + length <= flight.samples.size(); first += length) {
       Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
       Eigen::VectorXd value = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(result.variable.size()));

@@ -28,7 +28,7 @@ Variables variables_of(const Session& session, const Grams& grams) {
   result.value.assign(result.name.size(), std::vector<double>(grams.block.size(), 0.0));
   for (std::size_t b = 0; b < grams.block.size(); ++b) {
     const FlightData& flight = session.flights()[static_cast<std::size_t>(grams.flight[b])];
-    const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+    const CommandRecord& record = flight.rotor_record();
     const auto first = std::lower_bound(flight.samples.begin(), flight.samples.end(), grams.time_s[b],
                                         [](const Sample& s, double t) { return s.time_s < t; }) -
                        flight.samples.begin();

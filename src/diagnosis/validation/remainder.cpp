@@ -144,7 +144,7 @@ Stretches stretches_of(const Session& session, const std::vector<Smoothed>& smoo
   for (std::size_t f = 0; f < session.flights().size(); ++f) {
     const FlightData& flight = session.flights()[f];
     const auto length = static_cast<std::size_t>(std::max(1.0, std::round(block_s / flight.sample_s)));
-    const CommandRecord& record = flight.measured_speed.empty() ? flight.commands : flight.measured_speed;
+    const CommandRecord& record = flight.rotor_record();
     for (std::size_t first = 1; first + length <= flight.samples.size(); first += length) {
       std::array<double, disturbance_groups> e{};
       double change = 0.0, fast = 0.0, high = 0.0;

@@ -15,6 +15,7 @@ namespace gustlab::diagnosis {
 namespace command_jitter_test {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -103,6 +104,24 @@ TEST(CommandJitter, OutsideOfTheFlightDoesNotCount) {
 TEST(CommandJitter, OfSeveralFlightsIsThatOfAllTogether) {
   const FlightData swings = commanded(50.0, 40.0), hovers = commanded(0.0, 40.0);
   EXPECT_NEAR(command_jitter_share({&swings, &hovers}), 12800.0 / (12800.0 + 20000.0), 0.03);
+}
+
+// rotors that follow slowly have speeds that are smooth; speeds that are measured badly say less than smooth commands
+TEST(CommandJitter, IsTheSmallerOneOfCommandsAndMeasuredSpeeds) {
+  FlightData flight = commanded(50.0, 40.0);
+  flight.vehicle.effects.clear();
+  flight.measured_speed = commanded(50.0, 0.0).commands;
+  EXPECT_LT(command_share(flight), 0.01);
+  std::swap(flight.commands, flight.measured_speed);
+  EXPECT_LT(command_share(flight), 0.01);
+  // those of one flight of two do not tell what is fitted to both
+  std::swap(flight.commands, flight.measured_speed);
+  FlightData commands_alone = flight;
+  commands_alone.measured_speed = {};
+  EXPECT_NEAR(command_jitter_share({&flight, &commands_alone}), 6400.0 / (6400.0 + 20000.0), 0.03);
+  // nor do those of rotors that are late by their file
+  flight.vehicle.effects = test::crazyflie().effects;
+  EXPECT_NEAR(command_share(flight), 6400.0 / (6400.0 + 20000.0), 0.03);
 }
 
 TEST(CommandJitter, OfTheTorquesLeavesTheThrust) {
@@ -205,6 +224,20 @@ TEST(CommandJitterTrials, LeavesALostRotorThatTheThrustTells) {
   EXPECT_EQ(told.effects[0].rotor(), 2);
   EXPECT_NEAR(test::value_of(told.effects[0], "loss"), 0.12, 0.02);
   EXPECT_THAT(found_of(0.05).effects, Not(Contains(Field(&EffectFinding::effect, "rotor_loss"))));
+}
+
+// rotors that are slower than the loop do not follow its jitter: their measured speeds tell what turns the body
+TEST(CommandJitterTrials, LeavesTheTorquesThatMeasuredSpeedsTell) {
+  const TemporaryFolder folder;
+  test::TrialSettings settings = sampled_loop("geometric", 1.0);
+  settings.vehicle = "imrc_brushed";
+  settings.sensors = {"pose", "gyroscope", "rotor_speed"};
+  settings.concealed = R"({type = "motor_lag", time_constant = 0.04})";
+  const Diagnosis d = diagnose_saying(test::fly_trial(folder, settings), Hold::unknown);
+  ASSERT_EQ(d.effects.size(), 1u) << to_json(d).dump(1);
+  EXPECT_THAT(d.effects[0].classmates, ElementsAre("motor_lag"));
+  EXPECT_NEAR(test::value_of(d.effects[0], "time_constant"), 0.04, 0.002);
+  EXPECT_TRUE(d.torque_told);
 }
 
 // each command is a sample of a loop that jitters: a lag is a better mean of them than none, and as good as a delay
