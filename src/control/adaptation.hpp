@@ -27,10 +27,11 @@ class Adaptation {
   using Covariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_terms, max_terms>;
 
   struct Options {
-    double leak_radps = 0.1;        // λ
-    double noise = 1.0;             // R, (unit of y)² s
-    double growth = 4.0;            // Q = growth · I, 1/s
-    double start_covariance = 1.0;  // P(0) = · I
+    double leak_radps = 0.1;  // λ
+    // units for features without one, y in m/s² and s in m/s, in which P φᵀ s and P φᵀ R⁻¹ (φ a − y) are both m/s³
+    double noise = 1.0;             // R, 1/s
+    double growth = 4.0;            // Q = growth · I, 1/s³
+    double start_covariance = 1.0;  // P(0) = · I, 1/s²
     CovarianceLaw law = CovarianceLaw::corrected;
   };
 

@@ -9,10 +9,10 @@ void ResidualAdaptation::visit(ParameterVisitor& visitor) {
   visitor.number("leak_radps", options_.leak_radps,
                  {.unit = "1/s", .help = "lambda: how fast parameters are forgotten", .min = 0.0, .max = 10.0});
   visitor.number("noise", options_.noise,
-                 {.unit = "m^2/s^3", .help = "R of the measured residual, per mass", .min = 1e-6, .max = 1e6});
-  visitor.number("growth", options_.growth, {.unit = "1/s", .help = "Q = growth I", .min = 0.0, .max = 1e6});
+                 {.unit = "1/s", .help = "R of the measured residual, beside P in 1/s^2", .min = 1e-6, .max = 1e6});
+  visitor.number("growth", options_.growth, {.unit = "1/s^3", .help = "Q = growth I", .min = 0.0, .max = 1e6});
   visitor.number("start_covariance", options_.start_covariance,
-                 {.help = "P(0) = start_covariance I", .min = 1e-9, .max = 1e6});
+                 {.unit = "1/s^2", .help = "P(0) = start_covariance I", .min = 1e-9, .max = 1e6});
   visitor.text("covariance_law", covariance_law_,
                {.help = "corrected, or printed: the paper's, without the trailing P"});
   visitor.number("sliding_radps", sliding_radps_,
@@ -20,7 +20,7 @@ void ResidualAdaptation::visit(ParameterVisitor& visitor) {
   visitor.number("filter_hz", filter_hz_,
                  {.unit = "Hz", .help = "low-pass of a_meas and u_prev; 0: none", .min = 0.0, .max = 100.0});
   visitor.number("limit_weights", limit_weights_,
-                 {.help = "largest force that is cancelled, of the weight", .min = 0.0, .max = 2.0});
+                 {.help = "largest force that is cancelled on each axis, of the weight", .min = 0.0, .max = 2.0});
 }
 
 void ResidualAdaptation::reset(const OffboardSetup& setup, const Adaptation::Parameters& start) {

@@ -19,7 +19,7 @@ class L1 {
     visitor.number("filter_hz", filter_hz_,
                    {.unit = "Hz", .help = "C(s): how fast a force is cancelled", .min = 0.0, .max = 50.0});
     visitor.number("limit_weights", limit_,
-                   {.help = "largest force that is cancelled, of the weight", .min = 0.0, .max = 2.0});
+                   {.help = "largest force that is cancelled on each axis, of the weight", .min = 0.0, .max = 2.0});
   }
 
   void reset(const OffboardSetup& setup) {

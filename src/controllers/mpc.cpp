@@ -32,7 +32,7 @@ class Mpc {
         "filter_hz", filter_hz_,
         {.unit = "Hz", .help = "how fast the missing force is estimated; 0: at once", .min = 0.0, .max = 100.0});
     visitor.number("limit_weights", limit_weights_,
-                   {.help = "largest force that is cancelled, of the weight", .min = 0.0, .max = 2.0});
+                   {.help = "largest force that is cancelled on each axis, of the weight", .min = 0.0, .max = 2.0});
     visitor.integer("iterations", iterations_, {.help = "most steps towards the optimum", .min = 1, .max = 1000});
   }
 

@@ -21,15 +21,16 @@ namespace {
 class Gust final : public Effect {
  public:
   void visit(ParameterVisitor& visitor) override {
-    visitor.number("sigma_xy", sigma_xy_N_,
-                   {.unit = "N",
-                    .help = "standard deviation of the random force in x and in y",
-                    .min = 0.0,
-                    .natural = 0.05,
-                    .scale = Scale::weight});
+    visitor.number(
+        "sigma_xy", sigma_xy_N_,
+        {.unit = "N",
+         .help = "standard deviation of the random force in x and in y, of the process without pauses and limits",
+         .min = 0.0,
+         .natural = 0.05,
+         .scale = Scale::weight});
     visitor.number("sigma_z", sigma_z_N_,
                    {.unit = "N",
-                    .help = "standard deviation of the random force in z",
+                    .help = "standard deviation of the random force in z, of the process without pauses and limits",
                     .min = 0.0,
                     .natural = 0.05,
                     .scale = Scale::weight});

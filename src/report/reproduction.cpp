@@ -104,6 +104,11 @@ bool ReproducedCell::within_spread() const { return std::abs(ours.mean - paper.m
 
 namespace {
 
+// as docs/FORMATS.md has it
+std::string_view use_in_short(Use use) {
+  return use == Use::fitted || use == Use::proxy ? to_string(use) : std::string_view("predicted");
+}
+
 // the cells of the paper that a table of ours flew in still air, and its claims judged there
 void add_still_air(const Published& published, const std::vector<OurTable>& tables, Reproduction& reproduction) {
   std::vector<OurTable> still = tables;
@@ -169,7 +174,8 @@ std::string to_json(const Reproduction& reproduction) {
                              {"completed", cell.completed},
                              {"still_air_mean", number(cell.still_m)},
                              {"gust_share", number(cell.gust_share())},
-                             {"use", to_string(cell.use)},
+                             {"use", use_in_short(cell.use)},
+                             {"provenance", to_string(cell.use)},
                              {"ratio", number(cell.ratio())},
                              {"z_score", number(cell.z_score())},
                              {"within_paper_sd", cell.within_spread()}});

@@ -115,6 +115,15 @@ class Schemas(unittest.TestCase):
             for part in (score["effects"], score["parameters"]["each"], score["reliability"]["bins"], score["confusion"]["concealed"], score["verdicts"]):
                 self.assertTrue(part)
 
+    def test_a_reproduction_follows(self):
+        with TemporaryDirectory() as place:
+            subprocess.run([PROGRAM, "reproduce", "table2", "--out", "out"], cwd=place, capture_output=True, text=True, check=True, timeout=300)
+            reproduction = json.loads((Path(place) / "out/reproduction.json").read_text(encoding="utf-8"))
+            jsonschema.validate(reproduction, schema("reproduction"))
+            self.assertEqual({cell["use"] for cell in reproduction["cells"]}, {"fitted", "predicted"})
+            self.assertEqual({cell["provenance"] for cell in reproduction["cells"]},
+                             {"fitted", "predicted blind", "by construction", "chosen after seeing"})
+
     def test_a_calibration_follows(self):
         with TemporaryDirectory() as place:
             folder = Path(place)
