@@ -69,6 +69,7 @@ void sweep_command(const SweepArguments& options) {
   }
   if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results); or use --dry-run");
 
+  check_results_in(options.out, options.variants.empty() ? variants : options.experiment.read_variants({}));
   for (const Experiment& variant : variants) sweep_into(variant_folder(options.out, variant), variant, shard, options);
   if (variants.front().variant.empty()) return;
   if (const std::vector<std::string> left_out = write_combined(options.out); !left_out.empty())

@@ -28,9 +28,13 @@ namespace fs = std::filesystem;
 std::string store_path(const std::string& folder) { return (fs::path(folder) / "runs.sqlite").string(); }
 std::string csv_path(const std::string& folder) { return (fs::path(folder) / "runs.csv").string(); }
 
-void check_same_sweep(const std::string& path, const Provenance& there, const Provenance& here) {
+void check_same_experiment(const std::string& path, const Provenance& there, const Provenance& here) {
   if (const std::string differs = experiment_difference(there, here); !differs.empty())
     throw ConfigError(fmt::format("{}: this store is of another experiment ({}); use another --out", path, differs));
+}
+
+void check_same_sweep(const std::string& path, const Provenance& there, const Provenance& here) {
+  check_same_experiment(path, there, here);
   if (there.at("shard") != here.at("shard"))
     throw ConfigError(fmt::format("{}: this store is of shard {}, not {}; use another --out", path, there.at("shard"),
                                   here.at("shard")));
@@ -142,8 +146,9 @@ RunRecord run_with_log(const Experiment& experiment, const RunSpec& spec, const 
   return flown.record;
 }
 
-// shards of one experiment without variants
-void merge_stores(const std::vector<std::string>& folders, const std::string& out) {
+// Shards of one experiment without variants, opened, when they can be merged into `out`.
+std::vector<std::unique_ptr<RunStore>> shards_to_merge(const std::vector<std::string>& folders,
+                                                       const std::string& out) {
   if (fs::exists(store_path(out)))
     throw ConfigError(
         fmt::format("{}: there are results already (a merge never overwrites); use another --out", store_path(out)));
@@ -157,7 +162,11 @@ void merge_stores(const std::vector<std::string>& folders, const std::string& ou
   }
   check_complete(folders, shards);
   for (const auto& shard : shards) shard->for_each([](const ResultRow&) {});  // throws where a figure is none
+  return shards;
+}
 
+void merge_stores(const std::vector<std::string>& folders, const std::string& out) {
+  const std::vector<std::unique_ptr<RunStore>> shards = shards_to_merge(folders, out);
   Provenance merged = shards.front()->provenance();
   merged["shard"] = "1/1";
   // every kind of machine that took part
@@ -217,6 +226,26 @@ void check_closed(const std::string& path, const std::function<void(const RunSto
 }
 
 }  // namespace
+
+void check_results_in(const std::string& out, const std::vector<Experiment>& variants) {
+  const bool apart = !variants.front().variant.empty();
+  if (apart && fs::exists(store_path(out)))
+    throw ConfigError(fmt::format("{}: there are results already, of an experiment without variants; use another --out",
+                                  store_path(out)));
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(out, error)) {
+    const std::string path = store_path(entry.path().string()), name = entry.path().filename().string();
+    check_closed(path, [&](const RunStore& there) {
+      if (there.provenance().empty()) return;
+      const auto variant = std::ranges::find(variants, name, &Experiment::variant);
+      if (apart && variant != variants.end())
+        return check_same_experiment(path, there.provenance(), provenance_of(*variant, Shard{}));
+      if (apart || there.provenance().at("name").ends_with("." + name))
+        throw ConfigError(fmt::format(
+            "{}: there are results already, of a variant that this experiment does not have; use another --out", path));
+    });
+  }
+}
 
 SweepReport sweep(const Experiment& experiment, const SweepOptions& options, const std::atomic<bool>& stop,
                   const std::function<void(std::size_t done, std::size_t planned)>& progress) {
@@ -298,14 +327,24 @@ std::vector<std::string> write_combined(const std::string& out) {
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out) {
-  const std::vector<std::string> variants =
-      fs::exists(store_path(folders.front())) ? std::vector<std::string>{} : variants_in(folders.front());
+  // of each shard: one that was ended in its first variant has no more
+  std::vector<std::string> variants;
+  for (const std::string& folder : folders)
+    if (!fs::exists(store_path(folder)))
+      for (std::string& name : variants_in(folder))
+        if (std::ranges::find(variants, name) == variants.end()) variants.push_back(std::move(name));
   if (variants.empty()) return merge_stores(folders, out);
-  for (const std::string& variant : variants) {
+  const auto place = [](const std::string& folder, const std::string& name) {
+    return (fs::path(folder) / name).string();
+  };
+  const auto of = [&](const std::string& variant) {
     std::vector<std::string> shards;
-    for (const std::string& folder : folders) shards.push_back((fs::path(folder) / variant).string());
-    merge_stores(shards, (fs::path(out) / variant).string());
-  }
+    for (const std::string& folder : folders) shards.push_back(place(folder, variant));
+    return shards;
+  };
+  // nothing is written before all of it can be
+  for (const std::string& variant : variants) shards_to_merge(of(variant), place(out, variant));
+  for (const std::string& variant : variants) merge_stores(of(variant), place(out, variant));
   write_combined(out);
 }
 

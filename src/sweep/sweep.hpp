@@ -28,6 +28,10 @@ struct SweepReport {
   std::string redone_because;  // not empty: runs of another program were thrown away
 };
 
+// Throws ConfigError when the folder has results that are of none of these variants (all of an experiment, or the one without a name): one table
+// would mix them.
+void check_results_in(const std::string& out, const std::vector<Experiment>& variants);
+
 // Throws ConfigError when the store is there without `resume`, or is of another experiment or shard. runs.csv is written
 // when every run is done.
 SweepReport sweep(const Experiment& experiment, const SweepOptions& options, const std::atomic<bool>& stop,

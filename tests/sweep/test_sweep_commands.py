@@ -306,6 +306,42 @@ class Axes(Commands):
         self.sweep("a", "--variant", "strength_2_period_10", "--resume")
         self.assertEqual(self.points("a"), {("2", "5"), ("2", "10")})
 
+    def refused(self, says, *arguments):
+        before = {path: path.read_bytes() for path in sorted((self.folder / "a").rglob("*")) if path.is_file()}
+        out, err = self.sweep("a", *arguments, code=2)
+        self.assertEqual(out, "")
+        self.assertIn(says, err)
+        self.assertEqual({path: path.read_bytes() for path in sorted((self.folder / "a").rglob("*")) if path.is_file()}, before)
+
+    def test_results_of_other_experiments_are_not_mixed(self):
+        self.sweep("a")
+        self.experiment.write_text(EXPERIMENT)  # without its axes
+        self.refused("of a variant that this experiment does not have; use another --out")
+        self.experiment.write_text(EXPERIMENT + AXES.replace("[5.0, 10.0]", "[5.0, 20.0]"))  # a point less
+        self.refused("of a variant that this experiment does not have; use another --out", "--resume")
+        shutil.rmtree(self.folder / "a" / "strength_2_period_10")
+        self.experiment.write_text(EXPERIMENT.replace("duration_s = ", "duration_s = 1") + AXES)  # one point with other settings
+        self.refused("this store is of another experiment", "--variant", "strength_2_period_10")
+        shutil.rmtree(self.folder / "a")
+        self.experiment.write_text(EXPERIMENT)
+        self.sweep("a")
+        self.experiment.write_text(EXPERIMENT + AXES)
+        self.refused("of an experiment without variants; use another --out", "--resume")
+
+    def test_a_merge_has_all_variants_or_writes_nothing(self):
+        for shard in ("1", "2"):
+            self.sweep("s" + shard, "--shard", f"{shard}/2")
+        left = "strength_2_period_10"
+        shutil.move(self.folder / "s1" / left, self.folder / "kept")  # as a shard that was ended early
+        for order in (("s1", "s2"), ("s2", "s1")):
+            _, err = self.call("merge", *order, "--out", "m", code=3)
+            self.assertIn(f"s1/{left}: no results here", err)
+            self.assertFalse((self.folder / "m").exists())
+        shutil.move(self.folder / "kept", self.folder / "s1" / left)
+        self.call("merge", "s1", "s2", "--out", "m")
+        self.sweep("whole")
+        self.assertEqual(self.runs("m"), self.runs("whole"))
+
     def test_points_that_were_flown_alone_are_compared_alone(self):
         few = ["--variant", "strength_2_period_10", "--variant", "strength_2_period_5"]
         self.sweep("a", *few)
