@@ -1,5 +1,7 @@
 """docs/PROOF.md from the figures that prove.py gathered."""
 
+import re
+
 import proof_figures
 import air_trials
 import semi_real
@@ -101,6 +103,12 @@ def timing(result):
             f"{'yes' if result['same_bytes'] else '**no**'}.\n")
 
 
+def one_folder_up(text):
+    """A page's text as a page of the folder above it has it: its links lead to the same files."""
+    link = lambda match: match[0] if re.match(r"[a-z]+:|#", match[1]) else f"]({match[1][3:] if match[1].startswith('../') else 'proof/' + match[1]})"
+    return re.sub(r"\]\(([^)]+)\)", link, text)
+
+
 def write_proof(result, out):
     folder = out / "proof"
     folder.mkdir(parents=True, exist_ok=True)
@@ -139,7 +147,7 @@ Turbulence from that of a quiet room to ten times as much, steady, in bursts and
 that air. Exact: every effect above its limit, and no other name.
 
 {air_trials.markdown(result['air'])}
-{notes.read_text(encoding='utf-8') if notes.exists() else ''}
+{one_folder_up(notes.read_text(encoding='utf-8')) if notes.exists() else ''}
 ## Power against strength
 
 {image('power', 'share of single effects named exactly against their strength')}

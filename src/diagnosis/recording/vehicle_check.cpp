@@ -81,11 +81,17 @@ Eigen::MatrixXd nominal_gains(const VehicleModel& vehicle, const std::vector<int
   return gains;
 }
 
-// yaw acceleration over what these gains predict of it
-double yaw_size(const Response& response, const Row& gains, const VehicleModel& vehicle) {
+// angular acceleration about an axis over what these gains predict of it
+double size_of(const Response& response, int axis, const Row& gains, const VehicleModel& vehicle) {
   const double thrust_N = vehicle.rotors[0].thrust_coefficient_Ns2 * std::pow(vehicle.hover_speed_radps(), 2);
-  return gains.dot(response.right.col(2)) / ((gains * response.gram).dot(gains) + 1e-300) *
-         vehicle.inertia_B_kgm2(2, 2) / thrust_N;
+  return gains.dot(response.right.col(axis)) / ((gains * response.gram).dot(gains) + 1e-300) *
+         vehicle.inertia_B_kgm2(axis, axis) / thrust_N;
+}
+
+// A size that the file's torques and moments of inertia can have. What a loop answers, or half a swing of it later, is of another.
+bool is_plausible(double size) {
+  constexpr double most = 2.5;
+  return size > 1.0 / most && size < most;
 }
 
 std::string order_text(const std::vector<int>& place) {
@@ -110,25 +116,34 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
   for (const double delay_s : {0.0, 0.01, 0.02, 0.03, 0.045, 0.06, 0.08, 0.1, 0.125, 0.15, 0.175})
     at.push_back(measured_response(flights, vehicle, delay_s));
   const double most = std::ranges::max_element(at, {}, &Response::explained)->explained;
-  const Response& found = *std::ranges::find_if(at, [&](const Response& r) { return r.explained >= 0.8 * most; });
+  const auto first = std::ranges::find_if(at, [&](const Response& r) { return r.explained >= 0.8 * most; });
+  const Response& found = *first;
   if (found.explained < 0.1) return findings;
   std::vector<int> place(static_cast<std::size_t>(vehicle.rotor_count));
   std::iota(place.begin(), place.end(), 0);
-  const auto level = [&](const std::vector<int>& p) {
-    const Eigen::MatrixXd g = nominal_gains(vehicle, p);
-    return found.agreement(0, g.row(0)) + found.agreement(1, g.row(1));
+  const auto level_at = [&](const Response& r, const Eigen::MatrixXd& g) {
+    return r.agreement(0, g.row(0)) + r.agreement(1, g.row(1));
   };
+  const auto sized = [&](const Response& r, const Eigen::MatrixXd& g) {
+    return is_plausible(size_of(r, 0, g.row(0), vehicle)) && is_plausible(size_of(r, 1, g.row(1), vehicle));
+  };
+  const auto level = [&](const std::vector<int>& p) { return level_at(found, nominal_gains(vehicle, p)); };
   const auto whole = [&](const std::vector<int>& p) {
     return level(p) + 0.5 * std::abs(found.agreement(2, nominal_gains(vehicle, p).row(2)));
   };
   const std::string file = vehicle.source_path.substr(vehicle.source_path.find_last_of('/') + 1);
   const double stated = level(place);
-  if (stated < 1.5) {
+  constexpr double agrees = 1.5;
+  // what comes after the file's order is what the loop answers
+  const Eigen::MatrixXd by_file = nominal_gains(vehicle, place);
+  const bool before = std::any_of(
+      at.begin(), first, [&](const Response& r) { return level_at(r, by_file) >= agrees && sized(r, by_file); });
+  if (stated < agrees && !before) {
     std::vector<int> best = place, trial = place;
     do {
       if (whole(trial) > whole(best)) best = trial;
     } while (std::next_permutation(trial.begin(), trial.end()));
-    if (level(best) > 1.7 && level(best) > stated + 0.4) {
+    if (level(best) > 1.7 && level(best) > stated + 0.4 && sized(found, nominal_gains(vehicle, best))) {
       LogFinding finding;
       finding.file = file;
       finding.column = "rotor";
@@ -144,11 +159,11 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
   }
   // A part that small is noise, which agrees with any torque or its opposite. And the loop of a right vehicle may answer what yaws it at once,
   // with a torque against the acceleration that is there: that is several times smaller, or larger, than the file's torque would need.
-  constexpr double least_explained = 0.15, surely = 0.6, alike = 2.5;
+  constexpr double least_explained = 0.15, surely = 0.6;
   if (level(place) > 1.0 && found.yaw_explained > least_explained && vehicle.rotors[0].torque_ratio_m > 0.0) {
     const Row gains = nominal_gains(vehicle, place).row(2);
-    const double yaw = found.agreement(2, gains), size = yaw_size(found, gains, vehicle);
-    if (yaw < -surely && size < -1.0 / alike && size > -alike) {
+    const double yaw = found.agreement(2, gains);
+    if (yaw < -surely && is_plausible(-size_of(found, 2, gains, vehicle))) {
       LogFinding finding;
       finding.file = file;
       finding.column = "rotor.direction";

@@ -70,6 +70,17 @@ TEST(CheckRotors, FindsTheOrderThatTurnsTheVehicleAsItTurned) {
   }
 }
 
+// a loop answers with a torque of another size; a wrong moment of inertia in the file is within
+TEST(CheckRotors, TakesNoOrderWhoseTorquesAreOfAnotherSize) {
+  for (const double size : {0.27, 0.45, 2.2, 4.0}) {
+    VehicleModel vehicle = truth();
+    std::swap(vehicle.rotors[0], vehicle.rotors[3]);
+    FlightData flight = turning();
+    for (Motion& motion : flight.motion) motion.angular_acceleration_B_radps2 *= size;
+    EXPECT_EQ(check_rotors({flight}, vehicle).size(), size > 0.4 && size < 2.5 ? 1u : 0u) << size;
+  }
+}
+
 TEST(CheckRotors, FindsThatAllTurnTheOtherWayRound) {
   VehicleModel vehicle = truth();
   for (Rotor& rotor : vehicle.rotors) rotor.direction *= -1.0;
@@ -116,6 +127,19 @@ TEST(CheckRotors, TakesTheLesserOfTwoDelaysThatExplainAsMuch) {
     return out;
   });
   for (Motion& motion : flight.motion) motion.angular_acceleration_B_radps2 *= -1.0;
+  EXPECT_THAT(check_rotors({flight}, vehicle), IsEmpty());
+  EXPECT_EQ(vehicle.rotors[0].position_B_m, truth().rotors[0].position_B_m);
+}
+
+// the body answers its rotors at once; more of how it turns is what they did an eighth of a second ago, the other way round
+TEST(CheckRotors, LeavesTheFileAloneThatAgreesBefore) {
+  VehicleModel vehicle = truth();
+  FlightData flight = turning(0.125);
+  const FlightData at_once = turning();
+  for (std::size_t k = 0; k < flight.motion.size(); ++k) {
+    Vector3& turn = flight.motion[k].angular_acceleration_B_radps2;
+    turn = 0.6 * at_once.motion[k].angular_acceleration_B_radps2 - turn;
+  }
   EXPECT_THAT(check_rotors({flight}, vehicle), IsEmpty());
   EXPECT_EQ(vehicle.rotors[0].position_B_m, truth().rotors[0].position_B_m);
 }
