@@ -23,6 +23,7 @@ struct GateArguments {
 };
 
 void gate_command(const GateArguments& options) {
+  check_input_path(options.folder);
   const Results results = read_results(options.folder);
   if (options.update) return write_file(options.baseline, to_csv(results.rows));
   GateRule rule = options.rule;

@@ -152,8 +152,10 @@ int run(int argc, char** argv) {
     say(error.what());
     return error.exit_code();
   } catch (const std::filesystem::filesystem_error& error) {
-    say(fmt::format("{}: {}", error.path1().string(), error.code().message()));
-    return 4;
+    const std::string path = error.path1().string(), why = error.code().message();
+    const bool of_the_path = is_fault_of_path(error.code().value());
+    say(of_the_path ? worded(path + ": cannot be used", why, "name another") : fmt::format("{}: {}", path, why));
+    return of_the_path ? 2 : 4;
   } catch (const std::exception& error) {
     say(fmt::format("gustlab: {}", error.what()));
     return 4;

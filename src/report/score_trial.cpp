@@ -214,6 +214,7 @@ bool matches(const Named& name, const Concealed& truth) {
 
 std::vector<ScoredTrial> read_trials(const TrialSet& set, const std::string& diagnosis_folder) {
   std::istringstream file(read_file<DataError>(set.answers));
+  check_input_path(set.folder);
   if (!std::filesystem::is_directory(set.folder))
     throw DataError(fmt::format("{}: no such folder (the trials of {} are in it)", set.folder, set.answers));
   std::vector<ScoredTrial> trials;

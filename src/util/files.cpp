@@ -50,8 +50,7 @@ std::string file_on_the_way(const fs::path& path) {
   const std::string message = fmt::format(
       "{}: {} ({})", path, what,
       file.empty() ? std::strerror(reason ? reason : EIO) : fmt::format("{} is a file, not a folder", file));
-  for (const int of_the_path : {ENOTDIR, EISDIR, ENOENT, ENAMETOOLONG, ELOOP})
-    if (reason == of_the_path) throw ConfigError(message + "; name another");
+  if (is_fault_of_path(reason)) throw ConfigError(message + "; name another");
   throw IoError(message);
 }
 
@@ -319,6 +318,15 @@ void note_input(const std::string& path) {
   if (stat(path.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return;
   const std::lock_guard lock(inputs().mutex);
   inputs().read.insert({there.st_dev, there.st_ino});
+}
+
+bool is_fault_of_path(int reason) {
+  return reason == ENOTDIR || reason == EISDIR || reason == ENOENT || reason == ENAMETOOLONG || reason == ELOOP;
+}
+
+void check_input_path(const std::string& path) {
+  std::error_code error;
+  if (!fs::exists(path, error) && error) throw DataError(fmt::format("{}: cannot read ({})", path, error.message()));
 }
 
 std::string why_unreadable(const std::string& path) {

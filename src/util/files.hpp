@@ -62,6 +62,11 @@ std::string read_file(const std::string& path, std::size_t most_bytes = most_tex
 void protect_inputs();
 // For readers that open a file themselves.
 void note_input(const std::string& path);
+// Whether an error is of the path itself (a name that is too long, links in a circle, a file where a folder should be, …): it is the
+// user's to change.
+bool is_fault_of_path(int reason);
+// Before a folder is read that may not be there: throws DataError where nobody can tell, as its path is at fault.
+void check_input_path(const std::string& path);
 // Why a file cannot be read ("No such file or directory", "Is a directory", …); empty when it can.
 std::string why_unreadable(const std::string& path);
 

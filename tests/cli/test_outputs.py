@@ -115,6 +115,20 @@ class Places(Commands):
         self.assertIn("a: cannot write", self.call(*self.GATE, "--summary", "a", code=2)[1])
         self.assertIn("a: cannot read", self.call("gate", "swept", "--baseline", "a", code=3)[1])
 
+    def test_a_name_that_is_too_long_is_a_wrong_path(self):
+        name, kept = "x" * 300, self.files()
+        for command in (["run", "e.toml", "--trajectory", "hover", "--controller", "pid"], ["sweep", "e.toml"], ["merge", "swept"],
+                        ["diagnose", "trials/nothing/fit_1.csv"], ["vehicle", "new", "--mass", "1kg", "--arm", "0.2m", "--hover", "0.5"]):
+            with self.subTest(command=command):
+                _, err = self.call(*command, "--out", name, code=2)
+                self.assertRegex(err, f"{name}.*File name too long.*; name another\n$")
+                self.assertEqual(self.files(), kept)
+        for command in (["table", name], ["table", name, "--format", "html"], ["gate", name, "--baseline", "base.csv"], ["compare", "e.toml", name],
+                        ["score", "answers.jsonl", name], ["merge", name, "--out", "new"]):
+            with self.subTest(command=command):
+                self.assertEqual(self.call(*command, code=3)[1], f"{name}: cannot read (File name too long)\n")
+                self.assertEqual(self.files(), kept)
+
     def test_a_file_where_a_folder_should_be_is_a_wrong_path(self):
         (self.folder / "FILE").write_text("mine")
         flight, kept = "flown/flight.csv", self.files()
