@@ -22,7 +22,9 @@ struct GateArguments {
   GateRule rule;
 };
 
-void gate_command(const GateArguments& options) {
+void gate_command(const GateArguments& options, const CLI::App& command) {
+  check_is_read(command, {"--fails-by", "--margin", "--level", "--floor", "--allow-extra", "--junit", "--summary"},
+                !options.update, "--update", "a comparison");
   check_input_path(options.folder);
   const Results results = read_results(options.folder);
   if (options.update) return write_file(options.baseline, to_csv(results.rows));
@@ -78,7 +80,7 @@ void add_gate(CLI::App& app) {
   command->add_flag("--allow-extra", options->rule.allow_extra, "leaves out runs that the baseline does not have");
   command->add_option("--junit", options->junit, "writes JUnit XML, one test for each cell");
   command->add_option("--summary", options->summary, "writes the Markdown that is printed");
-  command->callback([options] { gate_command(*options); });
+  command->callback([options, command] { gate_command(*options, *command); });
 }
 
 }  // namespace gustlab

@@ -264,6 +264,15 @@ class Inputs(Commands):
                 self.assertEqual(self.files(), before)
 
 
+    def test_what_a_new_baseline_has_no_use_for_is_refused(self):
+        before = self.files()
+        for option in (["--junit", "j"], ["--junit", "base.csv"], ["--summary", "s"], ["--margin", "0.1"], ["--level", "0.1"], ["--floor", "1"],
+                       ["--fails-by", "test"], ["--allow-extra"]):
+            with self.subTest(option=option):
+                _, err = self.call(*self.GATE, "--update", *option, code=2)
+                self.assertEqual(err, f"{option[0]}: --update has no use for it (it is for a comparison); leave it out\n")
+                self.assertEqual(self.files(), before)
+
     def test_one_file_for_two_outputs_is_refused(self):
         before = self.files()
         for arguments in ([*self.GATE, "--junit", "j", "--summary", "./j"],
