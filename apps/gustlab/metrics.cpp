@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,7 +21,11 @@ struct MetricsArguments {
 void metrics(const MetricsArguments& options) {
   check_paths_differ(options.logs, "its errors would stand there twice");
   std::vector<TrackingFigures> figures;
-  for (const std::string& path : options.logs) figures.push_back(tracking_of(path, options.settle_s));
+  for (const std::string& path : options.logs) {
+    const TrackingOfLog tracking = tracking_of(path, options.settle_s);
+    for (const LogRepair& repair : tracking.repairs) spdlog::warn(repair.says);
+    figures.push_back(tracking.figures);
+  }
   if (options.format == "json") {
     nlohmann::ordered_json result{{"format", "gustlab-metrics/1"}, {"settle_s", options.settle_s}};
     result["logs"] = nlohmann::ordered_json::array();

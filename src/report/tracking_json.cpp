@@ -5,17 +5,19 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "flight_log/columns.hpp"
 #include "gustlab/errors.hpp"
-#include "gustlab/flight_log.hpp"
 
 namespace gustlab {
 
-TrackingFigures tracking_of(const std::string& csv_path, double settle_s) {
+TrackingOfLog tracking_of(const std::string& csv_path, double settle_s) {
   TrackingError error(settle_s, 0);
   std::optional<double> first_s;
+  std::vector<LogRepair> repairs;
   read_flight_log_in_parts(csv_path, [&](const FlightLog& log) {
+    repairs = log.repairs;
     std::array<const std::vector<double>*, 6> columns;
     constexpr std::array<const char*, 6> names{"px", "py", "pz", "rpx", "rpy", "rpz"};
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -38,7 +40,7 @@ TrackingFigures tracking_of(const std::string& csv_path, double settle_s) {
   const TrackingFigures figures = error.figures();
   if (figures.samples == 0)
     throw DataError(fmt::format("{}: no sample with position and reference from {} s on", csv_path, settle_s));
-  return figures;
+  return {figures, std::move(repairs)};
 }
 
 nlohmann::ordered_json to_json(const TrackingFigures& figures) {

@@ -269,6 +269,14 @@ class Logs(Commands):
         self.write("flown/flight.csv", "\n".join([self.log[0].replace(",px,", ",pq,"), *self.log[1:]]) + "\n")
         self.refuse(3, 'column "px" is missing (a tracking error needs position and reference); did you mean "pq"?', "metrics", "flown/flight.csv")
 
+    def test_a_repair_is_said_once_and_changes_no_figure(self):
+        sound, said = self.call("metrics", "flown/flight.csv")
+        self.assertEqual(said, "")
+        self.write("flown/flight.csv", "\n".join([*self.log[:101], self.log[100], *self.log[101:]]) + "\n")
+        out, err = self.call("metrics", "flown/flight.csv")
+        self.assertEqual(err, "warning: flown/flight.csv:102: 1 rows repeat the one before and are dropped\n")
+        self.assertEqual(out, sound)
+
     def test_a_loop_of_links_is_named(self):
         (self.folder / "LOOP").symlink_to("LOOP")
         self.refuse(3, "LOOP: not a flight log", "metrics", "LOOP")
