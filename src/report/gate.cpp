@@ -128,6 +128,18 @@ void judge(std::vector<GateCell>& cells, const GateRule& rule) {
   }
 }
 
+// a gate that compares nothing would pass whatever the sweep has become
+void fail_if_nothing_is_compared(std::vector<GateCell>& cells) {
+  for (const GateCell& cell : cells)
+    for (const GateChange& change : cell.changes)
+      if (!std::isnan(change.change_m)) return;
+  for (GateCell& cell : cells) {
+    if (!cell.failures.empty()) continue;
+    cell.failures.push_back("nothing is compared (no cell has a run that was completed, and has an error, in both)");
+    cell.verdict = "**not compared**";
+  }
+}
+
 std::string rule_text(const GateRule& rule) {
   std::vector<std::string> parts;
   if (rule.by_margin) parts.push_back(fmt::format("by more than {:.3g} %", 100.0 * rule.margin));
@@ -209,6 +221,7 @@ GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>&
     for (std::size_t i = 0; i < tracking_metrics.size(); ++i)
       report.cells[c].changes[i] = change_of(pairs[c].now[i], pairs[c].before[i]);
   judge(report.cells, rule);
+  fail_if_nothing_is_compared(report.cells);
   return report;
 }
 

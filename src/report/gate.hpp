@@ -34,7 +34,7 @@ struct GateCell {
   bool configuration_changed = false;   // keys of the runs differ
   std::vector<std::string> failures{};  // empty: passed
   std::size_t unpaired = 0;             // of the failures: runs that only one of the two has
-  // worse, other runs, improved, equivalent, cannot tell; of the planar RMSE unless a metric failed
+  // worse, other runs, not compared, improved, equivalent, cannot tell; of the planar RMSE unless a metric failed
   std::string verdict{};
 };
 
@@ -46,8 +46,8 @@ struct GateReport {
 };
 
 // A run that was completed and no longer is, a run that is missing, an error that is no longer a number, and (unless allowed) a
-// run that the baseline does not know fail, whatever the rule. Being better never fails. Throws DataError when the baseline is
-// of other experiments.
+// run that the baseline does not know fail, whatever the rule; where no cell has an error to compare, all of them do. Being better
+// never fails. Throws DataError when the baseline is of other experiments.
 GateReport gate(const std::vector<ResultRow>& now, const std::vector<ResultRow>& baseline, const GateRule& rule);
 
 std::string to_junit(const GateReport& report);

@@ -115,6 +115,31 @@ TEST(Gate, NewCrashFailsWhateverTheRule) {
   EXPECT_EQ(gate(rows, rows, {}).failures(), 0u);
 }
 
+// GIVEN a baseline whose runs all crashed WHEN those of the sweep do, too THEN nothing is compared, and that does not pass
+TEST(Gate, NothingToCompareFails) {
+  auto rows = baseline();
+  for (ResultRow& row : rows) row.outcome = Outcome::crashed;
+  for (const bool allow_extra : {false, true}) {
+    const GateReport report = gate(rows, rows, {.allow_extra = allow_extra});
+    EXPECT_EQ(report.failures(), 1u);
+    EXPECT_THAT(to_markdown(report), AllOf(testing::StartsWith("**failed**: 1 of 1 cells failed"),
+                                           HasSubstr("- crazyflie circle pid: nothing is compared (no cell has a run"),
+                                           HasSubstr("| **not compared** |")));
+  }
+  EXPECT_EQ(gate(rows, baseline(), {}).cells[0].verdict, "**worse**");
+  // nor are errors that nobody knows compared
+  auto unknown = baseline();
+  for (ResultRow& row : unknown)
+    for (const Metric& metric : tracking_metrics) row.*metric.value = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(gate(unknown, unknown, {}).failures(), 1u);
+  // a cell that cannot be compared does not fail beside one that can
+  for (ResultRow row : baseline()) {
+    row.controller = "indi";
+    rows.push_back(row);
+  }
+  EXPECT_EQ(gate(rows, rows, {}).failures(), 0u);
+}
+
 TEST(Gate, MissingRowsFailAndExtraOnesUnlessTheyAreAllowed) {
   auto fewer = baseline();
   fewer.pop_back();
