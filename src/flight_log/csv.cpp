@@ -12,6 +12,7 @@
 #include <memory>
 #include <unordered_set>
 
+#include "config/text.hpp"
 #include "gustlab/errors.hpp"
 
 namespace gustlab {
@@ -196,9 +197,10 @@ void CsvNumbers::read_row(std::string_view line) {
       const bool number_read = read_number(cell, value);
       if (!number_read || !std::isfinite(value)) {
         if (!lenient_[column])
-          throw DataError(fmt::format(
-              "{}:{}:{}: \"{}\" in column {} is not a {}number (a missing sample is an empty cell)", path_, number,
-              begin + 1, cell.substr(0, longest_cell), names_[column], number_read ? "finite " : ""));
+          throw DataError(
+              fmt::format("{}:{}:{}: \"{}\" in column {} is not a {}number (a missing sample is an empty cell)", path_,
+                          number, begin + 1, config::printable(cell.substr(0, longest_cell)), names_[column],
+                          number_read ? "finite " : ""));
         value = no_sample;
       }
     }

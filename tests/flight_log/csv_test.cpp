@@ -52,6 +52,8 @@ TEST(Csv, SaysWhereAFaultStands) {
   EXPECT_THAT(fault("a,,c\n"), HasSubstr("log.csv:1:3: a column has no name"));
   EXPECT_THAT(fault("a,b,a\n"), HasSubstr("log.csv:1:5: column \"a\" is here twice"));
   EXPECT_THAT(fault("a,b\n1,2\n\n3,x1\n"), HasSubstr("log.csv:4:3: \"x1\" in column b is not a number"));
+  EXPECT_THAT(fault(std::string("a,b\n1,0\0001\n", 10)),
+              HasSubstr("log.csv:2:3: \"0\\x001\" in column b is not a number"));
   EXPECT_THAT(fault("a,b\n1,inf\n"), HasSubstr("log.csv:2:3: \"inf\" in column b is not a finite number"));
   EXPECT_THAT(fault("a,b\n1,2,3\n"), HasSubstr("log.csv:2:5: this row has more cells than the header's 2"));
   EXPECT_THAT(fault("a,b,c\n1,2\n"), HasSubstr("log.csv:2:4: this row has 2 cells, the header 3"));
