@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <cstdio>
+#include <charconv>
 #include <memory>
 
 #include "commands.hpp"
@@ -28,9 +28,12 @@ struct SweepArguments {
 
 Shard read_shard(const std::string& text) {
   Shard shard;
-  int end = 0;
-  if (std::sscanf(text.c_str(), "%zu/%zu%n", &shard.part, &shard.parts, &end) != 2 ||
-      end != static_cast<int>(text.size()) || shard.part < 1 || shard.part > shard.parts)
+  const char* const end = text.data() + text.size();
+  // digits alone, and no more than a number holds
+  const auto slash = std::from_chars(text.data(), end, shard.part);
+  const bool both = slash.ec == std::errc() && slash.ptr != end && *slash.ptr == '/';
+  const auto rest = both ? std::from_chars(slash.ptr + 1, end, shard.parts) : slash;
+  if (!both || rest.ec != std::errc() || rest.ptr != end || shard.part < 1 || shard.part > shard.parts)
     throw ConfigError(fmt::format("--shard {}: not a shard (i/N with 1 ≤ i ≤ N); for example --shard 1/3", text));
   return shard;
 }
