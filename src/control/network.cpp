@@ -110,10 +110,6 @@ void layer(const Eigen::MatrixXd& weight, const Eigen::VectorXd& bias, double le
   const Pack* from = reinterpret_cast<const Pack*>(bias.data());
   Pack* to = reinterpret_cast<Pack*>(out);
   const Pack floor = Pack{} + least;
-  const auto finish = [&](Eigen::Index p, const Pack& sum) {
-    const Pack value = from[p] + sum;
-    to[p] = value < floor ? floor : value;
-  };
   Eigen::Index p = 0;
   for (; p + 3 < packs; p += 4) {
     Pack a = {}, b = {}, c = {}, d = {};
@@ -124,15 +120,17 @@ void layer(const Eigen::MatrixXd& weight, const Eigen::VectorXd& bias, double le
       c += in[j] * column[2];
       d += in[j] * column[3];
     }
-    finish(p, a);
-    finish(p + 1, b);
-    finish(p + 2, c);
-    finish(p + 3, d);
+    a += from[p], b += from[p + 1], c += from[p + 2], d += from[p + 3];
+    to[p] = a < floor ? floor : a;
+    to[p + 1] = b < floor ? floor : b;
+    to[p + 2] = c < floor ? floor : c;
+    to[p + 3] = d < floor ? floor : d;
   }
   for (; p < packs; ++p) {
     Pack sum = {};
     for (Eigen::Index j = 0; j < columns; ++j) sum += in[j] * first[j * packs + p];
-    finish(p, sum);
+    sum += from[p];
+    to[p] = sum < floor ? floor : sum;
   }
 }
 

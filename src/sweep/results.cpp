@@ -25,6 +25,13 @@ constexpr std::string_view effort_columns = ",rotor_sd_radps,rotor_rate_radps2";
 
 std::string cell(double value) { return std::isnan(value) ? "" : config::shortest(value); }
 
+// the next line, without the \r that other systems and git put before its end
+bool next_line(std::istream& file, std::string& line) {
+  if (!std::getline(file, line)) return false;
+  if (line.ends_with('\r')) line.pop_back();
+  return true;
+}
+
 // a line's cells, one taken after the other
 class Cells {
  public:
@@ -109,7 +116,7 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
   note_input(path);
   std::ifstream file(path);
   std::string line;
-  if (!std::getline(file, line) || (line != header && !line.starts_with(std::string(header) + ",")))
+  if (!next_line(file, line) || (line != header && !line.starts_with(std::string(header) + ",")))
     throw DataError(fmt::format("{}:1:1: not a table of runs (expected the header {})", path, header));
   line.erase(0, header.size());
   const bool has_effort = line.starts_with(effort_columns);
@@ -120,7 +127,7 @@ std::vector<ResultRow> read_results_csv(const std::string& path) {
 
   std::vector<ResultRow> rows;
   std::map<std::string, int> lines;  // of each run
-  for (int number = 2; std::getline(file, line); ++number) {
+  for (int number = 2; next_line(file, line); ++number) {
     Cells cells(line, fmt::format("{}:{}", path, number));
     ResultRow row;
     for (std::string* text : {&row.experiment, &row.vehicle, &row.trajectory, &row.controller}) *text = cells.next();

@@ -62,6 +62,19 @@ TEST_F(ResultsCsv, ReadsAxesAndTablesWithoutEffort) {
   EXPECT_TRUE(std::isnan(read_results_csv(path_)[0].rotor_sd_radps));
 }
 
+// GIVEN a table whose lines end as on Windows WHEN read THEN it is the same table
+TEST_F(ResultsCsv, ReadsLinesOfAnySystem) {
+  ResultRow row{"e", "iris", "circle", "pid", 7, Outcome::completed, 1.0, 0.1, 0.2, 0.3, 0.4, 0.5, "0123"};
+  row.rotor_rate_radps2 = 148.75;
+  for (const std::vector<NamedValue>& axes : {std::vector<NamedValue>{}, {{"mass", "-0.2"}}}) {
+    row.axes = axes;
+    std::string text = to_csv({row});
+    for (std::size_t end = 0; (end = text.find('\n', end)) != std::string::npos; end += 2) text.insert(end, 1, '\r');
+    write_file(path_, text);
+    EXPECT_EQ(to_csv(read_results_csv(path_)), to_csv({row}));
+  }
+}
+
 TEST_F(ResultsCsv, SaysWhereATableIsBroken) {
   EXPECT_THAT(message_for("a,b\n"), testing::HasSubstr(":1:1: not a table of runs"));
   EXPECT_THAT(message_for(header + "e,v,t,c,1,completed,1,1,1,1,1\n"), testing::HasSubstr(":2:30: a cell is missing"));
