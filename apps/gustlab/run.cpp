@@ -12,6 +12,7 @@
 #include "report/tracking_json.hpp"
 #include "simulation/recorder.hpp"
 #include "util/files.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 
@@ -38,6 +39,7 @@ std::size_t find_choice(const std::vector<Choice>& choices, const std::string& n
 }
 
 void run_command(const RunArguments& options) {
+  interrupted();
   const Experiment experiment =
       options.variant.empty() ? options.experiment.read() : options.experiment.read_variants({options.variant}).front();
   RunSpec wanted;
@@ -46,7 +48,7 @@ void run_command(const RunArguments& options) {
   wanted.replicate = options.replicate.value_or(static_cast<std::uint32_t>(experiment.first_replicate));
 
   check_files_can_be_written(options.out, {"flight.csv", "flight.meta.toml", "outcome.json"});
-  auto [record, log] = run_logged(experiment, wanted);
+  auto [record, log] = run_logged(experiment, wanted, AtInterrupt::end);
   nlohmann::ordered_json outcome{{"format", "gustlab-outcome/1"},
                                  {"experiment", experiment.name},
                                  {"vehicle", experiment.vehicle.name},
@@ -62,7 +64,7 @@ void run_command(const RunArguments& options) {
   write_together([&, &log = log] {
     make_folder(options.out);
     const std::filesystem::path folder(options.out);
-    write_run_log(std::move(log), experiment, (folder / "flight.csv").string());
+    write_run_log(std::move(log), experiment, (folder / "flight.csv").string(), AtInterrupt::end);
     write_file((folder / "outcome.json").string(), outcome.dump(2) + "\n");
   });
   spdlog::info("{}: {} after {:.3f} s", options.out, to_string(record.outcome), record.duration_s);

@@ -1,3 +1,5 @@
+#include "flight_log/write_flight_log.hpp"
+
 #include <fmt/format.h>
 #include <zlib.h>
 
@@ -75,12 +77,13 @@ class Gzip {
 
 }  // namespace
 
-void write_flight_log(const FlightLog& log, const std::string& csv_path) {
+void write_flight_log(const FlightLog& log, const std::string& csv_path, const std::function<void()>& between) {
   const std::string description = sidecar_text(log.meta), description_path = sidecar_path(csv_path);
   config::Table::parse(description, description_path);
   write_together([&] {
     write_file(csv_path, [&](std::ostream& file) {
       const Sink to_file = [&](std::string_view bytes) {
+        between();
         file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
       };
       if (!csv_path.ends_with(".gz")) return write_csv(log, to_file);
@@ -90,6 +93,10 @@ void write_flight_log(const FlightLog& log, const std::string& csv_path) {
     });
     write_file(description_path, description);
   });
+}
+
+void write_flight_log(const FlightLog& log, const std::string& csv_path) {
+  write_flight_log(log, csv_path, [] {});
 }
 
 }  // namespace gustlab

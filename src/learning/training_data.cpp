@@ -15,7 +15,7 @@ namespace gustlab {
 namespace {
 
 FlightLog fly_logged(const Experiment& experiment, const RunSpec& spec) {
-  LoggedRun flown = run_logged(experiment, spec);
+  LoggedRun flown = run_logged(experiment, spec, AtInterrupt::end);
   const RunRecord& end = flown.record;
   if (end.outcome != Outcome::completed)
     throw ConfigError(fmt::format("{}: {} replicate {} {} after {:.1f} s (training needs whole flights); use less wind",

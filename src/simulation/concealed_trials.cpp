@@ -133,7 +133,7 @@ struct PlannedFlight {
 
 FlightLog fly_one(const PlannedFlight& planned) {
   const Experiment& experiment = planned.trial->experiment;
-  LoggedRun flown = run_logged(experiment, planned.spec);
+  LoggedRun flown = run_logged(experiment, planned.spec, AtInterrupt::end);
   const RunRecord& end = flown.record;
   if (end.outcome != Outcome::completed)
     throw ConfigError(
@@ -248,7 +248,8 @@ std::string fly_concealed_trials(const TrialsFile& file, const std::string& out,
   for (std::size_t i = 0; i < flights.size(); ++i) {
     const std::filesystem::path folder = std::filesystem::path(out) / flights[i].trial->name;
     make_folder(folder.string());
-    write_run_log(std::move(logs[i]), flights[i].trial->experiment, (folder / flights[i].file).string());
+    write_run_log(std::move(logs[i]), flights[i].trial->experiment, (folder / flights[i].file).string(),
+                  AtInterrupt::end);
   }
   return answers;
 }

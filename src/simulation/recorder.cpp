@@ -3,6 +3,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "flight_log/write_flight_log.hpp"
+#include "util/interrupt.hpp"
+
 namespace gustlab {
 
 FlightRecorder::FlightRecorder(const Experiment& experiment, Flight& flight)
@@ -76,8 +79,9 @@ FlightLog FlightRecorder::take() {
   return std::move(log_);
 }
 
-LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec) {
+LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec, AtInterrupt at_interrupt) {
   Flight flight(experiment, spec);
+  flight.at_interrupt = at_interrupt;
   TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
   FlightRecorder recorder(experiment, flight);
   Effort effort(flight.options.settle_s, flight.tick_s);
@@ -85,12 +89,13 @@ LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec) {
   return {{spec, end.outcome, end.time_s, error.figures(), effort.figures()}, recorder.take()};
 }
 
-void write_run_log(FlightLog log, const Experiment& experiment, const std::string& csv_path) {
+void write_run_log(FlightLog log, const Experiment& experiment, const std::string& csv_path, AtInterrupt at_interrupt) {
   if (experiment.vehicle_name.find_first_of("/.") != std::string::npos)
     log.meta.vehicle =
         std::filesystem::proximate(experiment.vehicle.source_path, std::filesystem::path(csv_path).parent_path())
             .string();
-  write_flight_log(log, csv_path);
+  if (at_interrupt == AtInterrupt::end) write_flight_log(log, csv_path, throw_if_interrupted);
+  else write_flight_log(log, csv_path);
 }
 
 }  // namespace gustlab

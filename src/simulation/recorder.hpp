@@ -34,8 +34,10 @@ struct LoggedRun {
   RunRecord record;
   FlightLog log;
 };
-LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec);
+LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec, AtInterrupt at_interrupt = AtInterrupt::finish);
 // Writes the log of a run; a vehicle that is a file keeps its place relative to it. Throws IoError.
-void write_run_log(FlightLog log, const Experiment& experiment, const std::string& csv_path);
+// AtInterrupt::end: ends between two rows by throwing Interrupted, and leaves nothing.
+void write_run_log(FlightLog log, const Experiment& experiment, const std::string& csv_path,
+                   AtInterrupt at_interrupt = AtInterrupt::finish);
 
 }  // namespace gustlab

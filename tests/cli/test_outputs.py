@@ -367,6 +367,37 @@ class Signals(Commands):
                     self.assertEqual(process.returncode, 130, err)
                     self.assertEqual(self.files(), before)
 
+    # run had no handler at all; conceal and train flew to the end of a flight of hours
+    def test_a_flight_and_the_writing_of_its_log_end_soon(self):
+        (self.folder / "long.toml").write_text(experiment_toml("circle", duration_s=5000.0, more=CIRCLE + GUST))
+        (self.folder / "winds.toml").write_text(experiment_toml("circle", duration_s=5000.0, more=CIRCLE + GUST + VARIANTS))
+        before = self.files()
+        beside = lambda: any(self.folder.rglob(".gustlab.*.*"))  # noqa: E731
+        for command, writing in ((["run", "long.toml", "--out", "out"], False), (["run", "long.toml", "--out", "out"], True),
+                                 (["conceal", "t.toml", "--set", "duration_s=5000", "--out", "out", "--answers", "y", "--jobs", "1"], False),
+                                 (["conceal", "t.toml", "--set", "duration_s=1000", "--out", "out", "--answers", "y", "--jobs", "1"], True),
+                                 (["train", "winds.toml", "--out", "out", "--jobs", "1"], False)):
+            for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
+                with self.subTest(command=command[0], writing=writing, signal=number):
+                    process = subprocess.Popen([PROGRAM, *command], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                    under_way = beside if writing else lambda: work_s(process.pid) > 0.2
+                    wait_for(lambda: process.poll() is not None or under_way(), 120.0)
+                    self.assert_ends_soon(process, number)
+                    self.assertEqual(self.files(), before)
+                    self.assertFalse((self.folder / "out").exists())
+
+    def assert_ends_soon(self, process, number):
+        """with 130, and less than a second of work after the signal"""
+        before = work_s(process.pid)
+        process.send_signal(number)
+        err = process.stderr.read()
+        process.stdout.close()
+        process.stderr.close()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 130, err)
+        self.assertLess(usage.ru_utime + usage.ru_stime - before, 1.0)
+
     def test_a_signal_that_nohup_ignores_stays_ignored(self):
         process = subprocess.Popen([PROGRAM, "train", "train.toml", "--epochs", "1000000", "--out", "w"], cwd=self.folder, stderr=subprocess.DEVNULL,
                                    preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
