@@ -10,6 +10,7 @@
 #include "gustlab/errors.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "simulation/recorder.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
 #include "util/parallel.hpp"
@@ -46,6 +47,13 @@ void print_plan(const Experiment& experiment, const Shard& shard) {
                  spec.replicate, to_hex(spec.key));
 }
 
+void check_logs(const Experiment& experiment) {
+  RunSpec spec;
+  for (spec.trajectory = 0; spec.trajectory < experiment.trajectories.size(); ++spec.trajectory)
+    for (spec.controller = 0; spec.controller < experiment.controllers.size(); ++spec.controller)
+      check_log_rows(experiment, spec);
+}
+
 void sweep_into(const std::string& out, const Experiment& experiment, const Shard& shard,
                 const SweepArguments& options) {
   const std::atomic<bool>& stop = interrupted();
@@ -73,6 +81,8 @@ void sweep_command(const SweepArguments& options) {
   }
   if (options.out.empty()) throw ConfigError("sweep: --out is missing (the folder of the results); or use --dry-run");
 
+  if (options.logs)
+    for (const Experiment& variant : variants) check_logs(variant);
   check_results_in(options.out, options.variants.empty() ? variants : options.experiment.read_variants({}));
   for (const Experiment& variant : variants) sweep_into(variant_folder(options.out, variant), variant, shard, options);
   if (variants.front().variant.empty()) return;

@@ -234,6 +234,7 @@ std::string fly_concealed_trials(const TrialsFile& file, const std::string& out,
     answers += answer(trial);
   }
   check_nothing_else_is_there(flights, out);
+  for (const PlannedFlight& flight : flights) check_log_rows(flight.trial->experiment, flight.spec);
 
   std::vector<FlightLog> logs(flights.size());
   std::mutex counting;

@@ -1,12 +1,35 @@
 #include "simulation/recorder.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "config/toml.hpp"
 #include "flight_log/write_flight_log.hpp"
+#include "gustlab/errors.hpp"
 #include "util/interrupt.hpp"
 
 namespace gustlab {
+
+namespace {
+
+// Of the log of a whole flight. Throws ConfigError where they are too many.
+std::size_t log_rows(const Experiment& experiment, const Flight& flight) {
+  const double duration_s = flight.options.duration_s, rate_hz = experiment.log.log_rate_hz;
+  double rows = static_cast<double>(flight.ticks);
+  if (rate_hz > 0.0) rows = std::min(rows, std::floor(duration_s * rate_hz + 1e-6) + 1.0);
+  if (rows > most_log_rows)
+    throw ConfigError(
+        worded(fmt::format("{}: a flight log of {:.0f} rows is too long", experiment.name, rows),
+               fmt::format("the most are {:.0f}", most_log_rows),
+               fmt::format("fly less than {} s, or log_rate_hz = {:.0f} at most", config::shortest(duration_s),
+                           std::floor((most_log_rows - 1.0) / duration_s))));
+  return static_cast<std::size_t>(rows);
+}
+
+}  // namespace
 
 FlightRecorder::FlightRecorder(const Experiment& experiment, Flight& flight)
     : truth_(experiment.log.log_source == "truth"),
@@ -28,7 +51,7 @@ FlightRecorder::FlightRecorder(const Experiment& experiment, Flight& flight)
   for (const std::string_view name : flight.controller->telemetry_names()) names.emplace_back(name);
   telemetry_.resize(flight.controller->telemetry_names().size());
 
-  const auto rows = static_cast<std::size_t>(flight.ticks);
+  const std::size_t rows = log_rows(experiment, flight);
   log_.time_s.reserve(rows);
   for (std::string& name : names) {
     log_.columns.push_back({std::move(name), {}});
@@ -79,11 +102,15 @@ FlightLog FlightRecorder::take() {
   return std::move(log_);
 }
 
+void check_log_rows(const Experiment& experiment, const RunSpec& spec) {
+  log_rows(experiment, Flight(experiment, spec));
+}
+
 LoggedRun run_logged(const Experiment& experiment, const RunSpec& spec, AtInterrupt at_interrupt) {
   Flight flight(experiment, spec);
   flight.at_interrupt = at_interrupt;
-  TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
   FlightRecorder recorder(experiment, flight);
+  TrackingError error(flight.options.settle_s, static_cast<std::size_t>(flight.ticks));
   Effort effort(flight.options.settle_s, flight.tick_s);
   const FlightEnd end = fly(flight, error, &recorder, &effort);
   return {{spec, end.outcome, end.time_s, error.figures(), effort.figures()}, recorder.take()};

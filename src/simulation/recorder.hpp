@@ -10,7 +10,7 @@ namespace gustlab {
 // force alone would give (m/s², W), then the controller's telemetry.
 class FlightRecorder {
  public:
-  // Reserves all memory that the flight will need.
+  // Reserves all memory that the flight will need. Throws ConfigError where the log would have more than most_log_rows.
   FlightRecorder(const Experiment& experiment, Flight& flight);
 
   void append(Flight& flight, const Observation& measured, const Reference& reference, const RotorCommand& command);
@@ -28,6 +28,11 @@ class FlightRecorder {
   std::size_t column_ = 0;
   std::vector<double> telemetry_;
 };
+
+// A log of more rows is not flown (FORMATS.md §7): so many fit into memory, and can be read again.
+inline constexpr double most_log_rows = 3e6;
+// Before long work: throws the ConfigError that run_logged would throw of it.
+void check_log_rows(const Experiment& experiment, const RunSpec& spec);
 
 // A planned run from start to figures, and its log.
 struct LoggedRun {

@@ -11,6 +11,8 @@ import time
 import unittest
 from pathlib import Path
 
+from concealed_trials import trials_toml
+
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 
 BODY = """<mujoco>{head}<worldbody>
@@ -330,6 +332,18 @@ class Settings(Commands):
         for name in ("nothere.toml", "loop.toml", "v"):
             self.write("i.toml", EXPERIMENT + f'include = ["{name}"]\n')
             self.refuse(2, f'i.toml:7:11: "{name}" cannot be read (', "sweep", "i.toml", "--dry-run")
+
+    # an hour took a gigabyte, and a day 15
+    def test_a_log_that_is_too_long_is_refused_before_it_is_flown(self):
+        self.write("t.toml", trials_toml("nothing"))
+        long = ("--set", "duration_s=90000", "--out", "o")
+        for command in (["run", "e.toml", *long], ["sweep", "e.toml", "--logs", *long], ["conceal", "t.toml", "--answers", "a", *long]):
+            with self.subTest(command=command[0]):
+                self.refuse(2, "000 rows is too long (the most are 3000000); fly less than 90000 s, or log_rate_hz = 33 at most", *command)
+                self.assertFalse((self.folder / "o").exists())
+        # of as long a flight fewer rows
+        self.call("run", "e.toml", "--set", "vehicle=crazyflie", "--set", "duration_s=7000", "--set", "log_rate_hz=10", "--out", "o")
+        self.assertEqual((self.folder / "o" / "flight.csv").read_bytes().count(b"\n"), 70001)
 
     def test_an_empty_file_is_no_network(self):
         for name in ("empty", "/dev/null"):
