@@ -17,6 +17,7 @@
 #include "config/toml.hpp"
 #include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
+#include "messages.hpp"
 #include "util/files.hpp"
 #include "util/interrupt.hpp"
 
@@ -40,7 +41,7 @@ class PrintableText final : public spdlog::custom_flag_formatter {
   std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<PrintableText>(); }
 };
 
-void say(std::string_view message) { fmt::print(stderr, "{}\n", config::printable(message)); }
+void say(std::string_view message) { say_on_stderr(config::printable(message) + "\n"); }
 
 // messages go to stderr, data to stdout; colours only on a terminal that wants them
 void start_messages() {

@@ -4,7 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include "messages.hpp"
 
 namespace gustlab {
 
@@ -20,9 +20,7 @@ double Progress::now_s() const {
 
 void Progress::print(const std::string& text) {
   // carriage return, then clear what the line had more
-  if (terminal_) fmt::print(stderr, "\r{}\033[K", text);
-  else fmt::print(stderr, "{}\n", text);
-  std::fflush(stderr);
+  say_on_stderr(terminal_ ? fmt::format("\r{}\033[K", text) : text + "\n");
   shown_ = true;
 }
 
@@ -51,7 +49,7 @@ void Progress::end() {
   if (timer_.joinable()) timer_.join();
   if (shown_ && terminal_) {
     print(line_.text(now_s()));
-    std::fputs("\n", stderr);
+    say_on_stderr("\n");
   }
   shown_ = false;
 }

@@ -307,6 +307,23 @@ class Failures(Commands):
                 _, err = self.call(*arguments, code=4, stdout=full)
                 self.assertRegex(err, "stdout: cannot write|No space left on device")
 
+    # the program aborted where it could not say what is wrong
+    @unittest.skipUnless(os.path.exists("/dev/full"), "there is no full device")
+    def test_stderr_that_is_full_changes_no_exit_code(self):
+        for arguments, code in ((["table", "nothere"], 3), (["sweep", "nothere.toml", "--out", "s"], 2), (["fly"], 2), (["table", "--nothing"], 2), (["table", "swept"], 0)):
+            with self.subTest(arguments=arguments), open("/dev/full", "w") as full:
+                self.call(*arguments, code=code, stderr=full)
+
+    def test_a_terminal_that_goes_away_ends_no_long_work(self):
+        terminal, seen = os.openpty()
+        process = subprocess.Popen([PROGRAM, "train", "train.toml", "--epochs", "1000000", "--out", "w"], cwd=self.folder, stderr=seen)
+        os.close(seen)
+        self.assertTrue(os.read(terminal, 1))  # its first line
+        os.close(terminal)
+        time.sleep(1.5)  # for the next
+        process.terminate()
+        self.assertEqual(process.wait(timeout=120), 130)
+
     @unittest.skipUnless(os.path.exists("/dev/full"), "there is no full device")
     def test_a_merge_that_fails_leaves_nothing(self):
         # a file-size limit stands for a disk that fills up at any of its writes
