@@ -3,6 +3,7 @@
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -11,6 +12,7 @@
 #include <filesystem>
 #include <iostream>
 #include <span>
+#include <system_error>
 
 #include "commands.hpp"
 #include "config/text.hpp"
@@ -157,11 +159,25 @@ int run(int argc, char** argv) {
     const bool of_the_path = is_fault_of_path(error.code().value());
     say(of_the_path ? worded(path + ": cannot be used", why, "name another") : fmt::format("{}: {}", path, why));
     return of_the_path ? 2 : 4;
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0) return 0;  // main() says it
+    say(fmt::format("gustlab: {}", error.what()));
+    return 4;
   } catch (const std::exception& error) {
     say(fmt::format("gustlab: {}", error.what()));
     return 4;
   }
   return 0;
+}
+
+// Says why it is not. Who could not write before has kept no reason: one more byte is refused for the same.
+bool stdout_is_written() {
+  errno = 0;
+  std::cout.flush();
+  if (std::cout && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return true;
+  if (errno == 0 && write(STDOUT_FILENO, "\n", 1) == 1) errno = EIO;
+  say(fmt::format("stdout: cannot write ({})", std::strerror(errno)));
+  return false;
 }
 
 }  // namespace
@@ -173,9 +189,7 @@ int main(int argc, char** argv) {
   mallopt(M_MMAP_THRESHOLD, 8 << 20);
 #endif
   const int code = run(argc, argv);
-  errno = 0;
-  std::cout.flush();
-  if (std::cout && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  say(fmt::format("stdout: cannot write ({})", std::strerror(errno ? errno : EIO)));
+  if (code == 4) return code;  // with its one line
+  if (stdout_is_written()) return code;
   return 4;
 }
