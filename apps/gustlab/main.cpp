@@ -92,11 +92,22 @@ void check_words(int argc, char** argv) {
                       i > 1 ? argv[i - 1] : "gustlab"));
 }
 
+// CLI11 takes the value of an option that no command has yet for a command. Options of a command above are taken below it.
+void check_option(const CLI::App& app, const std::string& word, const std::string& before) {
+  const std::string name = word.starts_with("--") ? word.substr(0, word.find('=')) : word.substr(0, 2);
+  if (name == "--" || name == "-") return;
+  for (const CLI::App* all = &app; all != nullptr; all = all->get_parent())
+    if (all->get_option_no_throw(name) != nullptr) return;
+  throw ConfigError(worded(fmt::format("gustlab: unknown option \"{}\" before a command", name),
+                           "options of a command stand behind it", fmt::format("write {}COMMAND {}", before, name)));
+}
+
 // CLI11 only says that a command is missing; one of commands below another, too
 void check_command(const CLI::App& app, std::span<char*> words, const std::string& before = "gustlab ") {
   const auto word = std::find_if(words.begin(), words.end(), [](const char* argument) { return *argument != '-'; });
   std::vector<const CLI::App*> commands = app.get_subcommands(nullptr);
   if (word == words.end() || commands.empty()) return;
+  for (auto option = words.begin(); option != word; ++option) check_option(app, *option, before);
   std::vector<std::string> known;
   for (const CLI::App* command : commands) {
     if (command->get_name() == *word)

@@ -345,6 +345,12 @@ class Settings(Commands):
         self.call("run", "e.toml", "--set", "vehicle=crazyflie", "--set", "duration_s=7000", "--set", "log_rate_hz=10", "--out", "o")
         self.assertEqual((self.folder / "o" / "flight.csv").read_bytes().count(b"\n"), 70001)
 
+    def test_an_option_before_its_command_is_called_one(self):
+        for words, name, before in ((["--set", "a=1", "run", "e.toml"], "--set", ""), (["--set=a=1", "run", "e.toml"], "--set", ""),
+                                    (["-j3", "run"], "-j", ""), (["vehicle", "--mass", "1kg", "new"], "--mass", "vehicle ")):
+            self.refuse(2, f'gustlab: unknown option "{name}" before a command (options of a command stand behind it); write gustlab {before}COMMAND {name}\n', *words)
+        self.call("-q", "vehicle", "-v", "check", "crazyflie")
+
     def test_an_empty_file_is_no_network(self):
         for name in ("empty", "/dev/null"):
             self.write("empty", "")
