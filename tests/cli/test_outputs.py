@@ -54,6 +54,18 @@ class Commands(unittest.TestCase):
 
     GATE = ("gate", "swept", "--baseline", "base.csv")
 
+    def assert_ends_soon(self, process, number):
+        """with 130, and less than a second of work after the signal"""
+        before = work_s(process.pid)
+        process.send_signal(number)
+        err = process.stderr.read()
+        process.stdout.close()
+        process.stderr.close()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 130, err)
+        self.assertLess(usage.ru_utime + usage.ru_stime - before, 1.0)
+
 
 class Places(Commands):
     def test_a_pipe_is_written_through(self):
@@ -404,18 +416,6 @@ class Signals(Commands):
                     self.assertEqual(self.files(), before)
                     self.assertFalse((self.folder / "out").exists())
 
-    def assert_ends_soon(self, process, number):
-        """with 130, and less than a second of work after the signal"""
-        before = work_s(process.pid)
-        process.send_signal(number)
-        err = process.stderr.read()
-        process.stdout.close()
-        process.stderr.close()
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertEqual(process.returncode, 130, err)
-        self.assertLess(usage.ru_utime + usage.ru_stime - before, 1.0)
-
     def test_a_signal_that_nohup_ignores_stays_ignored(self):
         process = subprocess.Popen([PROGRAM, "train", "train.toml", "--epochs", "1000000", "--out", "w"], cwd=self.folder, stderr=subprocess.DEVNULL,
                                    preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
@@ -439,15 +439,7 @@ class Searches(Commands):
                     until = time.monotonic() + 120.0
                     while process.poll() is None and work_s(process.pid) < 1.0 and time.monotonic() < until:
                         time.sleep(0.01)
-                    before = work_s(process.pid)
-                    process.send_signal(number)
-                    err = process.stderr.read()
-                    process.stdout.close()
-                    process.stderr.close()
-                    _, status, usage = os.wait4(process.pid, 0)
-                    process.returncode = os.waitstatus_to_exitcode(status)
-                    self.assertEqual(process.returncode, 130, err)
-                    self.assertLess(usage.ru_utime + usage.ru_stime - before, 1.0)
+                    self.assert_ends_soon(process, number)
                     shutil.rmtree(self.folder / "out", ignore_errors=True)
 
 
