@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstring>
 #include <limits>
 #include <string_view>
 
@@ -92,7 +93,7 @@ void append(std::string& text, double value) {
 
 // rows of a layer that are summed together, in the widest vectors of the processor; of any width they give the same bits
 constexpr Eigen::Index pack_size = 4;
-using Pack = double __attribute__((vector_size(pack_size * sizeof(double)), aligned(sizeof(double)), may_alias));
+using Pack = double __attribute__((vector_size(pack_size * sizeof(double))));
 
 // sanitizers do not survive the choice of a function while the program is loaded
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -101,36 +102,40 @@ using Pack = double __attribute__((vector_size(pack_size * sizeof(double)), alig
 #define GUSTLAB_WIDEST
 #endif
 
+// packs stand anywhere in memory
+inline void load(Pack& pack, const double* from) { std::memcpy(&pack, from, sizeof pack); }
+inline void store(const Pack& pack, double* to) { std::memcpy(to, &pack, sizeof pack); }
+
 // out = bias + weight × in, each sum from the first input to the last; the rows are whole packs. `least`: what is smaller becomes it, and
 // a NaN stays one.
 GUSTLAB_WIDEST
 void layer(const Eigen::MatrixXd& weight, const Eigen::VectorXd& bias, double least, const double* in, double* out) {
-  const Eigen::Index packs = weight.rows() / pack_size, columns = weight.cols();
-  const Pack* first = reinterpret_cast<const Pack*>(weight.data());
-  const Pack* from = reinterpret_cast<const Pack*>(bias.data());
-  Pack* to = reinterpret_cast<Pack*>(out);
+  const Eigen::Index rows = weight.rows(), columns = weight.cols();
   const Pack floor = Pack{} + least;
-  Eigen::Index p = 0;
-  for (; p + 3 < packs; p += 4) {
-    Pack a = {}, b = {}, c = {}, d = {};
+  const auto finish = [&](Eigen::Index row, Pack& sum) {
+    Pack more;
+    load(more, bias.data() + row);
+    sum += more;
+    store(sum < floor ? floor : sum, out + row);
+  };
+  Eigen::Index row = 0;
+  for (; row + 3 * pack_size < rows; row += 4 * pack_size) {
+    Pack a = {}, b = {}, c = {}, d = {}, of_a, of_b, of_c, of_d;
     for (Eigen::Index j = 0; j < columns; ++j) {
-      const Pack* column = first + j * packs + p;
-      a += in[j] * column[0];
-      b += in[j] * column[1];
-      c += in[j] * column[2];
-      d += in[j] * column[3];
+      const double* column = weight.data() + j * rows + row;
+      load(of_a, column), load(of_b, column + pack_size);
+      load(of_c, column + 2 * pack_size), load(of_d, column + 3 * pack_size);
+      a += in[j] * of_a, b += in[j] * of_b, c += in[j] * of_c, d += in[j] * of_d;
     }
-    a += from[p], b += from[p + 1], c += from[p + 2], d += from[p + 3];
-    to[p] = a < floor ? floor : a;
-    to[p + 1] = b < floor ? floor : b;
-    to[p + 2] = c < floor ? floor : c;
-    to[p + 3] = d < floor ? floor : d;
+    finish(row, a), finish(row + pack_size, b), finish(row + 2 * pack_size, c), finish(row + 3 * pack_size, d);
   }
-  for (; p < packs; ++p) {
-    Pack sum = {};
-    for (Eigen::Index j = 0; j < columns; ++j) sum += in[j] * first[j * packs + p];
-    sum += from[p];
-    to[p] = sum < floor ? floor : sum;
+  for (; row < rows; row += pack_size) {
+    Pack sum = {}, of_sum;
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      load(of_sum, weight.data() + j * rows + row);
+      sum += in[j] * of_sum;
+    }
+    finish(row, sum);
   }
 }
 
