@@ -327,6 +327,7 @@ class Failures(Commands):
             with self.subTest(arguments=arguments), open("/dev/full", "w") as full:
                 self.call(*arguments, code=code, stderr=full)
 
+    @unittest.skipUnless(os.path.ismount("/dev/pts"), "there are no pseudo-terminals")
     def test_a_terminal_that_goes_away_ends_no_long_work(self):
         terminal, seen = os.openpty()
         process = subprocess.Popen([PROGRAM, "train", "train.toml", "--epochs", "1000000", "--out", "w"], cwd=self.folder, stderr=seen)
