@@ -6,7 +6,6 @@
 #include "commands.hpp"
 #include "options.hpp"
 #include "sweep/sweep.hpp"
-#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -30,7 +29,6 @@ void add_compare(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--format", options->format)->check(CLI::IsMember({"md", "json"}))->capture_default_str();
   command->callback([options] {
-    check_input_path(options->folder);
     std::vector<NamedResults> results;
     for (const Experiment& variant : options->experiment.read_variants(options->variants))
       results.push_back({variant.variant.empty() ? variant.name : variant.variant,

@@ -25,7 +25,6 @@ struct GateArguments {
 void gate_command(const GateArguments& options, const CLI::App& command) {
   check_is_read(command, {"--fails-by", "--margin", "--level", "--floor", "--allow-extra", "--junit", "--summary"},
                 !options.update, "--update", "a comparison");
-  check_input_path(options.folder);
   const Results results = read_results(options.folder);
   if (options.update) return write_file(options.baseline, to_csv(results.rows));
   GateRule rule = options.rule;

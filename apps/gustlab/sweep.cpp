@@ -11,7 +11,6 @@
 #include "options.hpp"
 #include "progress.hpp"
 #include "simulation/recorder.hpp"
-#include "util/files.hpp"
 #include "util/interrupt.hpp"
 #include "util/parallel.hpp"
 
@@ -127,10 +126,7 @@ void add_merge(CLI::App& app) {
       app.add_subcommand("merge", "joins the shards of a sweep; missing, double or unequal runs are errors");
   command->add_option("DIR", options->folders, "folders of the shards")->required();
   command->add_option("--out", options->out, "folder of the whole")->required();
-  command->callback([options] {
-    for (const std::string& folder : options->folders) check_input_path(folder);
-    merge(options->folders, options->out);
-  });
+  command->callback([options] { merge(options->folders, options->out); });
 }
 
 }  // namespace gustlab

@@ -15,7 +15,6 @@
 #include "report/sweep_page.hpp"
 #include "report/tables.hpp"
 #include "sweep/sweep.hpp"
-#include "util/files.hpp"
 
 namespace gustlab {
 
@@ -153,7 +152,6 @@ std::map<std::string, std::string> names_of(const std::vector<std::string>& word
 
 void table_command(TableArguments options, const CLI::App& command) {
   check_format_reads(command, options.format);
-  check_input_path(options.folder);
   if (options.format == "html") {
     const Results results = read_results(options.folder);
     if (results.rows.empty())

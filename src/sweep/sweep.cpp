@@ -327,6 +327,7 @@ std::vector<std::string> write_combined(const std::string& out) {
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out) {
+  for (const std::string& folder : folders) check_input_path(folder);
   // of each shard: one that was ended in its first variant has no more
   std::vector<std::string> variants;
   for (const std::string& folder : folders)
@@ -349,6 +350,7 @@ void merge(const std::vector<std::string>& folders, const std::string& out) {
 }
 
 Results read_results_of(const Experiment& experiment, const std::string& out) {
+  check_input_path(out);
   const std::string folder = variant_folder(out, experiment);
   const std::string differs =
       experiment_difference(open_to_read(folder)->provenance(), provenance_of(experiment, Shard{}));
@@ -360,6 +362,7 @@ Results read_results_of(const Experiment& experiment, const std::string& out) {
 }
 
 Results read_results(const std::string& folder) {
+  check_input_path(folder);
   Results all;
   note_input(csv_path(folder));
   bool first = true;

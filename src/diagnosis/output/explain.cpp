@@ -36,8 +36,7 @@ double size_that_shows(const Eigen::MatrixXd& projected, int column) {
 // why a group is hardly identifiable in these flights; no value when it is
 std::optional<NotIdentifiable> why_not_identifiable(const Session& session, const Selection& selection, int g) {
   const Group& group = session.catalogue().group(g);
-  if (session.catalogue().filter_looks_like_lag() && group.row->place == Place::actuation &&
-      group.row->latency != Latency::none && !selection.find(g))
+  if (session.catalogue().filter_looks_like_lag() && makes_rotors_late(*group.row) && !selection.find(g))
     return NotIdentifiable{
         catalogue_name(group),
         fmt::format("up to {:.0f} ms beyond the vehicle file's it looks like the filter that these logs passed",

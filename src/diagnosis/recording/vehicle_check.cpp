@@ -132,10 +132,10 @@ std::vector<LogFinding> check_rotors(const std::vector<FlightData>& flights, Veh
     return level(p) + 0.5 * std::abs(found.agreement(2, nominal_gains(vehicle, p).row(2)));
   };
   const std::string file = vehicle.source_path.substr(vehicle.source_path.find_last_of('/') + 1);
-  const double stated = level(place);
   constexpr double agrees = 1.5;
-  // what comes after the file's order is what the loop answers
   const Eigen::MatrixXd by_file = nominal_gains(vehicle, place);
+  const double stated = level_at(found, by_file);
+  // what comes after the file's order is what the loop answers
   const bool before = std::any_of(
       at.begin(), first, [&](const Response& r) { return level_at(r, by_file) >= agrees && sized(r, by_file); });
   if (stated < agrees && !before) {
