@@ -10,14 +10,18 @@ gustlab="${GUSTLAB:-$here/../../build/release/gustlab}"
 (($# >= 4)) || { sed -n '2,3s/^# //p' "$0" >&2; exit 2; }
 part="$1" parts="$2" experiment="$3" out="$4"
 
-# a shell ends a signal's wait, not the program: it is passed on, and waited for again
+# a shell ends a signal's wait, not the program: it is passed on, and waited for again. One that comes before the program is there
+# is kept for it, and a program that dies of it, because it does not heed signals yet, was interrupted too.
+child="" asked=0
+trap 'asked=1; [[ -z $child ]] || kill -s USR1 "$child" 2> /dev/null || true' TERM INT USR1
 "$gustlab" sweep "$experiment" --out "$out/shards/$part" --shard "$part/$parts" --resume "${@:5}" &
 child=$!
-trap 'kill -s USR1 "$child" 2> /dev/null || true' TERM INT USR1
+((!asked)) || kill -s USR1 "$child" 2> /dev/null || true
 code=0
 wait "$child" || code=$?
 while kill -0 "$child" 2> /dev/null; do
   code=0
   wait "$child" || code=$?
 done
+((asked && code > 128)) && code=130
 exit "$code"

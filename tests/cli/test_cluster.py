@@ -73,18 +73,42 @@ class Merges(unittest.TestCase):
 
 
 class Tasks(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="gustlab_test_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def script(self, name, text):
+        (self.folder / name).write_text(f"#!/usr/bin/env bash\n{text}\n")
+        (self.folder / name).chmod(0o755)
+
+    def code(self, *command, **variables):
+        return subprocess.run(command, cwd=self.folder, timeout=60, env=os.environ | variables).returncode
+
+    def task(self):
+        """Runs one whose controller is busy once: its exit code, and what it asked of the controller."""
+        asked = self.folder / "asked"
+        asked.unlink(missing_ok=True)
+        self.script("scontrol", 'echo "$@" >> asked; (($(wc -l < asked) > 1))')
+        code = self.code(CLUSTER / "slurm_task.sh", self.folder, "4", "e.toml", "out", SLURM_ARRAY_JOB_ID="7", SLURM_ARRAY_TASK_ID="1",
+                         PATH=f"{self.folder}:{os.environ['PATH']}")
+        return code, asked.read_text() if asked.exists() else ""
+
     def test_an_interrupted_task_asks_again_to_be_queued(self):
-        for ends_with, asked in ((130, 2), (0, 0)):
-            with self.subTest(code=ends_with), tempfile.TemporaryDirectory() as folder:
-                scripts = {"shard.sh": f"exit {ends_with}", "scontrol": 'echo "$@" >> asked; (($(wc -l < asked) > 1))'}
-                for name, text in scripts.items():
-                    (Path(folder) / name).write_text(f"#!/usr/bin/env bash\n{text}\n")
-                    (Path(folder) / name).chmod(0o755)
-                done = subprocess.run([CLUSTER / "slurm_task.sh", folder, "4", "e.toml", "out"], cwd=folder, timeout=60,
-                                      env=os.environ | {"PATH": f"{folder}:{os.environ['PATH']}", "SLURM_ARRAY_JOB_ID": "7", "SLURM_ARRAY_TASK_ID": "1"})
-                self.assertEqual(done.returncode, ends_with)
-                file = Path(folder) / "asked"
-                self.assertEqual(file.read_text() if file.exists() else "", "requeue 7_1\n" * asked)
+        for ends_with, asked in ((130, 2), (0, 0), (139, 0)):
+            with self.subTest(code=ends_with):
+                self.script("shard.sh", f"exit {ends_with}")
+                self.assertEqual(self.task(), (ends_with, "requeue 7_1\n" * asked))
+
+    def test_a_signal_that_comes_before_it_is_heeded_is_an_interruption(self):
+        # a program that has no handler of the signal yet (or no more) dies of the one that is passed on to it
+        dies = 'kill -s USR1 "$PPID"; exec sleep 20'
+        self.script("shard.sh", dies)
+        self.assertEqual(self.task(), (130, "requeue 7_1\n" * 2))
+        self.script("gustlab", dies)
+        shard = (CLUSTER / "shard.sh", "1", "4", "e.toml", "out")
+        self.assertEqual(self.code(*shard, GUSTLAB=str(self.folder / "gustlab")), 130)
+        self.script("gustlab", "exit 139")
+        self.assertEqual(self.code(*shard, GUSTLAB=str(self.folder / "gustlab")), 139)
 
 
 if __name__ == "__main__":
