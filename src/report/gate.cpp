@@ -29,10 +29,9 @@ RowsById by_identity(const std::vector<ResultRow>& rows) {
   return known;
 }
 
-// without the variants, which may be many
 std::string experiments_of(const std::vector<ResultRow>& rows) {
   std::set<std::string> names;
-  for (const ResultRow& row : rows) names.insert(row.experiment.substr(0, row.experiment.find('.')));
+  for (const ResultRow& row : rows) names.insert(without_variant(row.experiment));
   return fmt::format("{}", fmt::join(names, ", "));
 }
 

@@ -171,10 +171,10 @@ std::string Sweep::header() const {
   std::string axes;
   for (std::size_t a = 0; a < axes_.size(); ++a)
     if (is_axis(a)) axes += fmt::format(" · {}: {} values", axes_[a].name, axes_[a].values.size());
-  const std::string experiment = cells_.front().experiment.substr(0, cells_.front().experiment.find('.'));
   return fmt::format(
-      "<header><p class=\"kind\">Sweep {} · {} · {} runs{}</p><h1>{}</h1>{}</header>", escape(experiment),
-      escape(cells_.front().vehicle), runs, escape(axes), escape(sentence),
+      "<header><p class=\"kind\">Sweep {} · {} · {} runs{}</p><h1>{}</h1>{}</header>",
+      escape(without_variant(cells_.front().experiment)), escape(cells_.front().vehicle), runs, escape(axes),
+      escape(sentence),
       paragraph(failed == 0
                     ? "Every run was completed."
                     : fmt::format(
@@ -425,7 +425,7 @@ std::string sweep_page(const Results& results, const SweepFigures& figures) {
         section("Error over what was varied", sweep.over_axes()), section("Paths", paths(figures)),
         section("What was not completed", sweep.failures())})
     if (!piece.empty()) body += piece + "\n";
-  return page("Sweep " + results.rows.front().experiment, body);
+  return page("Sweep " + without_variant(results.rows.front().experiment), body);
 }
 
 }  // namespace gustlab

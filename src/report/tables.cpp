@@ -151,8 +151,7 @@ std::string to_latex(const Page& page, const TableOptions& options) {
       "% "
       "\\usepackage{{multirow}}\n\\begin{{table*}}[t]\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n\\scriptsize\n",
       latex_text(page.caption()),
-      options.label.empty() ? page.cells.front().experiment.substr(0, page.cells.front().experiment.find('.'))
-                            : options.label);
+      options.label.empty() ? without_variant(page.cells.front().experiment) : options.label);
   text += "\\begin{tabular}{|";
   for (std::size_t i = 0; i < all; ++i) text += "c|";
   text += "}\n\\hline\n";
@@ -230,6 +229,8 @@ bool is_better(const TableCell& cell, const TableCell& other, std::size_t metric
     if (runs * other.total != theirs * cell.total) return runs * other.total > theirs * cell.total;
   return error.mean < others.mean;
 }
+
+std::string without_variant(const std::string& experiment) { return experiment.substr(0, experiment.find('.')); }
 
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows) {
   std::vector<TableCell> cells;

@@ -41,6 +41,8 @@ struct TableCell {
   // over all runs, crashed ones too, but for those that ended before a sample counted
   std::array<Summary, tracking_metrics.size()> errors;
 };
+// "grid" of a variant grid.calm, of which there may be many, and of an experiment without variants.
+std::string without_variant(const std::string& experiment);
 // In the order in which the cells first appear.
 std::vector<TableCell> aggregate(const std::vector<ResultRow>& rows);
 // "5", or "3 to 5" where cells differ: runs of each cell.

@@ -60,7 +60,7 @@ TEST(SweepPage, SaysWhoIsBestWhatFailedAndWhere) {
   EXPECT_EQ(html, sweep_page(grid(), round_paths()));
   std::size_t at = 0;
   for (const char* wanted :
-       {"Sweep grid · crazyflie · 240 runs · strength: 4 values · mass: 3 values",
+       {"<title>Sweep grid</title>", "Sweep grid · crazyflie · 240 runs · strength: 4 values · mass: 3 values",
         // not where it crashed in one of five runs: six of the 24, in which its errors are the least all the same
         "indi is best in 18 of 24 comparisons.", "6 of 240 runs were not completed", "Best: most runs completed",
         "All 48 cells", "Heat map", "indi, lemniscate", "mass [–] \\ strength [m/s²]", "Over strength",
