@@ -150,8 +150,16 @@ std::map<std::string, std::string> names_of(const std::vector<std::string>& word
   return names;
 }
 
+// LaTeX takes a label as it stands: nothing in it can be escaped
+void check_label(const std::string& label) {
+  if (const std::size_t wrong = label.find_first_of("\\{}%#$&~^"); wrong != std::string::npos)
+    throw ConfigError(fmt::format("--label {}: LaTeX takes no {} in a label; letters, digits, _, - and : make one",
+                                  label, label[wrong]));
+}
+
 void table_command(TableArguments options, const CLI::App& command) {
   check_format_reads(command, options.format);
+  check_label(options.table.label);
   if (options.format == "html") {
     const Results results = read_results(options.folder);
     if (results.rows.empty())

@@ -68,10 +68,20 @@ std::vector<NamedValue> axes_of(const std::vector<TableCell>& cells) {
 // nothing of a figure that is not there
 std::string fixed(double value) { return std::isnan(value) ? "–" : fmt::format("{:.3f}", value); }
 
+// a bar would end the cell
+std::string markdown_text(const std::string& plain) {
+  std::string text;
+  for (const char c : plain) {
+    if (c == '|' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text;
+}
+
 std::string to_markdown(const Page& page, const TableOptions& options) {
   std::string text = "|", rule = "|";
   for (const NamedValue& axis : axes_of(page.cells)) {
-    text += fmt::format(" {} |", page.name(axis.name));
+    text += fmt::format(" {} |", markdown_text(page.name(axis.name)));
     rule += "--:|";
   }
   text += " vehicle | trajectory | controller | completed |";
@@ -84,8 +94,9 @@ std::string to_markdown(const Page& page, const TableOptions& options) {
   for (const TableCell& cell : page.cells) {
     text += "\n|";
     for (const NamedValue& axis : cell.axes) text += fmt::format(" {} |", axis.value);
-    text += fmt::format(" {} | {} | {} | {} |", page.name(cell.vehicle), page.name(cell.trajectory),
-                        page.name(cell.controller), completed_of(cell));
+    text += fmt::format(" {} | {} | {} | {} |", markdown_text(page.name(cell.vehicle)),
+                        markdown_text(page.name(cell.trajectory)), markdown_text(page.name(cell.controller)),
+                        completed_of(cell));
     for (const std::size_t metric : options.columns) {
       const Summary& error = cell.errors[metric];
       const std::string stars = page.is_best(cell, metric) ? "**" : "";

@@ -45,6 +45,15 @@ TEST(Tables, MarkdownSaysTheSettleWindowAndTheNumberOfRuns) {
   EXPECT_NE(text.find("| iris | spiral | pid | 1/1 | 1.000 ± – (1.000) |"), std::string::npos) << text;
 }
 
+TEST(Tables, NamesAreEscaped) {
+  TableOptions options{.names = {{"pid", "a|b\\"}}};
+  std::string text = to_table(results, options);
+  EXPECT_NE(text.find("| iris | spiral | a\\|b\\\\ | 1/1 |"), std::string::npos) << text;
+  options.format = TableFormat::latex;
+  text = to_table(results, options);
+  EXPECT_NE(text.find(" & a|b\\textbackslash{} & "), std::string::npos) << text;
+}
+
 TEST(Tables, CsvHasOneLineForEachCell) {
   const std::string text = to_table(results, {.format = TableFormat::csv});
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
