@@ -173,6 +173,14 @@ bool CsvNumbers::wanted(std::string_view line) const {
 }
 
 void CsvNumbers::read_header(std::string_view line) {
+  const std::string_view names = trimmed(line);
+  if (const std::size_t other = names.find_first_of(";\t");
+      other != std::string_view::npos && names.find(',') == std::string_view::npos)
+    throw DataError(
+        fmt::format("{}:1:{}: not comma-separated ({} stand between its columns); write commas there, and "
+                    "points in numbers",
+                    path_, names.data() - line.data() + static_cast<std::ptrdiff_t>(other) + 1,
+                    names[other] == ';' ? "semicolons" : "tabs"));
   std::unordered_set<std::string> seen;
   for (std::size_t begin = 0; begin <= line.size(); begin = cell_end(line, begin) + 1) {
     std::string name(trimmed(line.substr(begin, cell_end(line, begin) - begin)));

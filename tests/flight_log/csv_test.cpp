@@ -50,6 +50,9 @@ TEST(Csv, ReadsNumbersHoweverTheyAreWritten) {
 TEST(Csv, SaysWhereAFaultStands) {
   EXPECT_THAT(fault(""), HasSubstr("log.csv:1:1: the file is empty"));
   EXPECT_THAT(fault("a,,c\n"), HasSubstr("log.csv:1:3: a column has no name"));
+  EXPECT_THAT(fault("\xEF\xBB\xBF a;b\r\n1;2\r\n"),
+              HasSubstr("log.csv:1:3: not comma-separated (semicolons stand between its columns); write commas there"));
+  EXPECT_THAT(fault("a\tb\n1\t2\n"), HasSubstr("log.csv:1:2: not comma-separated (tabs stand between its columns)"));
   EXPECT_THAT(fault("a,b,a\n"), HasSubstr("log.csv:1:5: column \"a\" is here twice"));
   EXPECT_THAT(fault("a,b\n1,2\n\n3,x1\n"), HasSubstr("log.csv:4:3: \"x1\" in column b is not a number"));
   EXPECT_THAT(fault(std::string("a,b\n1,0\0001\n", 10)),
