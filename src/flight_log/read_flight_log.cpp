@@ -102,7 +102,8 @@ class RowChecks {
       sampled_[c] = sampled_[c] || std::any_of(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
     }
     if (!csv.at_end()) return;
-    if (rows_ < 2) throw DataError(fmt::format("{}: the log is empty ({} samples)", path_, rows_));
+    if (rows_ == 0) throw DataError(fmt::format("{}: the log is empty (0 samples)", path_));
+    if (rows_ == 1) throw DataError(fmt::format("{}: the log has one sample (two or more are needed)", path_));
     const auto has_samples = [&](std::initializer_list<const char*> names) {
       const std::vector<std::size_t> group = find_all(csv, names);
       return !group.empty() && std::all_of(group.begin(), group.end(), [&](std::size_t c) { return sampled_[c]; });

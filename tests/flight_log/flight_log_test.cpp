@@ -206,6 +206,8 @@ TEST(FlightLog, RequiredColumnsAreAskedFor) {
   EXPECT_THAT(said("time_s,px,py,u1\n1,1,1,1\n2,2,2,2\n"), HasSubstr("nothing tells the motion"));
   EXPECT_THAT(said("time_s,px,py,pz,u1\n1,,,,1\n2,,,,2\n"), HasSubstr("nothing tells the motion"));
   EXPECT_THAT(said(header), HasSubstr("the log is empty (0 samples)"));
+  EXPECT_THAT(said("time_s,wx,wy,wz,rotor1\n0,1,1,1,1\n"),
+              HasSubstr("a.csv: the log has one sample (two or more are needed)"));
   EXPECT_THAT(said(""), HasSubstr("the file is empty"));
   EXPECT_EQ(said("time_s,wx,wy,wz,rotor1\n0,1,1,1,1\n1,2,2,2,2\n"), "");
 }
