@@ -38,6 +38,17 @@ std::size_t find_choice(const std::vector<Choice>& choices, const std::string& n
       "it has " + have, config::suggest(name, known)));
 }
 
+// a gust that no sweep of the experiment meets
+std::uint32_t find_replicate(const Experiment& experiment, std::optional<std::uint32_t> wanted) {
+  const std::int64_t first = experiment.first_replicate, last = first + experiment.replicates - 1;
+  if (wanted && (*wanted < first || *wanted > last))
+    throw ConfigError(
+        fmt::format("--replicate {}: not in this experiment (it has {}); plan it with --set first_replicate and "
+                    "replicates",
+                    *wanted, first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last)));
+  return wanted.value_or(static_cast<std::uint32_t>(first));
+}
+
 void run_command(const RunArguments& options) {
   interrupted();
   const Experiment experiment =
@@ -45,7 +56,7 @@ void run_command(const RunArguments& options) {
   RunSpec wanted;
   wanted.trajectory = find_choice(experiment.trajectories, options.trajectory, "--trajectory");
   wanted.controller = find_choice(experiment.controllers, options.controller, "--controller");
-  wanted.replicate = options.replicate.value_or(static_cast<std::uint32_t>(experiment.first_replicate));
+  wanted.replicate = find_replicate(experiment, options.replicate);
 
   check_files_can_be_written(options.out, {"flight.csv", "flight.meta.toml", "outcome.json"});
   auto [record, log] = run_logged(experiment, wanted, AtInterrupt::end);
@@ -81,7 +92,7 @@ void add_run(CLI::App& app) {
   command->add_option("--variant", options->variant,
                       "one of the experiment's; without it, what stands outside the [[variant]] tables");
   command->add_option("--replicate", options->replicate,
-                      "which of the seeded gusts; the experiment's first by default");
+                      "which of the experiment's seeded gusts; the first by default");
   command->add_option("--out", options->out, "folder of the results")->required();
   command->callback([options] { run_command(*options); });
 }

@@ -39,6 +39,7 @@ name = "real"
 vehicle = "quad/vehicle.toml"
 trajectories = ["multisine", "lemniscate"]
 controllers = ["geometric"]
+first_replicate = 0
 replicates = 2
 duration_s = 30
 step_s = 0.002
