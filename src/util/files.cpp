@@ -75,7 +75,11 @@ fs::path led_to(fs::path path, const std::string& shown, std::string_view what) 
   }
   return here;
 }
-fs::path folder_led_to(const std::string& path) { return led_to(fs::absolute(path), path, no_folder); }
+fs::path folder_led_to(const std::string& path) {
+  if (path == standard_output)
+    throw ConfigError("-: is the standard output, not a folder; name a folder (./- is one of this name)");
+  return led_to(fs::absolute(path), path, no_folder);
+}
 
 // a file is known by where it stands, whatever name it was read by
 using FileId = std::pair<dev_t, ino_t>;
