@@ -84,6 +84,7 @@ std::string to_markdown(const std::vector<CalibrationStage>& stages, const std::
 }
 
 void calibrate_command(const CalibrateArguments& options) {
+  check_set_once(options.set);
   const std::string path = find_experiment(options.experiment);
   const std::string beside = options.calibration.empty() ? calibration_path(path) : options.calibration;
   const Calibration calibration = read_calibration(beside);

@@ -26,6 +26,7 @@ struct ConcealArguments {
 
 void conceal(const ConcealArguments& options) {
   interrupted();
+  check_set_once(options.overrides);
   const TrialsFile file = read_trials_file(options.trials, options.overrides);
   const auto place = [](const std::string& path) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(path));

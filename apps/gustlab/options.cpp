@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "gustlab/errors.hpp"
+#include "simulation/variants.hpp"
 
 namespace gustlab {
 
@@ -29,6 +30,10 @@ void ExperimentOptions::add_to(CLI::App& command) {
 }
 
 std::vector<std::string> ExperimentOptions::overrides() const {
+  check_set_once(set);
+  for (const std::string& setting : set)
+    if (seed && !key_of_both(setting, "seed=0").empty())
+      throw ConfigError(fmt::format("--set {}: seed is set twice (--seed says it, too); leave one out", setting));
   std::vector<std::string> all = set;
   if (seed) all.push_back("seed=" + std::to_string(*seed));
   return all;
@@ -94,6 +99,14 @@ void check_is_read(const CLI::App& command, std::initializer_list<const char*> n
   for (const char* name : names)
     if (!read && command.count(name) > 0)
       throw ConfigError(fmt::format("{}: {} has no use for it (it is for {}); leave it out", name, chosen, readers));
+}
+
+void check_set_once(const std::vector<std::string>& settings) {
+  for (std::size_t i = 0; i < settings.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (const std::string key = key_of_both(settings[k], settings[i]); !key.empty())
+        throw ConfigError(fmt::format("--set {}: {} is set twice (--set {} would be lost); leave one out", settings[i],
+                                      key, settings[k]));
 }
 
 void check_is_new(const std::string& path, std::set<std::filesystem::path>& seen, const std::string& use) {

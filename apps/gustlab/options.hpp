@@ -45,6 +45,8 @@ void check_is_read(const CLI::App& command, std::initializer_list<const char*> n
 void check_is_new(const std::string& path, std::set<std::filesystem::path>& seen, const std::string& use);
 // The same of all paths.
 void check_paths_differ(const std::vector<std::string>& paths, const std::string& use);
+// Throws ConfigError for a key that two --set say.
+void check_set_once(const std::vector<std::string>& settings);
 // --jobs.
 void add_jobs(CLI::App& command, int& jobs);
 
