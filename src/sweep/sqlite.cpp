@@ -27,9 +27,9 @@ void Database::fail() const {
   const int code = sqlite3_errcode(handle_.get());
   const std::string message =
       fmt::format("{}: cannot use this result store ({}){}", path_, sqlite3_errmsg(handle_.get()),
-                  code == SQLITE_BUSY ? "; close the program that has it open" : "");
-  // an error of ours in SQL means other tables than ours: the primary code is in the lowest byte
-  for (const int wrong : {SQLITE_NOTADB, SQLITE_CORRUPT, SQLITE_ERROR, SQLITE_CONSTRAINT, SQLITE_MISMATCH})
+                  (code & 0xff) == SQLITE_BUSY ? "; close the program that has it open" : "");
+  // an error of ours in SQL means other tables than ours, and one who is busy will end: the primary code is in the lowest byte
+  for (const int wrong : {SQLITE_NOTADB, SQLITE_CORRUPT, SQLITE_ERROR, SQLITE_CONSTRAINT, SQLITE_MISMATCH, SQLITE_BUSY})
     if ((code & 0xff) == wrong) throw DataError(message);
   throw IoError(message);
 }

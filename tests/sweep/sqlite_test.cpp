@@ -52,5 +52,20 @@ TEST(Sqlite, ErrorsNameTheFile) {
   }
 }
 
+TEST(Sqlite, AStoreThatAnotherWritesIsTheUsersToFree) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "busy.sqlite").string();
+  Database writer(path, Database::Mode::create);
+  writer.run("CREATE TABLE t(i INTEGER)");
+  writer.run("BEGIN EXCLUSIVE");
+  try {
+    Database(path, Database::Mode::read).run("SELECT * FROM t");
+    FAIL() << "the other one has locked it";
+  } catch (const DataError& error) {
+    EXPECT_EQ(error.what(),
+              path + ": cannot use this result store (database is locked); close the program that has it open");
+  }
+}
+
 }  // namespace sqlite_test
 }  // namespace gustlab
