@@ -10,8 +10,8 @@ namespace gustlab::diagnosis {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// numbers that are taken at once: the length of a row is a multiple of it
-inline constexpr Eigen::Index pack_size = 4;
+// the most numbers that are taken at once: the length of a row is a multiple of it
+inline constexpr Eigen::Index pack_size = 8;
 constexpr Eigen::Index padded(Eigen::Index columns) { return (columns + pack_size - 1) / pack_size * pack_size; }
 
 // one row of a matrix: the few entries that are not zero

@@ -49,22 +49,22 @@ TEST(RowProducts, OfASparseRowAndAVector) {
 // one pack is left over of an odd number of them; what lies beyond the width stays as it was
 TEST(RowProducts, MultiplyIsTheDenseProductOfTheFirstColumns) {
   const Sparse A;
-  for (const Eigen::Index width : {0, 4, 8, 12, 16, 20}) {
-    const Rows in = random_rows(states, 20, "in"), before = random_rows(states, 20, "out");
+  for (const Eigen::Index width : {0, 8, 16, 24, 32, 40}) {
+    const Rows in = random_rows(states, 40, "in"), before = random_rows(states, 40, "out");
     Rows out = before;
     multiply(A.rows.data(), states, in, out, width);
     const Eigen::MatrixXd dense = A.dense * in.leftCols(width);
     EXPECT_LT((out.leftCols(width) - dense).cwiseAbs().sum(), 1e-12) << width;
-    EXPECT_EQ(out.rightCols(20 - width), before.rightCols(20 - width)) << width;
+    EXPECT_EQ(out.rightCols(40 - width), before.rightCols(40 - width)) << width;
   }
 }
 
 TEST(RowProducts, SubtractedProductIsTheDenseOneInEitherOrderOfC) {
-  constexpr Eigen::Index inner = 5, first = 2, rows = 4;
+  constexpr Eigen::Index inner = 5, first = 2, rows = 11;
   const Rows C = random_rows(rows, inner, "C");
   const Rows turned = C.transpose();
-  for (const Eigen::Index width : {0, 4, 8, 12, 20}) {
-    const Rows in = random_rows(inner, 20, "in"), before = random_rows(states, 20, "out");
+  for (const Eigen::Index width : {0, 8, 16, 24, 40}) {
+    const Rows in = random_rows(inner, 40, "in"), before = random_rows(first + rows, 40, "out");
     Eigen::MatrixXd dense = before;
     dense.block(first, 0, rows, width) -= C * in.leftCols(width);
     Rows by_row = before, by_column = before;
@@ -73,6 +73,25 @@ TEST(RowProducts, SubtractedProductIsTheDenseOneInEitherOrderOfC) {
     EXPECT_LT((by_row - dense).cwiseAbs().sum(), 1e-12) << width;
     EXPECT_EQ(by_row, by_column) << width;
   }
+}
+
+// whatever the processor takes at once: each number alone, one product after the other
+TEST(RowProducts, HaveTheBitsOfOneNumberAtATime) {
+  constexpr Eigen::Index inner = 5, rows = 8, width = 24;  // six rows together, and two left over
+  const Rows C = random_rows(rows, inner, "C"), in = random_rows(inner, width, "in");
+  Rows expected = random_rows(rows, width, "out"), out = expected;
+  for (Eigen::Index r = 0; r < rows; ++r)
+    for (Eigen::Index c = 0; c < width; ++c)
+      for (Eigen::Index i = 0; i < inner; ++i) expected(r, c) -= C(r, i) * in(i, c);
+  subtract_product(out, 0, rows, C.data(), inner, 1, in, inner, width);
+  EXPECT_EQ(out, expected);
+
+  Rows sum = Rows::Zero(width, width), alone = sum;
+  for (Eigen::Index i = 0; i < width; ++i)
+    for (Eigen::Index j = 0; j < width; ++j)
+      for (Eigen::Index k = 0; k < inner; ++k) alone(i, j) += in(k, i) * in(k, j);
+  products_of_columns(in, inner, sum);
+  EXPECT_EQ(sum, alone);
 }
 
 // a column has the same bits wherever it stands and whatever stands beside it
