@@ -138,16 +138,17 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
     for (std::size_t k = 0; k < n; ++k) correction[k][i] = coefficient.dot(map(k)) + slow[k];
   }
   if (left > decisions::most_speed_left * changes) return;
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t i = 0; i < rotors; ++i) estimate.at_sample[k][i] += correction[k][i];
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t next = k + 1 < n && !flight.samples[k + 1].starts_segment ? k + 1 : k;
     const double interval_s = next > k ? flight.samples[next].time_s - flight.samples[k].time_s : flight.sample_s;
     for (std::size_t i = 0; i < rotors; ++i) {
-      const double rise = correction[next][i] - correction[k][i];
-      estimate.at_sample[k][i] += correction[k][i];
+      const double rise = estimate.at_sample[next][i] - estimate.at_sample[k][i];
       for (std::size_t s = 0; s < count; ++s) {
-        estimate.mean[k * count + s][i] +=
-            correction[k][i] + rise * (static_cast<double>(s) + 0.5) / static_cast<double>(count);
-        estimate.acceleration[k * count + s][i] += rise / interval_s;
+        estimate.mean[k * count + s][i] =
+            estimate.at_sample[k][i] + rise * (static_cast<double>(s) + 0.5) / static_cast<double>(count);
+        estimate.acceleration[k * count + s][i] = rise / interval_s;
       }
     }
   }
