@@ -6,6 +6,7 @@
 
 #include "diagnosis/estimation/rotor_speeds.hpp"
 #include "diagnosis/estimation/session.hpp"
+#include "diagnosis/model/propagation.hpp"
 #include "diagnosis/model/speed_comparison.hpp"
 #include "gustlab/random.hpp"
 #include "support/flight_data.hpp"
@@ -206,7 +207,7 @@ TEST(StartLatency, IsNearALagADelayOrNoneThatWasPlanted) {
 }
 
 // commands are held from row to row, and the rotors answer one and a half rows later: when within an interval, their rows do not tell
-TEST(EstimatedSpeeds, GoInStraightLinesBetweenSamples) {
+TEST(EstimatedSpeeds, GoInStraightLinesBetweenSamplesWhereCommandsActLater) {
   FlightData flight = test::flight_of(
       vehicle, 4.0, sample_s, [](double) { return Motion{}; }, commanded);
   const auto late = [](double t) { return commanded(std::max(0.0, t - 1.5 * sample_s)); };
@@ -229,6 +230,19 @@ TEST(EstimatedSpeeds, GoInStraightLinesBetweenSamples) {
         EXPECT_NEAR(estimate.acceleration[k * count + s][i], (next - here) / sample_s, 0.05 * hover_radps);
       }
     }
+}
+
+TEST(EstimatedSpeeds, GoAsCommandsSayWhereTheseActAtOnce) {
+  FlightData flight = test::flight_of(
+      vehicle, 4.0, sample_s, [](double) { return Motion{}; }, commanded);
+  const Catalogue catalogue{vehicle, 1, {.observable = Need::attitude | Need::motion | Need::torque}};
+  const RotorHistory by_commands =
+      commanded_history(flight, force_model(flight, catalogue, catalogue.nominal(), 0, -1));
+  flight.measured_at_sample = by_commands.at_sample;
+  estimate_speeds(flight, 0, catalogue, catalogue.nominal(), {1.0, 0.1, 1e-6});
+  ASSERT_EQ(flight.estimated.mean.size(), by_commands.mean.size());
+  for (std::size_t s = 0; s < by_commands.mean.size(); ++s)
+    EXPECT_NEAR(flight.estimated.mean[s][2], by_commands.mean[s][2], 1e-6 * hover_radps) << s;
 }
 
 }  // namespace whitened_speeds_test
