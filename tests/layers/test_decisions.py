@@ -26,6 +26,7 @@ METHOD = {
     "estimation/session.cpp": "fastest_sample_s most_windows least_change slow_s",
     "estimation/shooting.cpp": "rows_per_horizon loose_prior clearly_lost own_share",
     "estimation/slow_and_fast.cpp": "least_share errors",  # what a difference is
+    "estimation/slow_speeds.cpp": "slow_rows",  # of the means whose changes are compared
     "estimation/surrogates.cpp": "draws places nearest",
     "estimation/torque_trims.cpp": "steps least_share",
     "evidence/challenge.cpp": "most_looks",

@@ -100,28 +100,6 @@ std::vector<double> smoothed(const std::vector<double>& y, const std::vector<dou
   return x;
 }
 
-// Between its samples, from each to the next: when within an interval rotors answer that are later than their commands, its rows do not tell.
-void straighten(RotorHistory& history, const FlightData& flight) {
-  const std::size_t n = history.at_sample.size(), count = static_cast<std::size_t>(history.substeps);
-  for (std::size_t k = 0; k < n; ++k) {
-    const bool last = k + 1 == n || flight.samples[k + 1].starts_segment;
-    const double interval_s = last ? flight.sample_s : flight.samples[k + 1].time_s - flight.samples[k].time_s;
-    for (std::size_t i = 0; i < max_rotors; ++i) {
-      const double rise = last ? 0.0 : history.at_sample[k + 1][i] - history.at_sample[k][i];
-      for (std::size_t s = 0; s < count; ++s) {
-        history.mean[k * count + s][i] =
-            history.at_sample[k][i] + rise * (static_cast<double>(s) + 0.5) / static_cast<double>(count);
-        history.acceleration[k * count + s][i] = rise / interval_s;
-      }
-    }
-  }
-}
-
-bool is_delayed(const Catalogue& catalogue, const Eigen::VectorXd& value) {
-  const int group = catalogue.find(Place::actuation, Latency::delay);
-  return group >= 0 && value[catalogue.group(group).columns.front()] > 0.0;
-}
-
 }  // namespace
 
 void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
@@ -130,7 +108,6 @@ void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& cata
   if (flight.measured_at_sample.empty() || !flight.jumping_speed.empty() || noise.white <= 0.0) return;
   const ForceModel forces = force_model(flight, catalogue, value, flight_index, -1);
   RotorHistory estimate = commanded_history(flight, forces);
-  if (is_delayed(catalogue, value)) straighten(estimate, flight);
   const std::vector<RotorArray>& measured = flight.measured_at_sample;
   const std::size_t n = measured.size(), count = static_cast<std::size_t>(estimate.substeps);
   const auto rotors = static_cast<std::size_t>(flight.vehicle.rotor_count);

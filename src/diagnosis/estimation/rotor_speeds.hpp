@@ -9,8 +9,7 @@
 namespace gustlab::diagnosis {
 
 // Measured speeds are noisy and miss what happened between samples, commands alone miss what nothing predicted: where commands predict
-// most of the changes, both together are a better estimate of what drove the body. Between samples it goes as the commands say, or,
-// where these act later, in straight lines, as measured speeds are read.
+// most of the changes, both together are a better estimate of what drove the body.
 void estimate_speeds(FlightData& flight, int flight_index, const Catalogue& catalogue, const Eigen::VectorXd& value,
                      const SpeedNoise& noise);
 // What commands do not predict of the speeds, rms, the map of every rotor in every flight apart.

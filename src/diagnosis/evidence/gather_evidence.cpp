@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/estimation/indices.hpp"
 #include "diagnosis/estimation/slow_and_fast.hpp"
+#include "diagnosis/estimation/slow_speeds.hpp"
 #include "diagnosis/estimation/surrogates.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/trims.hpp"
@@ -237,6 +239,16 @@ int alike(const Session& session, const Selection& selection, const Finding& fin
   return static_cast<int>(others) + (by_means && !thrust_tells_rotor(session, selection, group) ? 1 : 0);
 }
 
+double by_slow_speeds(const Session& session, const Selection& selection, const Finding& finding) {
+  constexpr double not_asked = std::numeric_limits<double>::infinity();
+  const Catalogue& catalogue = session.catalogue();
+  if (!makes_rotors_late(*catalogue.group(finding.group).row)) return not_asked;
+  Eigen::VectorXd without = selection.value;
+  for (const int c : own_columns(catalogue, selection.groups(), finding.group))
+    without[c] = catalogue.column(c).nominal;
+  return latency_of_slow_speeds(session.flights(), catalogue, selection.value, without).value_or(not_asked);
+}
+
 // what the search says of a finding by itself
 Evidence begun_record(const Catalogue& catalogue, const Selection& selection, const Finding& finding) {
   const Group& group = catalogue.group(finding.group);
@@ -391,6 +403,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.dwarfed_by = dwarfed_by(catalogue, selection, beside, i);
     record.lone_latency = session.reference() && session.reference()->flights == 1 && makes_rotors_late(*group.row);
     record.alike = alike(session, selection, finding);
+    record.slow_speeds_delta_chi2 = by_slow_speeds(session, selection, finding);
   });
   return records;
 }

@@ -101,6 +101,10 @@ constexpr Words words[] = {
      [](const Evidence&) -> std::string {
        return "one reference flight alone does not tell surely how late its rotors answered";
      }},
+    {"slow_speeds",
+     [](const Evidence&) -> std::string {
+       return "the slow changes of the rotors' speeds are not that late: it averages commands that jitter";
+     }},
     {"undone",
      [](const Evidence& e) {
        return fmt::format("the other names take back {:.0f} % of what it does", 100.0 * e.undone);

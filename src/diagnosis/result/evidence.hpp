@@ -65,6 +65,9 @@ struct Evidence {
   double force_over_tilt = std::numeric_limits<double>::infinity();
   bool lone_latency =
       false;  // a lag or a delay beside one reference flight: where torques swing, one flight alone may fit another one
+  // of a lag or a delay where commands jitter from row to row: Δχ² by the slow changes of measured speeds (estimation/slow_speeds.hpp);
+  // infinite where these are not asked
+  double slow_speeds_delta_chi2 = std::numeric_limits<double>::infinity();
   int alike = 0;  // other findings of the same effect, of another rotor, or what these logs hardly distinguish from it
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
   // over its standard error; per horizon, the best of (position, velocity), (attitude, body rate) and (position, velocity) with the attitude

@@ -88,6 +88,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"dwarfed_by", number(e.dwarfed_by)},
                         {"push_over_tilt", number(e.force_over_tilt)},
                         {"lone_latency", e.lone_latency},
+                        {"slow_speeds_delta_chi2", number(e.slow_speeds_delta_chi2)},
                         {"alike", e.alike},
                         {"horizon_s", e.horizon_s},
                         {"recovered", e.recovered},

@@ -6,8 +6,6 @@
 
 #include "diagnosis/estimation/rotor_speeds.hpp"
 #include "diagnosis/estimation/session.hpp"
-#include "diagnosis/model/propagation.hpp"
-#include "diagnosis/model/speed_comparison.hpp"
 #include "gustlab/random.hpp"
 #include "support/flight_data.hpp"
 #include "support/vehicles.hpp"
@@ -204,45 +202,6 @@ TEST(StartLatency, IsNearALagADelayOrNoneThatWasPlanted) {
   EXPECT_NEAR(delay.delay_s, 0.03, 0.011);
   EXPECT_EQ(none.lag_s, 0.0);
   EXPECT_EQ(none.delay_s, 0.0);
-}
-
-// commands are held from row to row, and the rotors answer one and a half rows later: when within an interval, their rows do not tell
-TEST(EstimatedSpeeds, GoInStraightLinesBetweenSamplesWhereCommandsActLater) {
-  FlightData flight = test::flight_of(
-      vehicle, 4.0, sample_s, [](double) { return Motion{}; }, commanded);
-  const auto late = [](double t) { return commanded(std::max(0.0, t - 1.5 * sample_s)); };
-  flight.measured_speed = test::record_of(late, 4.0, sample_s, true);
-  flight.measured_at_sample = measured_beside_commands(flight);
-  const Catalogue catalogue{vehicle, 1, {.observable = Need::attitude | Need::motion | Need::torque}};
-  Eigen::VectorXd value = catalogue.nominal();
-  value[catalogue.group(catalogue.find("actuation_delay")).columns.front()] += 1.2 * sample_s;
-  estimate_speeds(flight, 0, catalogue, value, {1.0, 0.1, 1e-6});
-  const RotorHistory& estimate = flight.estimated;
-  ASSERT_EQ(estimate.at_sample.size(), flight.samples.size());
-  const auto count = static_cast<std::size_t>(estimate.substeps);
-  for (std::size_t k = 5; k + 1 < flight.samples.size(); ++k)
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double here = late(flight.samples[k].time_s)[i], next = late(flight.samples[k + 1].time_s)[i];
-      EXPECT_NEAR(estimate.at_sample[k][i], here, 1e-3 * hover_radps) << k;
-      for (std::size_t s = 0; s < count; ++s) {
-        const double share = (static_cast<double>(s) + 0.5) / static_cast<double>(count);
-        EXPECT_NEAR(estimate.mean[k * count + s][i], here + share * (next - here), 1e-3 * hover_radps) << k << ' ' << s;
-        EXPECT_NEAR(estimate.acceleration[k * count + s][i], (next - here) / sample_s, 0.05 * hover_radps);
-      }
-    }
-}
-
-TEST(EstimatedSpeeds, GoAsCommandsSayWhereTheseActAtOnce) {
-  FlightData flight = test::flight_of(
-      vehicle, 4.0, sample_s, [](double) { return Motion{}; }, commanded);
-  const Catalogue catalogue{vehicle, 1, {.observable = Need::attitude | Need::motion | Need::torque}};
-  const RotorHistory by_commands =
-      commanded_history(flight, force_model(flight, catalogue, catalogue.nominal(), 0, -1));
-  flight.measured_at_sample = by_commands.at_sample;
-  estimate_speeds(flight, 0, catalogue, catalogue.nominal(), {1.0, 0.1, 1e-6});
-  ASSERT_EQ(flight.estimated.mean.size(), by_commands.mean.size());
-  for (std::size_t s = 0; s < by_commands.mean.size(); ++s)
-    EXPECT_NEAR(flight.estimated.mean[s][2], by_commands.mean[s][2], 1e-6 * hover_radps) << s;
 }
 
 }  // namespace whitened_speeds_test
