@@ -102,11 +102,9 @@ void check_is_read(const CLI::App& command, std::initializer_list<const char*> n
 }
 
 void check_set_once(const std::vector<std::string>& settings) {
-  for (std::size_t i = 0; i < settings.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k)
-      if (const std::string key = key_of_both(settings[k], settings[i]); !key.empty())
-        throw ConfigError(fmt::format("--set {}: {} is set twice (--set {} would be lost); leave one out", settings[i],
-                                      key, settings[k]));
+  if (const auto twice = set_twice(settings))
+    throw ConfigError(fmt::format("--set {}: {} is set twice (--set {} would be lost); leave one out", twice->second,
+                                  twice->key, twice->first));
 }
 
 void check_is_new(const std::string& path, std::set<std::filesystem::path>& seen, const std::string& use) {

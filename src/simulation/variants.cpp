@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <utility>
 
 #include "gustlab/errors.hpp"
 
@@ -51,12 +52,9 @@ std::string label_of(std::string literal) {
   return literal;
 }
 
-// of two values for one key in one list the first would be lost
 void check_once(const config::Table& table, std::string_view list, const std::vector<std::string>& settings) {
-  for (std::size_t i = 0; i < settings.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k)
-      if (const std::string key = key_of_both(settings[k], settings[i]); !key.empty())
-        table.fail(list, fmt::format("{} is set twice", key), "its first value would be lost", "keep one");
+  if (const auto twice = set_twice(settings))
+    table.fail(list, fmt::format("{} is set twice", twice->key), "its first value would be lost", "keep one");
 }
 
 Axis read_axis(config::Table& table) {
@@ -115,6 +113,14 @@ std::string key_of_both(const std::string& setting, const std::string& other) {
     // what is no setting is refused where it is read
   }
   return "";
+}
+
+std::optional<SetTwice> set_twice(const std::vector<std::string>& settings) {
+  for (std::size_t i = 0; i < settings.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (std::string key = key_of_both(settings[k], settings[i]); !key.empty())
+        return SetTwice{settings[k], settings[i], std::move(key)};
+  return std::nullopt;
 }
 
 void check_name(const config::Table& table, std::string_view key, const std::string& name) {

@@ -1,6 +1,7 @@
 // [[variant]] and [[axis]] of an experiment: what each of its variants is called, and what it changes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,11 @@ std::vector<Variant> read_variant_tables(config::Table& document);
 
 // The key that two settings (key=value) both set, a table and its own key included; "" when there is none.
 std::string key_of_both(const std::string& setting, const std::string& other);
+// The first two settings of a list that set one key, of which the value of the first would be lost.
+struct SetTwice {
+  std::string first, second, key;
+};
+std::optional<SetTwice> set_twice(const std::vector<std::string>& settings);
 
 // names go into CSV cells and file names as they are
 void check_name(const config::Table& table, std::string_view key, const std::string& name);

@@ -35,9 +35,9 @@ void add_segment(const LinearFlight& flight, std::size_t begin, std::size_t end,
     for (std::size_t i = 0; i < width; ++i) difference += speed(k + width + i) - speed(k + i);
     return difference / static_cast<double>(width);
   };
+  // `faster` is what was measured less what is predicted
+  const auto measured = [&](std::size_t k) { return flight.predicted[k][rotor] + flight.faster[k][rotor]; };
   for (std::size_t k = begin + 1; k + 2 * width <= end; ++k) {
-    // `faster` is what was measured less what is predicted
-    const auto measured = [&](std::size_t at) { return flight.predicted[at][rotor] + flight.faster[at][rotor]; };
     sum.add(change(k, measured), change(k, predicted));
     if (rotor == 0) sum.rows += 1.0;
   }
@@ -61,7 +61,7 @@ std::vector<LinearFlight> compared_at(const std::vector<FlightData>& flights, co
                                       const Eigen::VectorXd& value) {
   std::vector<LinearFlight> compared(flights.size());
   for (std::size_t f = 0; f < flights.size(); ++f)
-    compare_speeds(flights[f], static_cast<int>(f), catalogue, value, compared[f]);
+    compare_speeds_again(flights[f], static_cast<int>(f), catalogue, value, compared[f]);
   return compared;
 }
 
