@@ -19,6 +19,7 @@ METHOD = {
     "alignment/align.cpp": "filtered_rate_hz common_filter_s coarse_rate_hz",  # how filtered and fast logs are read
     "estimation/innovation_filter.cpp": "cold",
     "estimation/innovations.hpp": "disturbance_groups noise_groups",
+    "estimation/latency_between_rows.cpp": "kept most_left most_off_rows exact",  # which rows are compared
     "estimation/mean_torques.cpp": "averaged_s least_sd_radps2",
     "estimation/noise_model.hpp": "slowest_disturbance_s calm_memory_s",
     "estimation/rotor_speeds.cpp": "settling_s least_hover most_limit latest_s least_white_share",

@@ -40,13 +40,6 @@ ReadingOptions reading_of(const std::vector<FlightLog>& logs, std::vector<LogFin
   return reading;
 }
 
-std::vector<FlightData> at_own_rate(const std::vector<FlightLog>& logs, const VehicleModel& vehicle,
-                                    const SensorLatency& late) {
-  std::vector<FlightData> raw = prepare(logs, vehicle, {});
-  for (FlightData& flight : raw) flight.late = late;
-  return raw;
-}
-
 // commands give forces, and torques over a while
 void keep_slow_torques(Aligned& aligned) {
   aligned.reading.forces_only = true;
@@ -70,6 +63,20 @@ bool find_jitter(const std::vector<FlightData>& flights, std::vector<LogFinding>
          false, false});
   }
   return true;
+}
+
+// Of recordings a filter's; a simulation has its own (sensor_latency.hpp), where what its loop does between rows must not be taken for it.
+SensorLatency latency_of(const Aligned& aligned) {
+  const auto simulated = [](const FlightLog& log) { return log.meta.source == "simulation"; };
+  if (!std::ranges::all_of(aligned.fit, simulated)) return sensor_latency(aligned.raw_fit);
+  std::vector<std::vector<Vector3>> further;
+  for (const FlightData& flight : aligned.raw_fit) further.push_back(further_turns(flight));
+  const SensorLatency late = sensor_latency(aligned.raw_fit, further);
+  ReadingOptions as_recorded;
+  as_recorded.as_recorded = true;
+  const bool stepped =
+      late.rate_s > 0.0 && steps_velocities_first(prepare(aligned.fit, aligned.vehicle, as_recorded), late.rate_s);
+  return stepped ? SensorLatency{.pose_ahead_s = late.rate_s} : late;
 }
 
 std::vector<FlightLog> marked(std::vector<FlightLog> logs, BetweenRows as) {
@@ -109,13 +116,15 @@ Aligned align(const Recordings& recordings) {
 
   // rotor order, directions and time offsets are judged at the logs' own rate
   out.raw_fit = prepare(out.fit, out.vehicle, {});
-  if (out.attitude && !out.was_filtered()) out.reading.late = sensor_latency(out.raw_fit);
-  for (FlightData& flight : out.raw_fit) flight.late = out.reading.late;
+  ReadingOptions own_rate;
+  if (out.attitude && !out.was_filtered()) own_rate.late = out.reading.late = latency_of(out);
+  for (FlightData& flight : out.raw_fit) flight.late = own_rate.late;
+  if (own_rate.late.pose_ahead_s > 0.0) out.raw_fit = prepare(out.fit, out.vehicle, own_rate);
   const std::vector<LogFinding> rotors = check_rotors(out.raw_fit, out.vehicle);
   findings.insert(findings.end(), rotors.begin(), rotors.end());
   // what follows is judged with the rotors where they are
-  if (!rotors.empty()) out.raw_fit = at_own_rate(out.fit, out.vehicle, out.reading.late);
-  out.raw_holdout = at_own_rate(out.holdout, out.vehicle, out.reading.late);
+  if (!rotors.empty()) out.raw_fit = prepare(out.fit, out.vehicle, own_rate);
+  out.raw_holdout = prepare(out.holdout, out.vehicle, own_rate);
 
   // on another clock than the motion, commands give forces and what lasts
   const std::vector<LogFinding>& of_logs = recordings.remarks.findings;

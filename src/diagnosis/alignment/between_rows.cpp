@@ -13,40 +13,55 @@ struct Sums {
   double further = 0.0, scatter = 0.0, squared = 0.0;
 };
 
-Sums sums_of(FlightData flight) {
-  // each until the next comes, as they are on their rows; measured speeds of a row may be those before its commands
-  flight.commands = {flight.commands.time_s(), flight.commands.speed_radps(), false};
-  flight.measured_speed = flight.jumping_speed = {}, flight.estimated = {};
-  const std::vector<Eigen::Vector4d> commanded = rotor_acceleration(flight);
-  const auto size = static_cast<Eigen::Index>(flight.samples.size());
-  Eigen::Matrix3Xd excess(3, size), turn(3, size);
-  Eigen::RowVectorXd interval_s(size);
-  Eigen::Index count = 0;
+bool has_each_command(const FlightData& flight) { return !flight.collective_only && !flight.commands.empty(); }
+
+bool has_rates(const Sample& now, const Sample& next) {
+  return !next.starts_segment && (now.channels & next.channels & has_rate);
+}
+
+Sums sums_of(const FlightData& flight) {
+  const std::vector<Vector3> turns = further_turns(flight);
+  Sums sums;
   for (std::size_t k = 0; k + 1 < flight.samples.size(); ++k) {
     const Sample &now = flight.samples[k], &next = flight.samples[k + 1];
-    if (next.starts_segment || !(now.channels & has_rate) || !(next.channels & has_rate)) continue;
-    const double T = next.time_s - now.time_s;
-    excess.col(count) = commanded[k].head<3>() - (next.body_rate_B_radps - now.body_rate_B_radps) / T;
-    turn.col(count) = 0.5 * T * (now.body_rate_B_radps + next.body_rate_B_radps);
-    interval_s[count++] = T;
-  }
-  if (count == 0) return {};
-  const Vector3 trim = excess.leftCols(count).rowwise().mean();
-  Sums sums;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const double further = (excess.col(i) - trim).dot(turn.col(i)) * interval_s[i] * interval_s[i] / 6.0;
+    if (!has_rates(now, next)) continue;
+    const Vector3 turn = 0.5 * (next.time_s - now.time_s) * (now.body_rate_B_radps + next.body_rate_B_radps);
+    const double further = turns[k].dot(turn);
     sums.further += further, sums.scatter += further * further;
-    sums.squared += turn.col(i).squaredNorm();
+    sums.squared += turn.squaredNorm();
   }
   return sums;
 }
 
 }  // namespace
 
+std::vector<Vector3> further_turns(FlightData flight) {
+  std::vector<Vector3> turns(flight.samples.size(), Vector3::Zero());
+  if (!has_each_command(flight)) return turns;
+  // each until the next comes, as they are on their rows; measured speeds of a row may be those before its commands
+  flight.commands = {flight.commands.time_s(), flight.commands.speed_radps(), false};
+  flight.measured_speed = flight.jumping_speed = {}, flight.estimated = {};
+  const std::vector<Eigen::Vector4d> commanded = rotor_acceleration(flight);
+  Vector3 trim = Vector3::Zero();
+  double rows = 0.0;
+  const auto for_rows = [&flight](const auto& visit) {
+    for (std::size_t k = 0; k + 1 < flight.samples.size(); ++k)
+      if (has_rates(flight.samples[k], flight.samples[k + 1])) visit(k, flight.samples[k], flight.samples[k + 1]);
+  };
+  for_rows([&](std::size_t k, const Sample& now, const Sample& next) {
+    turns[k] = commanded[k].head<3>() - (next.body_rate_B_radps - now.body_rate_B_radps) / (next.time_s - now.time_s);
+    trim += turns[k], rows += 1.0;
+  });
+  for_rows([&](std::size_t k, const Sample& now, const Sample& next) {
+    turns[k] = (turns[k] - trim / rows) * std::pow(next.time_s - now.time_s, 2) / 6.0;
+  });
+  return turns;
+}
+
 TurnBetweenRows turn_between_rows(const std::vector<FlightData>& flights) {
   Sums all;
   for (const FlightData& flight : flights) {
-    if (flight.collective_only || flight.commands.empty()) continue;
+    if (!has_each_command(flight)) continue;
     const Sums own = sums_of(flight);
     all.further += own.further, all.scatter += own.scatter, all.squared += own.squared;
   }

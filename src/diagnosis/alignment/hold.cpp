@@ -1,11 +1,10 @@
 #include "diagnosis/alignment/hold.hpp"
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 #include "diagnosis/estimation/session.hpp"
 #include "diagnosis/model/command_innovation.hpp"
+#include "diagnosis/model/row_acceleration.hpp"
 #include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
@@ -46,28 +45,12 @@ double misfit(Session session) {
   return misfit;
 }
 
-// Share of the variance of roll and pitch acceleration from row to row that the rotors do not explain, the mean of both.
-double acceleration_left(const std::vector<FlightData>& flights) {
-  double left = 0.0;
-  std::array<std::vector<std::pair<double, double>>, 2> pairs;  // by the rotors, by the body's rates
-  for (const FlightData& flight : flights) {
-    const std::vector<Eigen::Vector4d> rotors = rotor_acceleration(flight);
-    for (std::size_t k = 0; k + 1 < flight.samples.size(); ++k) {
-      const Sample &now = flight.samples[k], &next = flight.samples[k + 1];
-      if (next.starts_segment || !(now.channels & next.channels & has_rate)) continue;
-      const Vector3 change = (next.body_rate_B_radps - now.body_rate_B_radps) / (next.time_s - now.time_s);
-      for (int axis = 0; axis < 2; ++axis)
-        pairs[static_cast<std::size_t>(axis)].emplace_back(rotors[k][axis], change[axis]);
-    }
-  }
-  for (const auto& axis : pairs) {
-    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-    for (const auto& [a, b] : axis) x += a, y += b, xx += a * a, xy += a * b, yy += b * b;
-    const double n = static_cast<double>(axis.size());
-    xx -= x * x / n, xy -= x * y / n, yy -= y * y / n;
-    left += xx > 0.0 && yy > 0.0 ? 0.5 * (1.0 - xy * xy / (xx * yy)) : 0.5;
-  }
-  return left;
+// share of the variance of roll and pitch acceleration from row to row, the mean of both
+double left_by_rotors(const std::vector<FlightData>& flights) {
+  std::vector<std::vector<Eigen::Vector4d>> rotors;
+  for (const FlightData& flight : flights) rotors.push_back(rotor_acceleration(flight));
+  const auto [roll, pitch] = acceleration_left(flights, rotors, 0.0);
+  return 0.5 * (roll.share + pitch.share);
 }
 
 }  // namespace
@@ -75,7 +58,7 @@ double acceleration_left(const std::vector<FlightData>& flights) {
 bool speeds_jump(const std::function<std::vector<FlightData>(bool jump)>& read) {
   const std::vector<FlightData> jumping = read(true);
   if (std::ranges::any_of(jumping, [](const FlightData& f) { return f.jumping_speed.empty(); })) return false;
-  return acceleration_left(jumping) < decisions::left_by_jumps * acceleration_left(read(false));
+  return left_by_rotors(jumping) < decisions::left_by_jumps * left_by_rotors(read(false));
 }
 
 bool linear_is_likelier(const VehicleModel& vehicle, int jobs,

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "diagnosis/estimation/indices.hpp"
+#include "diagnosis/estimation/latency_between_rows.hpp"
 #include "diagnosis/estimation/slow_and_fast.hpp"
 #include "diagnosis/estimation/slow_speeds.hpp"
 #include "diagnosis/estimation/surrogates.hpp"
@@ -239,14 +240,19 @@ int alike(const Session& session, const Selection& selection, const Finding& fin
   return static_cast<int>(others) + (by_means && !thrust_tells_rotor(session, selection, group) ? 1 : 0);
 }
 
-double by_slow_speeds(const Session& session, const Selection& selection, const Finding& finding) {
-  constexpr double not_asked = std::numeric_limits<double>::infinity();
+// what measured speeds say of a lag or a delay
+void ask_speeds(const Session& session, const Selection& selection, const Finding& finding, Evidence& record) {
   const Catalogue& catalogue = session.catalogue();
-  if (!makes_rotors_late(*catalogue.group(finding.group).row)) return not_asked;
+  if (!makes_rotors_late(*catalogue.group(finding.group).row)) return;
   Eigen::VectorXd without = selection.value;
   for (const int c : own_columns(catalogue, selection.groups(), finding.group))
     without[c] = catalogue.column(c).nominal;
-  return latency_of_slow_speeds(session.flights(), catalogue, selection.value, without).value_or(not_asked);
+  const auto ask = [&](const auto& statistic) {
+    return statistic(session.flights(), catalogue, selection.value, without)
+        .value_or(std::numeric_limits<double>::infinity());
+  };
+  record.slow_speeds_delta_chi2 = ask(latency_of_slow_speeds);
+  record.between_rows_delta_chi2 = ask(latency_between_rows);
 }
 
 // what the search says of a finding by itself
@@ -390,7 +396,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     }
     record.inclusion = finding.inclusion;
     for (const Rival& rival : finding.rivals)
-      if (rival.z >= decisions::equivalent_z && (record.rival_z == 0.0 || rival.delta_chi2 < record.rival_delta_chi2))
+      if (is_told(rival) && (record.rival_z == 0.0 || rival.delta_chi2 < record.rival_delta_chi2))
         record.rival_delta_chi2 = rival.delta_chi2, record.rival_z = rival.z;
     if (group.row->commanded)
       record.unpredicted_commands =
@@ -403,7 +409,7 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     record.dwarfed_by = dwarfed_by(catalogue, selection, beside, i);
     record.lone_latency = session.reference() && session.reference()->flights == 1 && makes_rotors_late(*group.row);
     record.alike = alike(session, selection, finding);
-    record.slow_speeds_delta_chi2 = by_slow_speeds(session, selection, finding);
+    ask_speeds(session, selection, finding, record);
   });
   return records;
 }

@@ -75,10 +75,12 @@ struct Feature {
 //   or a delay of 12 to 30 ms with a Δχ² of 2,000 to 20,000 (.95): the reference flight alone was fitted by another one.
 // * "slow_speeds": where sampled commands jitter, a delay averages them. Of four wrong latencies the largest is 4.8, of eight right ones the
 //   least 127 (decision 65).
+// * "between_rows": where the command of a row falls until the next one, rotors seem later than they are. Of six wrong lags the largest is -14, of seven
+//   right lags and delays the least 1.3 (decision 66).
 // The logarithm of the odds that the sum of the features gives is stretched about that of named_from, which names what it named: of names said to be
 // .5 to .8 only 39 to 58 % were right, and 98 % of those from .9 on where .95 was said (decision 63).
 constexpr double steepness = 1.25;
-constexpr double intercept = -73.3;
+constexpr double intercept = -79.3;
 constexpr Feature features[] = {
     // 10 to 200
     {"gain", 4.8, [](const Evidence& e) { return std::log10(std::max(e.robust_delta_chi2(), 10.0) / 10.0) / 1.3; }},
@@ -124,6 +126,7 @@ constexpr Feature features[] = {
     {"single", 4.0, [](const Evidence& e) { return e.alike > 0 ? 0.0 : 1.0; }},
     {"latency", 4.0, [](const Evidence& e) { return e.lone_latency ? 0.0 : 1.0; }},
     {"slow_speeds", 6.0, [](const Evidence& e) { return e.slow_speeds_delta_chi2 / 10.0; }},
+    {"between_rows", 6.0, [](const Evidence& e) { return 1.0 + e.between_rows_delta_chi2 / 10.0; }},
     {"undone", 4.0, [](const Evidence& e) { return (1.0 - e.undone) / 0.5; }, true},
     {"outweighed", 4.0, [](const Evidence& e) { return (1.4 - e.outweighed) / 0.4; }, true},
     {"dwarfed", 4.0, [](const Evidence& e) { return (4.0 - std::log10(e.dwarfed_by)) / 0.8; }, true},

@@ -50,7 +50,11 @@ std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight) {
   ForceModel forces(flight.vehicle, make_effects(flight.vehicle.effects));
   forces.set_speed_is_measured(!flight.measured_speed.empty());
   forces.prepare(flight.sample_s / flight.substeps, 0, 0);
-  const RotorHistory rotors = rotor_history(flight, forces);
+  return rotor_acceleration(flight, forces, rotor_history(flight, forces));
+}
+
+std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight, const ForceModel& forces,
+                                                const RotorHistory& rotors) {
   const auto count = static_cast<std::size_t>(rotors.substeps);
   Evaluator evaluate{forces, {}, {}};
   const Point rest{Vector3(0.0, 0.0, 1e3), Vector3::Zero(), Quaternion::Identity(), Vector3::Zero()};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "diagnosis/recording/flight_data.hpp"
+#include "plant/force_model.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -21,8 +22,11 @@ namespace gustlab::diagnosis {
 // went on and answered the motion: the mean of what it added is about a multiple of the body's rates, which has coefficients of its own.
 std::vector<CommandInnovation> command_innovation(const FlightData& flight);
 
-// Acceleration that the rotors of the nominal vehicle cause at rest, per sample: roll, pitch, yaw [rad/s²], along the body's z [m/s²].
+// Acceleration that the rotors cause at rest until the next sample, per sample: roll, pitch, yaw [rad/s²], along the body's z [m/s²]. Of the nominal
+// vehicle, or by a model and a history of the rotors.
 std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight);
+std::vector<Eigen::Vector4d> rotor_acceleration(const FlightData& flight, const ForceModel& forces,
+                                                const RotorHistory& rotors);
 
 // Whether commands drive the rotors that were logged at a lower rate than the motion or of which it was found that the loop went on between them,
 // and the log does not say that they were held.

@@ -12,8 +12,10 @@ namespace {
 struct RecordedPast final : Actuation::Past {
   const CommandRecord* record = nullptr;
   double from_s = 0.0, step_s = 0.0;
+  double more_radps = 0.0;  // than was recorded
   void command(double age_s, RotorArray& speed) const override {
     speed = record->mean(from_s - age_s, from_s - age_s + step_s);
+    for (double& command : speed) command += more_radps;
   }
 };
 
@@ -62,14 +64,16 @@ class Answer {
     for (int s = 0; s < steps; ++s) speed = over(time_s + (s - steps) * h, h, voltage_V, speed).end_speed_radps;
     return speed;
   }
-  // over a step that begins at a speed
-  const Actuation& over(double time_s, double step_s, double voltage_V, const RotorArray& speed) {
+  // over a step that begins at a speed; the command that rotors follow then is `more_radps` than was recorded
+  const Actuation& over(double time_s, double step_s, double voltage_V, const RotorArray& speed,
+                        double more_radps = 0.0) {
     past_.from_s = time_s;
     past_.step_s = step_s;
+    past_.more_radps = more_radps;
     step_.time_s = time_s - flight_.start_s;
     step_.step_s = step_s;
     step_.voltage_V = voltage_V;
-    step_.command_radps = flight_.commands.mean(time_s, time_s + step_s);
+    past_.command(0.0, step_.command_radps);
     step_.start_speed_radps = speed;
     forces_.actuate(step_);
     return step_;
@@ -149,6 +153,61 @@ RotorHistory measured_history(const FlightData& flight) { return history_of(flig
 
 RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces) {
   return history_of(flight, &forces);
+}
+
+namespace {
+
+// The rotors' speeds from one row to the next.
+struct Way {
+  std::vector<RotorArray> mean;  // per substep
+  RotorArray end{};
+};
+
+// with a command that rises by so much more from the row to the next
+Way way_of(Answer& answer, const Sample& row, double interval_s, int substeps, RotorArray speed, double rise_radps) {
+  constexpr int parts = 4;  // of a substep
+  Way way;
+  const int steps = substeps * parts;
+  for (int s = 0; s < steps; ++s) {
+    if (s % parts == 0) way.mean.emplace_back();
+    const Actuation& step = answer.over(row.time_s + s * interval_s / steps, interval_s / steps, row.voltage_V, speed,
+                                        rise_radps * (s + 0.5) / steps);
+    for (std::size_t i = 0; i < max_rotors; ++i) way.mean.back()[i] += step.mean_speed_radps[i] / parts;
+    speed = step.end_speed_radps;
+  }
+  way.end = speed;
+  return way;
+}
+
+}  // namespace
+
+RotorHistory history_between_rows(const FlightData& flight, const ForceModel& forces) {
+  const double trial_radps = 0.01 * flight.vehicle.hover_speed_radps();
+  const auto measured = [&flight](double time_s) {
+    constexpr double instant_s = 1e-6;
+    return flight.measured_speed.mean(time_s - instant_s, time_s + instant_s);
+  };
+  RotorHistory history;
+  history.substeps = flight.substeps;
+  Answer answer(flight, forces);
+  for (std::size_t k = 0; k < flight.samples.size(); ++k) {
+    const Sample& row = flight.samples[k];
+    const double interval_s =
+        k + 1 < flight.samples.size() ? flight.samples[k + 1].time_s - row.time_s : flight.sample_s;
+    const RotorArray from = measured(row.time_s), to = measured(row.time_s + interval_s);
+    const Way logged = way_of(answer, row, interval_s, flight.substeps, from, 0.0),
+              risen = way_of(answer, row, interval_s, flight.substeps, from, trial_radps);
+    for (std::size_t s = 0; s < logged.mean.size(); ++s) {
+      RotorArray& mean = history.mean.emplace_back(logged.mean[s]);
+      for (std::size_t i = 0; i < max_rotors; ++i) {
+        const double missing = to[i] - logged.end[i], answered = risen.end[i] - logged.end[i];
+        if (answered > 0.0) mean[i] += missing / answered * (risen.mean[s][i] - logged.mean[s][i]);
+      }
+    }
+    history.at_sample.push_back(from);
+  }
+  history.acceleration.resize(history.mean.size());
+  return history;
 }
 
 }  // namespace gustlab::diagnosis

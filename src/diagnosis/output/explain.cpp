@@ -72,6 +72,11 @@ void describe_sensors(const Session& session, const NoiseModel& noise, Diagnosis
       out.notes.push_back(
           fmt::format("the {} is {:.1f} ms later than the pose, as a filter makes it: taken into account", sensor,
                       1e3 * latency_s));
+  if (flight.late.pose_ahead_s > 0.0)
+    out.notes.push_back(fmt::format(
+        "positions and attitudes of this simulation are {:.1f} ms ahead of all else, as steps make them that "
+        "take velocities first: taken into account",
+        1e3 * flight.late.pose_ahead_s));
   if (!noise.errors_last()) return;
   constexpr std::array<std::pair<const char*, const char*>, noise_groups> sensor = {
       {{"position", "mm"}, {"attitude", "mrad"}, {"gyro", "mrad/s"}, {"accelerometer", "mm/s²"}}};

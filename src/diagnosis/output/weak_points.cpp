@@ -105,6 +105,11 @@ constexpr Words words[] = {
      [](const Evidence&) -> std::string {
        return "the slow changes of the rotors' speeds are not that late: it averages commands that jitter";
      }},
+    {"between_rows",
+     [](const Evidence&) -> std::string {
+       return "the body turns between rows as rotors make it that are not that late: the command of a row falls until "
+              "the next row";
+     }},
     {"undone",
      [](const Evidence& e) {
        return fmt::format("the other names take back {:.0f} % of what it does", 100.0 * e.undone);

@@ -419,6 +419,12 @@ Groups groups_read(const FlightLog& log, double log_step_s, const ReadingOptions
   return groups;
 }
 
+// to where it was when velocity and rate were as they are
+void put_pose_back(Sample& sample, double ahead_s) {
+  if (sample.channels & has_velocity) sample.position_W_m -= ahead_s * sample.velocity_W_mps;
+  if (sample.channels & has_rate) sample.attitude_WB = turned(sample.attitude_WB, -ahead_s * sample.body_rate_B_radps);
+}
+
 std::vector<Sample> samples_of(const FlightLog& log, const Groups& groups, double nominal_voltage_V,
                                const ReadingOptions& options) {
   const Columns p(log, {"px", "py", "pz"}), v(log, {"vx", "vy", "vz"}), w(log, {"wx", "wy", "wz"}),
@@ -454,6 +460,7 @@ std::vector<Sample> samples_of(const FlightLog& log, const Groups& groups, doubl
       if (voltage) sample.voltage_V += volts[k] / size;
     }
     if (sample.channels & has_attitude) sample.attitude_WB.coeffs() = attitude.normalized();
+    put_pose_back(sample, options.late.pose_ahead_s);
     if (options.forces_only && (sample.channels & has_position)) sample.channels &= ~(has_rate | has_force);
     // derived from the position
     if ((sample.channels & has_position) && !options.as_recorded) sample.channels &= ~has_velocity;
@@ -498,7 +505,8 @@ FlightData sensors_alone(const FlightLog& log, const VehicleModel& vehicle, cons
   FlightData flight;
   flight.vehicle = vehicle;
   flight.late = late;
-  const ReadingOptions options;
+  ReadingOptions options;
+  options.late = late;
   flight.samples =
       samples_of(log, groups_read(log, interval_s(fastest_steps(log)), options), vehicle.nominal_voltage_V, options);
   return flight;

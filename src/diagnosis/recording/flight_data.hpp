@@ -73,9 +73,9 @@ double third_difference_noise(const std::vector<double>& values);
 // commands are slower than the motion also roll and pitch of the body's rates [rad/s] and of the rotors' acceleration [rad/s²].
 using CommandInnovation = Eigen::Matrix<double, 12, 1>;
 
-// Gyro and accelerometer behind the pose, see sensor_latency.hpp.
+// Gyro and accelerometer behind the pose, or the pose ahead of all else, see sensor_latency.hpp.
 struct SensorLatency {
-  double rate_s = 0.0, force_s = 0.0;
+  double rate_s = 0.0, force_s = 0.0, pose_ahead_s = 0.0;
 };
 
 // Rotor speeds over one sample interval, in substeps, and at its start.

@@ -14,7 +14,8 @@ constexpr double turn_s = 0.1, way_s = 0.2;        // windows of attitudes and o
 constexpr double surely = 5.0, possibly = 2.0;     // standard errors
 constexpr double least_s = 0.0005, most_s = 0.02;  // a filter's
 
-// y = d x, about each flight's means, which hold the sensor's biases, and beside a scale of the sensor, which would add `scaled` to y
+// y = d x, about each flight's means, which hold the sensor's biases, and beside what would add any share of `scaled` to y: a scale of the sensor, or turns
+// between rows
 struct Window {
   Vector3 x = Vector3::Zero(), y = Vector3::Zero(), scaled = Vector3::Zero();
 };
@@ -79,9 +80,10 @@ std::size_t samples_in(const FlightData& flight, double duration_s) {
 }
 
 // of the gyro behind the attitudes
-Latency rate_latency(const std::vector<FlightData>& flights) {
+Latency rate_latency(const std::vector<FlightData>& flights, const std::vector<std::vector<Vector3>>& further = {}) {
   Latency latency;
-  for (const FlightData& flight : flights) {
+  for (std::size_t f = 0; f < flights.size(); ++f) {
+    const FlightData& flight = flights[f];
     const std::size_t length = samples_in(flight, turn_s);
     std::vector<Window> windows;
     for (const std::size_t first : whole_windows(flight, length, has_rate, has_attitude)) {
@@ -92,9 +94,11 @@ Latency rate_latency(const std::vector<FlightData>& flights) {
         by_gyro =
             turned(by_gyro, 0.5 * (now.time_s - before.time_s) * (before.body_rate_B_radps + now.body_rate_B_radps));
       }
+      Vector3 turns = Vector3::Zero();
+      for (std::size_t k = first; k < first + length && !further.empty(); ++k) turns += further[f][k];
       windows.push_back(
           {to.body_rate_B_radps - to.attitude_WB.conjugate() * (from.attitude_WB * from.body_rate_B_radps),
-           turn_between(by_gyro, to.attitude_WB)});
+           turn_between(by_gyro, to.attitude_WB), turns});
     }
     latency.add(std::move(windows));
   }
@@ -103,15 +107,40 @@ Latency rate_latency(const std::vector<FlightData>& flights) {
 
 }  // namespace
 
-SensorLatency sensor_latency(const std::vector<FlightData>& flights) {
-  const double rate_s = rate_latency_s(flights);
+SensorLatency sensor_latency(const std::vector<FlightData>& flights, const std::vector<std::vector<Vector3>>& further) {
+  const double rate_s = rate_latency_s(flights, further);
   return {rate_s, force_latency_s(flights, rate_s)};
 }
 
-double rate_latency_s(const std::vector<FlightData>& flights) { return rate_latency(flights).seconds(0.0); }
+double rate_latency_s(const std::vector<FlightData>& flights, const std::vector<std::vector<Vector3>>& further) {
+  return rate_latency(flights, further).seconds(0.0);
+}
 
 std::optional<double> most_pose_latency_s(const std::vector<FlightData>& flights) {
   return rate_latency(flights).earlier_at_most_s();
+}
+
+bool steps_velocities_first(const std::vector<FlightData>& as_recorded, double rate_s) {
+  Latency latency;
+  bool recorded = false;
+  for (const FlightData& flight : as_recorded) {
+    const std::size_t length = samples_in(flight, turn_s);
+    std::vector<Window> windows;
+    for (const std::size_t first : whole_windows(flight, length, has_velocity, has_position)) {
+      recorded = true;
+      const Sample &from = flight.samples[first], &to = flight.samples[first + length];
+      Window w;
+      w.x = to.velocity_W_mps - from.velocity_W_mps;
+      w.y = to.position_W_m - from.position_W_m;
+      for (std::size_t k = first + 1; k <= first + length; ++k) {
+        const Sample &before = flight.samples[k - 1], &now = flight.samples[k];
+        w.y -= 0.5 * (now.time_s - before.time_s) * (before.velocity_W_mps + now.velocity_W_mps);
+      }
+      windows.push_back(w);
+    }
+    latency.add(std::move(windows));
+  }
+  return recorded && latency.seconds(rate_s) >= 0.5 * rate_s;
 }
 
 double force_latency_s(const std::vector<FlightData>& flights, double rate_s) {

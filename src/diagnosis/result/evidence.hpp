@@ -68,6 +68,9 @@ struct Evidence {
   // of a lag or a delay where commands jitter from row to row: Δχ² by the slow changes of measured speeds (estimation/slow_speeds.hpp);
   // infinite where these are not asked
   double slow_speeds_delta_chi2 = std::numeric_limits<double>::infinity();
+  // of a lag or a delay where the commands of a row may move until the next: Δχ² by the body's turning (estimation/latency_between_rows.hpp);
+  // infinite where that is not asked
+  double between_rows_delta_chi2 = std::numeric_limits<double>::infinity();
   int alike = 0;  // other findings of the same effect, of another rotor, or what these logs hardly distinguish from it
   // open-loop rollouts of held-out flights without it, against those with it: share of the error that it removes, and that difference
   // over its standard error; per horizon, the best of (position, velocity), (attitude, body rate) and (position, velocity) with the attitude

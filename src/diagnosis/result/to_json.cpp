@@ -89,6 +89,7 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"push_over_tilt", number(e.force_over_tilt)},
                         {"lone_latency", e.lone_latency},
                         {"slow_speeds_delta_chi2", number(e.slow_speeds_delta_chi2)},
+                        {"between_rows_delta_chi2", number(e.between_rows_delta_chi2)},
                         {"alike", e.alike},
                         {"horizon_s", e.horizon_s},
                         {"recovered", e.recovered},

@@ -32,7 +32,9 @@ struct Finding {
   std::vector<Rival> rivals;      // best first
 };
 
-// Whether these flights do not distinguish the two. Few blocks may carry a whole effect: a rival that keeps less than half of its gain is no
+// Whether these flights distinguish the two.
+bool is_told(const Rival& rival);
+// Whether they do not. Few blocks may carry a whole effect: a rival that keeps less than half of its gain is no
 // equal, whatever the spread.
 bool equal(const Rival& rival, const Finding& finding);
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/model/propagation.hpp"
+#include "diagnosis/recording/sensor_latency.hpp"
 #include "support/sessions.hpp"
 
 namespace gustlab::diagnosis {
@@ -47,6 +48,13 @@ TEST(TurnBetweenRows, IsThatOfTheAttitudes) {
     EXPECT_GT(share, 0.001);
     EXPECT_NEAR(turn_between_rows({flight}).share, share, 0.25 * share) << rate_hz;
   }
+}
+
+// The gyroscope is half a step of 2 ms behind the attitudes; what turns between the rows looks like more.
+TEST(TurnBetweenRows, IsNoLatencyOfTheGyroscope) {
+  const FlightData flight = flown(50.0);
+  EXPECT_GT(rate_latency_s({flight}), 0.0012);
+  EXPECT_NEAR(rate_latency_s({flight}, {further_turns(flight)}), 0.001, 0.0001);
 }
 
 TEST(TurnBetweenRows, IsNoneWhereEveryCommandIsLogged) {

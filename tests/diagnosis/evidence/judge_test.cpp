@@ -66,6 +66,7 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
       [](Evidence& e) { e.alike = 1; },
       [](Evidence& e) { e.lone_latency = true; },
       [](Evidence& e) { e.slow_speeds_delta_chi2 = 4.0; },
+      [](Evidence& e) { e.between_rows_delta_chi2 = -6.0; },
       [](Evidence& e) { e.undone = 0.8; },
       [](Evidence& e) { e.outweighed = 1.3; },
       [](Evidence& e) { e.dwarfed_by = 5000.0; },

@@ -56,6 +56,7 @@ TEST(WeakPoints, OneThatSpeaksAgainstItIsTheFirst) {
   EXPECT_THAT(first([](Evidence& e) { e.alike = 1; }), HasSubstr("two at once are rare"));
   EXPECT_THAT(first([](Evidence& e) { e.lone_latency = true; }), HasSubstr("one reference flight alone"));
   EXPECT_THAT(first([](Evidence& e) { e.slow_speeds_delta_chi2 = -14.0; }), HasSubstr("not that late"));
+  EXPECT_THAT(first([](Evidence& e) { e.between_rows_delta_chi2 = -25.0; }), HasSubstr("falls until the next row"));
   EXPECT_THAT(first([](Evidence& e) { e.undone = 0.97; }), "the other names take back 97 % of what it does");
   EXPECT_THAT(first([](Evidence& e) { e.dwarfed_by = 9000.0; }),
               HasSubstr("another name does 95 times as much where it shows"));

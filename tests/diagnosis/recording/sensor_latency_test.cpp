@@ -64,6 +64,43 @@ TEST_F(Sensors, OfNoiseLeaveALatePosePossible) {
   EXPECT_GT(most_pose_latency_s(flights).value(), 0.5 * latency_s);
 }
 
+// a simulator that steps velocities first: half a step
+TEST_F(Sensors, AreAllBehindThePoseOfASimulatorThatStepsVelocitiesFirst) {
+  constexpr double step_s = 0.002;
+  const auto as_recorded = [](const DiagnoseOptions& trial) {
+    std::vector<FlightData> flights;
+    ReadingOptions options;
+    options.as_recorded = true;
+    for (const std::string& path : trial.fit) {
+      const FlightLog log = read_flight_log(path);
+      flights.push_back(prepare_flight(log, read_vehicle(log.meta.vehicle, log.path), options));
+    }
+    return flights;
+  };
+  const DiagnoseOptions trial = test::fly_trial(folder_, {.fit = {"multisine", "lemniscate"},
+                                                          .holdout = {"circle"},
+                                                          .sensors = {"pose", "velocity", "gyroscope"},
+                                                          .step_s = step_s,
+                                                          .noise = 0.01});
+  const double late_s = rate_latency_s(flights_of(trial));
+  EXPECT_NEAR(late_s, 0.5 * step_s, 0.0001);
+  EXPECT_TRUE(steps_velocities_first(as_recorded(trial), late_s));
+  // behind a filter the gyro alone is late
+  test::delay(trial, 'w', latency_s);
+  EXPECT_FALSE(steps_velocities_first(as_recorded(trial), rate_latency_s(flights_of(trial))));
+}
+
+TEST_F(Sensors, ReadAPoseThatIsAheadWhenAllElseIs) {
+  const DiagnoseOptions trial = test::fly_trial(
+      folder_,
+      {.fit = {"multisine"}, .holdout = {"circle"}, .sensors = {"pose", "velocity", "gyroscope"}, .noise = 0.01});
+  const FlightLog log = read_flight_log(trial.fit.front());
+  ReadingOptions put_back;
+  put_back.late.pose_ahead_s = 0.001;
+  const FlightData flight = prepare_flight(log, read_vehicle(log.meta.vehicle, log.path), put_back);
+  EXPECT_NEAR(rate_latency_s({flight}), 0.0, 0.0001);
+}
+
 TEST_F(SensorsTrials, LateGyroIsNoMissingPhysics) {
   const DiagnoseOptions trial = fly();
   test::delay(trial, 'w', latency_s);

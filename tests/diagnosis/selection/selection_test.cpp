@@ -20,5 +20,18 @@ TEST(Selection, FindsAFindingByItsGroup) {
   EXPECT_EQ(selection.find(5), nullptr);
 }
 
+// a mass and a thrust scale of a quiet log: the sign of their difference is sure, and its size is rounding
+TEST(Selection, OfADifferenceOfNoSizeIsAClass) {
+  Finding mass;
+  mass.delta_chi2 = 300.0;
+  Rival scale;
+  scale.z = 3.4;
+  scale.delta_chi2 = 1e-4;
+  EXPECT_TRUE(equal(scale, mass));
+  scale.delta_chi2 = 20.0;
+  EXPECT_TRUE(is_told(scale));
+  EXPECT_FALSE(equal(scale, mass));
+}
+
 }  // namespace selection_test
 }  // namespace gustlab::diagnosis
