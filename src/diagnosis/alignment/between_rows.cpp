@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "diagnosis/model/command_innovation.hpp"
+#include "diagnosis/model/row_acceleration.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -14,10 +15,6 @@ struct Sums {
 };
 
 bool has_each_command(const FlightData& flight) { return !flight.collective_only && !flight.commands.empty(); }
-
-bool has_rates(const Sample& now, const Sample& next) {
-  return !next.starts_segment && (now.channels & next.channels & has_rate);
-}
 
 Sums sums_of(const FlightData& flight) {
   const std::vector<Vector3> turns = further_turns(flight);

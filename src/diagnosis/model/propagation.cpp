@@ -204,9 +204,7 @@ RotorHistory history_between_rows(const FlightData& flight, const ForceModel& fo
         if (answered > 0.0) mean[i] += missing / answered * (risen.mean[s][i] - logged.mean[s][i]);
       }
     }
-    history.at_sample.push_back(from);
   }
-  history.acceleration.resize(history.mean.size());
   return history;
 }
 

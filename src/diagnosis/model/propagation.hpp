@@ -114,7 +114,7 @@ RotorHistory rotor_history(const FlightData& flight, const ForceModel& forces);
 RotorHistory measured_history(const FlightData& flight);
 RotorHistory commanded_history(const FlightData& flight, const ForceModel& forces);
 // From each measured speed to that of the next row, as rotors get there that answer as `forces` say: to the command of the log, and to what is missing of
-// it, which rises in a straight line from row to row.
+// it, which rises in a straight line from row to row. Mean speeds alone.
 RotorHistory history_between_rows(const FlightData& flight, const ForceModel& forces);
 
 }  // namespace gustlab::diagnosis

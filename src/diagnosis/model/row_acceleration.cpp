@@ -40,7 +40,7 @@ std::array<AccelerationLeft, 2> acceleration_left(const std::vector<FlightData>&
     for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
       const Sample &now = samples[k], &next = samples[k + 1];
       if (next.starts_segment) turned.setZero(), pushed.setZero();
-      if (next.starts_segment || !(now.channels & next.channels & has_rate)) continue;
+      if (!has_rates(now, next)) continue;
       turned = kept * turned + (next.body_rate_B_radps - now.body_rate_B_radps) / (next.time_s - now.time_s);
       pushed = kept * pushed + rotors[f][k].head<3>();
       roll.emplace_back(pushed.x(), turned.x());

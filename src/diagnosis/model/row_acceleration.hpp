@@ -9,6 +9,11 @@
 
 namespace gustlab::diagnosis {
 
+// Whether body rates are known at both ends of a row.
+inline bool has_rates(const Sample& now, const Sample& next) {
+  return !next.starts_segment && (now.channels & next.channels & has_rate);
+}
+
 // Of the acceleration about one axis from row to row that rotors do not explain, whatever their gain.
 struct AccelerationLeft {
   double share = 1.0;  // of its variance

@@ -70,7 +70,8 @@ std::optional<double> told(const Asked& asked) {
   flight.measured_at_sample = measured_beside_commands(flight);
   const Catalogue catalogue{vehicle, 1, {.observable = Need::attitude | Need::motion | Need::torque}};
   Eigen::VectorXd found = catalogue.nominal();
-  for (const int c : catalogue.group(catalogue.find("motor_lag")).columns) found[c] += asked.found_s - file_lag_s;
+  for (const int c : catalogue.group(catalogue.find(Place::actuation, Latency::lag)).columns)
+    found[c] += asked.found_s - file_lag_s;
   return latency_between_rows({flight}, catalogue, found, catalogue.nominal());
 }
 

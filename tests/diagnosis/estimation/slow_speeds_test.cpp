@@ -41,7 +41,7 @@ std::optional<double> told(const Asked& asked) {
   flight.measured_speed = test::record_of(series("speeds", asked.late_s + lag_s), duration_s, sample_s, true);
   flight.measured_at_sample = measured_beside_commands(flight);
   Eigen::VectorXd found = catalogue.nominal();
-  found[catalogue.group(catalogue.find("actuation_delay")).columns.front()] += asked.found_s;
+  found[catalogue.group(catalogue.find(Place::actuation, Latency::delay)).columns.front()] += asked.found_s;
   return latency_of_slow_speeds({flight}, catalogue, found, catalogue.nominal());
 }
 
