@@ -143,20 +143,29 @@ class FileBeside {
   std::string shown_;
 };
 
+// "-", and whatever else leads there, as /dev/stdout
+bool is_stdout(const std::string& path) {
+  struct stat there {
+  }, out{};
+  return path == standard_output || (stat(path.c_str(), &there) == 0 && fstat(STDOUT_FILENO, &out) == 0 &&
+                                     there.st_dev == out.st_dev && there.st_ino == out.st_ino);
+}
+
 // where writing ends
 struct Target {
   fs::path path;
   bool written_through = false;
 };
 Target find_target(const std::string& path) {
-  Target target{led_to(path, path, no_file), false};
   std::error_code error;
-  const fs::file_status status = fs::status(target.path, error);
+  const fs::file_status status = fs::status(path, error);
   if (fs::is_directory(status)) fail(path, EISDIR);
+  // the link of an open pipe (/dev/fd/3) leads nowhere by its name
+  const bool written_through = fs::exists(status) && !fs::is_regular_file(status);
+  Target target{written_through ? fs::path(path) : led_to(path, path, no_file), written_through};
   if (is_input(target.path))
     throw ConfigError(fmt::format("{}: is an input of this command (it would be lost); name another file", path));
   if (fs::exists(status) && access(target.path.c_str(), W_OK) != 0) fail(path, errno);
-  target.written_through = fs::exists(status) && !fs::is_regular_file(status);
   return target;
 }
 
@@ -186,7 +195,7 @@ void write_file(const std::string& path, std::string_view bytes) {
 }
 
 void write_file(const std::string& path, const std::function<void(std::ostream&)>& write) {
-  if (path == standard_output) return write_stream(path, std::cout, write);
+  if (is_stdout(path)) return write_stream(path, std::cout, write);
   const Target target = find_target(path);
   const auto fill = [&](const fs::path& where) {
     errno = 0;
@@ -259,7 +268,7 @@ void replace_folder(const std::string& path, const std::function<void(const fs::
 }
 
 void check_file_can_be_written(const std::string& path) {
-  if (path == standard_output) return;
+  if (is_stdout(path)) return;
   const Target target = find_target(path);
   if (!target.written_through) FileBeside can_be_made(target.path, path);
 }

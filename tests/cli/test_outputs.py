@@ -81,6 +81,18 @@ class Places(Commands):
         self.assertEqual(read, [out])
 
     @unittest.skipUnless(os.geteuid() == 0, "only root makes devices")
+    # the link of an open pipe leads nowhere by its name
+    def test_stdout_and_pipes_of_the_shell_are_written_through(self):
+        shell = 'set -o pipefail; "$0" gate swept --baseline base.csv -q'
+        wanted = self.call(*self.GATE)[0]
+        for words in ("--summary /dev/stdout | cat", "--summary /dev/fd/1 | cat", "--summary /dev/stdout > both; cat both"):
+            with self.subTest(words):
+                done = subprocess.run(["bash", "-c", f"{shell} {words}", PROGRAM], cwd=self.folder, text=True, capture_output=True)
+                self.assertEqual((done.returncode, done.stdout), (0, 2 * wanted), done.stderr)
+        done = subprocess.run(["bash", "-c", f"{shell} --summary >(cat > piped; echo > end) > out; until [[ -e end ]]; do sleep 0.1; done", PROGRAM],
+                              cwd=self.folder, text=True, capture_output=True, timeout=60)
+        self.assertEqual((done.returncode, (self.folder / "piped").read_text()), (0, wanted), done.stderr)
+
     def test_a_device_is_written_through(self):
         for name, number, code in (("null", 3, 0), ("full", 7, 4)):
             device = self.folder / name
