@@ -40,8 +40,25 @@ void check_same_sweep(const std::string& path, const Provenance& there, const Pr
                                   here.at("shard")));
 }
 
+bool has_store(const std::string& folder) { return fs::is_regular_file(store_path(folder)); }
+
+// a file of results where their folder is meant
+[[noreturn]] void fail_as_file(const std::string& file) {
+  const fs::path parent = fs::path(file).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  std::error_code error;
+  const fs::directory_iterator beside(folder, error);
+  const bool is_of_results = has_store(folder) || std::any_of(begin(beside), end(beside), [](const auto& entry) {
+                               return has_store(entry.path().string());
+                             });
+  throw DataError(fmt::format(
+      "{}: is a file, not a folder of results; {}", file,
+      is_of_results ? fmt::format("did you mean \"{}\"?", folder) : "name the folder that `gustlab sweep` wrote"));
+}
+
 std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   const std::string path = store_path(folder);
+  if (fs::is_regular_file(folder)) fail_as_file(folder);
   if (!fs::is_regular_file(path))
     throw DataError(
         fmt::format("{}: no results here (runs.sqlite is missing); make them with `gustlab sweep EXPERIMENT --out {}`",
@@ -55,7 +72,6 @@ std::unique_ptr<RunStore> open_to_read(const std::string& folder) {
   return store;
 }
 
-bool has_store(const std::string& folder) { return fs::is_regular_file(store_path(folder)); }
 // all its runs are flown: that is when a sweep writes the table
 bool is_finished(const std::string& folder) { return has_store(folder) && fs::is_regular_file(csv_path(folder)); }
 

@@ -172,6 +172,12 @@ class Places(Commands):
                 self.assertEqual(err.count("\n"), 1, err)
                 self.assertEqual(self.files(), kept)
 
+    def test_a_file_of_results_names_their_folder(self):
+        for command in (["table"], ["gate", "--baseline", "base.csv"], ["merge", "--out", "whole"]):
+            for file, says in (("swept/runs.csv", 'did you mean "swept"?'), ("swept/runs.sqlite", 'did you mean "swept"?'), ("flown/flight.csv", "name the folder")):
+                err = self.call(*command, file, code=3)[1]
+                self.assertIn(f"{file}: is a file, not a folder of results; {says}", err)
+
     def test_a_folder_where_a_file_should_be_is_a_wrong_path(self):
         (self.folder / "sub.mp4").mkdir()
         flight = "flown/flight.csv"
