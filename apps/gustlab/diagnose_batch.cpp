@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "config/text.hpp"
 #include "config/toml.hpp"
 #include "diagnose.hpp"
 #include "flight_log/sidecar.hpp"
@@ -37,7 +38,8 @@ std::string beside(const std::string& file, const std::string& from) {
 
 // a name that is a folder of its own in OUT
 bool is_folder_name(const std::string& name) {
-  return !name.empty() && name.find_first_of("/\\ ") == std::string::npos && !name.starts_with(".");
+  return !name.empty() && name.find_first_of("/\\ \n") == std::string::npos && !name.starts_with(".") &&
+         config::printable(name) == name;
 }
 
 // Runs `check`. What it throws is said with the place in the file of sets, and is wrong with that file.
@@ -90,7 +92,8 @@ std::vector<FlightSet> read_sets(const std::string& path, int jobs) {
     FlightSet& set = sets.emplace_back();
     set.name = table.need_text("name");
     if (!is_folder_name(set.name) || !seen.insert(set.name).second)
-      table.fail("name", fmt::format("\"{}\" is no name of a folder of its own", set.name), "", "use another");
+      table.fail("name", fmt::format("\"{}\" is no name of a folder of its own", config::printable(set.name)), "",
+                 "use another");
     diagnosis::DiagnoseOptions& wanted = set.wanted;
     for (const auto& [key, paths] :
          {std::pair{"fit", &wanted.fit}, {"holdout", &wanted.holdout}, {"reference", &wanted.reference}})
@@ -149,6 +152,17 @@ Said read_said(const std::string& folder) {
   return said;
 }
 
+// Of a diagnosis that was made before; nothing where it is another, is not there or was damaged: it is made again.
+std::optional<Said> said_before(const std::string& folder, const std::string& key) {
+  if (diagnosed_key(folder) != key) return std::nullopt;
+  try {
+    return read_said(folder);
+  } catch (const IoError&) {
+  } catch (const nlohmann::json::exception&) {
+  }
+  return std::nullopt;
+}
+
 void print_counts(const char* title, const std::map<std::string, std::size_t>& counts, std::size_t all) {
   fmt::print("\n| {} | sets | of {} |\n|---|--:|--:|\n", title, all);
   for (const auto& [name, count] : counts)
@@ -169,14 +183,16 @@ void diagnose_batch(const std::string& sets_path, const std::string& out, int jo
     Said said{"unusable", {}, {}};
     try {
       const std::string key = key_of(set);
-      if (diagnosed_key(folder) != key) {
+      if (const std::optional<Said> before = said_before(folder, key)) {
+        said = *before;
+      } else {
         diagnosis::DiagnoseOptions wanted = set.wanted;
         wanted.progress = [&](std::string_view stage, std::optional<double>) {
           progress.show(fmt::format("{}: {}", set.name, stage), begun / static_cast<double>(sets.size()));
         };
         diagnose_into(folder, wanted, key);
+        said = read_said(folder);
       }
-      said = read_said(folder);
     } catch (const DataError& error) {
       spdlog::warn("{}: {}", set.name, error.what());
     }

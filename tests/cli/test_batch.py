@@ -62,9 +62,22 @@ class Batch(unittest.TestCase):
         changed = {path.parent.name for path in (self.folder / "out").rglob("*.json") if path.stat().st_mtime_ns != times[path]}
         self.assertEqual(changed, {"second"})
 
+    def test_what_was_damaged_is_done_again(self):
+        out, _ = self.batch()
+        wanted = self.files()
+        for damaged in ("", "{", "null", '{"verdict": "x"}', None):
+            with self.subTest(damaged=damaged):
+                path = self.folder / "out" / "first" / "diagnosis.json"
+                path.unlink() if damaged is None else path.write_text(damaged)
+                self.assertEqual(self.batch()[0], out)
+                self.assertEqual(self.files(), wanted)
+
     def test_mistakes(self):
         for text, says in ((SETS.replace('"second"', '"first"'), '"first" is no name of a folder of its own'),
                            (SETS.replace('"first"', '"../first"'), "no name of a folder"),
+                           (SETS.replace('"first"', r'"fi\u001b[31mrst"'), r'"fi\x1b[31mrst" is no name of a folder'),
+                           (SETS.replace('"first"', r'"fi\nrst"'), "no name of a folder"),
+                           (SETS.replace('"first"', r'"fi\u0000rst"'), "no name of a folder"),
                            (SETS.replace("holdout", "holdouts"), 'unknown key "holdouts"'),
                            ('format = "gustlab-sets/1"\n', "there is no [[set]]")):
             (self.folder / "sets.toml").write_text(text)
