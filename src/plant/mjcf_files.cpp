@@ -29,13 +29,23 @@ constexpr std::size_t deepest_models = 8;  // a model that attaches a model that
 
 // what a number in an attribute may be at most: MuJoCo allocates, or loops, by it
 struct Limit {
-  std::string_view element, attribute;  // empty: every one
+  std::string_view element, attribute;  // either empty: every one
   double most;
 };
-constexpr Limit limits[] = {
-    {"replicate", "count", 1e5}, {"hfield", "nrow", 4096}, {"hfield", "ncol", 4096},       {"texture", "width", 4096},
-    {"texture", "height", 4096}, {"mesh", "params", 1000}, {"camera", "resolution", 4096}, {"numeric", "size", 1e5},
-    {"size", "memory", 1e9},     {"size", "", 1e4}};
+constexpr Limit limits[] = {{"replicate", "count", 1e5},
+                            {"hfield", "nrow", 4096},
+                            {"hfield", "ncol", 4096},
+                            {"texture", "width", 4096},
+                            {"texture", "height", 4096},
+                            {"mesh", "params", 1000},
+                            {"camera", "resolution", 4096},
+                            {"numeric", "size", 1e5},
+                            {"size", "memory", 1e9},
+                            {"size", "", 1e4},
+                            {"user", "dim", 32},
+                            {"contact", "num", 32},
+                            {"", "nsample", 32},
+                            {"", "actdim", 32}};
 // one rigid body has none of these, and some of them are made of thousands of parts
 constexpr std::string_view refused[] = {"composite", "flexcomp", "flex", "deformable", "skin"};
 
@@ -167,7 +177,7 @@ class Reader {
   void check(const XMLElement& element, const XMLAttribute& attribute, const Model& model) {
     const std::string_view of = element.Name(), name = attribute.Name();
     const auto limit = std::find_if(std::begin(limits), std::end(limits), [&](const Limit& row) {
-      return of == row.element && (row.attribute.empty() || name == row.attribute);
+      return (row.element.empty() || of == row.element) && (row.attribute.empty() || name == row.attribute);
     });
     if (limit != std::end(limits))
       for (const double value : numbers_of(attribute.Value()))
