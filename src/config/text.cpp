@@ -41,9 +41,10 @@ std::string suggest(std::string_view typed, const std::vector<std::string>& know
   std::string nearest;
   std::size_t best = std::max<std::size_t>(2, mistyped.size() / 3) + 1;
   for (const std::string& name : known) {
+    const std::string other = lower(name);
     // a name that begins with what was typed counts as near
-    const bool begins = mistyped.size() >= 3 && (name.starts_with(mistyped) || mistyped.starts_with(name));
-    const std::size_t distance = begins ? 1 : edit_distance(mistyped, name);
+    const bool begins = mistyped.size() >= 3 && (other.starts_with(mistyped) || mistyped.starts_with(other));
+    const std::size_t distance = begins ? 1 : edit_distance(mistyped, other);
     if (distance >= best || distance >= name.size()) continue;
     best = distance;
     nearest = name;

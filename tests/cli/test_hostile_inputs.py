@@ -274,6 +274,8 @@ class Logs(Commands):
     def test_a_missing_column_names_itself_and_what_may_be_meant(self):
         self.write("flown/flight.csv", "\n".join([self.log[0].replace(",px,", ",pq,"), *self.log[1:]]) + "\n")
         self.refuse(3, 'column "px" is missing (a tracking error needs position and reference); did you mean "pq"?', "metrics", "flown/flight.csv")
+        self.write("flown/flight.csv", "\n".join([self.log[0].replace(",px,", ",PX,"), *self.log[1:]]) + "\n")
+        self.refuse(3, 'column "px" is missing (a tracking error needs position and reference); did you mean "PX"?', "metrics", "flown/flight.csv")
 
     def test_a_repair_is_said_once_and_changes_no_figure(self):
         sound, said = self.call("metrics", "flown/flight.csv")
