@@ -1,9 +1,11 @@
 #include "report/compare.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "commands.hpp"
+#include "messages.hpp"
 #include "options.hpp"
 #include "sweep/sweep.hpp"
 
@@ -34,9 +36,8 @@ void add_compare(CLI::App& app) {
       results.push_back({variant.variant.empty() ? variant.name : variant.variant,
                          read_results_of(variant, options->folder), variant.alone});
     const std::vector<ComparedVariant> compared = compare(results, options->limit_m);
-    const std::string text =
-        options->format == "json" ? to_json(compared, options->limit_m) : to_markdown(compared, options->limit_m);
-    std::fwrite(text.data(), 1, text.size(), stdout);
+    if (options->format == "json") fmt::print("{}", to_json(compared, options->limit_m));
+    else say_on_stdout(to_markdown(compared, options->limit_m));
   });
 }
 

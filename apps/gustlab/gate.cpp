@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <memory>
 
 #include "commands.hpp"
 #include "gustlab/errors.hpp"
+#include "messages.hpp"
 #include "options.hpp"
 #include "sweep/sweep.hpp"
 #include "util/files.hpp"
@@ -42,7 +42,7 @@ void gate_command(const GateArguments& options, const CLI::App& command) {
     if (!options.junit.empty()) write_file(options.junit, to_junit(report));
     if (!options.summary.empty()) write_file(options.summary, summary);
   });
-  std::fwrite(summary.data(), 1, summary.size(), stdout);
+  say_on_stdout(summary);
   if (report.failures() > 0) throw ExitCode{1};
 }
 

@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "messages.hpp"
 #include "options.hpp"
 #include "report/tracking_json.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 
@@ -42,8 +44,8 @@ void metrics(const MetricsArguments& options) {
       "|\n|---|---|--:|--:|--:|--:|--:|--:|\n");
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const auto line = [&](const char* kind, const ErrorFigures& e, const std::string& z) {
-      fmt::print("| {} | {} | {} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {} |\n", options.logs[i], kind,
-                 figures[i].samples, e.rmse_m, e.mae_m, e.p95_m, e.max_m, z);
+      say_on_stdout(fmt::format("| {} | {} | {} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {} |\n", options.logs[i], kind,
+                                figures[i].samples, e.rmse_m, e.mae_m, e.p95_m, e.max_m, z));
     };
     line("planar", figures[i].planar, fmt::format("{:.4f}", figures[i].rmse_z_m));
     line("3-D", figures[i].spatial, "");

@@ -1,8 +1,10 @@
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "commands.hpp"
 #include "gustlab/errors.hpp"
+#include "messages.hpp"
 #include "report/score.hpp"
 
 namespace gustlab {
@@ -21,8 +23,8 @@ void score(const ScoreArguments& options) {
   std::vector<TrialSet> sets;
   for (std::size_t i = 0; i < options.places.size(); i += 2) sets.push_back({options.places[i], options.places[i + 1]});
   const nlohmann::ordered_json result = score_trials(sets, options.diagnosis);
-  const std::string text = options.format == "json" ? result.dump(1) + "\n" : score_markdown(result);
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  if (options.format == "json") fmt::print("{}\n", result.dump(1));
+  else say_on_stdout(score_markdown(result));
 }
 
 }  // namespace

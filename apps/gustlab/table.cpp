@@ -11,6 +11,7 @@
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 #include "gustlab/flight_log.hpp"
+#include "messages.hpp"
 #include "options.hpp"
 #include "report/sweep_page.hpp"
 #include "report/tables.hpp"
@@ -176,7 +177,8 @@ void table_command(TableArguments options, const CLI::App& command) {
   check_names_differ(options.table.names, here);
   warn_of_unused(options.table.names, here);
   const std::string text = to_table(results, options.table);
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  if (options.format == "md") say_on_stdout(text);
+  else std::fwrite(text.data(), 1, text.size(), stdout);
 }
 
 }  // namespace

@@ -320,6 +320,19 @@ class Logs(Commands):
             _, err = self.call(*arguments, code=2)
             self.assertIsNone(re.search("[\x00-\x09\x0b-\x1f\x7f-\x9f]", err), repr(err))
 
+    def test_nor_in_what_is_printed_for_people(self):
+        self.write("flown/\x1b[31m.csv", "\n".join(self.log[:50]) + "\n")
+        shutil.copy(self.folder / "flown" / "flight.meta.toml", self.folder / "flown" / "\x1b[31m.meta.toml")
+        self.call("sweep", "e.toml", "--out", "s")
+        with sqlite3.connect(self.folder / "s" / "runs.sqlite") as store:
+            store.execute("UPDATE plan SET trajectory = char(27) || '[31m'")
+        store.close()
+        self.write("a.jsonl", '{"trial": "\\u001b[31m", "kind": "clean", "effects": []}\n')
+        for arguments in (["metrics", "flown/\x1b[31m.csv"], ["table", "s"], ["score", "a.jsonl", "."]):
+            out, _ = self.call(*arguments)
+            self.assertNotIn("\x1b", out)
+            self.assertIn("\\x1b[31m", out)
+
 
 class Settings(Commands):
     def test_places_of_what_is_not_there_or_is_a_folder(self):
