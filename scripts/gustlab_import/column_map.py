@@ -1,6 +1,7 @@
 """Column maps: which source columns, in which units, order and frame, make a flight log."""
 
 import difflib
+import math
 import os
 import re
 import tomllib
@@ -177,6 +178,10 @@ def suggest(word: str, known) -> str:
     return f"did you mean `{max(reversed(close), key=nearness)}`?"
 
 
+def _is_number(value) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
 def _is_table(value) -> bool:
     return isinstance(value, dict) or isinstance(value, list) and value and isinstance(value[0], dict)
 
@@ -200,12 +205,15 @@ class _Checker:
             if not (isinstance(value, list) and all(isinstance(part, (int, float)) and low <= part <= high for part in value)):
                 self.fail(key, f"`{key}` must be a list of numbers from {low:g} to {high:g}", "")
         elif key in NUMBERS:
-            if not isinstance(value, (int, float)) or isinstance(value, bool):
+            if not _is_number(value):
                 self.fail(key, f"`{key}` must be a number", "")
+        elif key == "walls":
+            if not (isinstance(value, list) and all(isinstance(wall, list) and len(wall) == 4 and all(map(_is_number, wall)) for wall in value)):
+                self.fail(key, "`walls` must be a list of walls", "each is [px, py, nx, ny]")
         elif key == "zero":
             if not isinstance(value, bool):
                 self.fail(key, "`zero` must be true or false", "")
-        elif key != "walls" and not isinstance(value, str):
+        elif not isinstance(value, str):
             self.fail(key, f"`{key}` must be a text in quotes", "")
 
     def table(self, name: str, entry: dict):
@@ -219,6 +227,8 @@ class _Checker:
                 self.fail(key, f'{key} = "{value}" is not known', f"one of: {', '.join(choices)}")
         for key in sorted(required - entry.keys()):
             self.fail(name, f"[{name}] has no `{key}`" if name else f"`{key}` is missing", "")
+        if name == "extra" and not re.fullmatch(r"\w[\w.-]*", entry["name"], re.ASCII):
+            self.fail("name", f'"{entry["name"]}" is no name of a column', "letters, digits, _, - and . make one")
         count = 3 if entry.get("order") == "rpy" else LENGTHS.get(name)
         if "signs" in entry and (len(entry["signs"]) != count or any(abs(sign) != 1.0 for sign in entry["signs"])):
             self.fail("signs", f"[{name}] signs = {entry['signs']}", f"must be {count} numbers, each 1 or -1")

@@ -162,6 +162,9 @@ class BadInput(ImportCase):
                  "`vehicle` is missing": MAP.replace('vehicle = "crazyflie"\n', ""),
                  "a map needs [time] and [actuator]": MAP.replace("[time]\ncolumn = \"t\"\n", ""),
                  'format is "gustlab-column-map/9"': MAP.replace("map/1", "map/9"),
+                 "`walls` must be a list of walls; each is [px, py, nx, ny]": MAP + "[environment]\nwalls = [[1, 2]]\n",
+                 "`ground_z_m` must be a number": MAP + "[environment]\nground_z_m = inf\n",
+                 '"a,b" is no name of a column': MAP + '[[extra]]\nname = "a,b"\ncolumn = "t"\n',
                  "m.toml:3:": MAP.replace('vehicle = "crazyflie"', "vehicle = crazyflie")}
         for words, text in cases.items():
             with self.subTest(words):
