@@ -23,6 +23,7 @@ struct MetricsArguments {
 void metrics(const MetricsArguments& options) {
   check_paths_differ(options.logs, "its errors would stand there twice");
   std::vector<TrackingFigures> figures;
+  interrupted();
   for (const std::string& path : options.logs) {
     const TrackingOfLog tracking = tracking_of(path, options.settle_s);
     for (const LogRepair& repair : tracking.repairs) spdlog::warn(repair.says);

@@ -9,6 +9,7 @@
 
 #include "flight_log/columns.hpp"
 #include "gustlab/errors.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 
@@ -17,6 +18,7 @@ TrackingOfLog tracking_of(const std::string& csv_path, double settle_s) {
   std::optional<double> first_s;
   std::vector<LogRepair> repairs;
   read_flight_log_in_parts(csv_path, [&](const FlightLog& log) {
+    throw_if_interrupted();
     repairs = log.repairs;
     std::array<const std::vector<double>*, 6> columns;
     constexpr std::array<const char*, 6> names{"px", "py", "pz", "rpx", "rpy", "rpz"};

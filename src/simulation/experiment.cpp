@@ -298,6 +298,7 @@ std::vector<Experiment> read_variants(const std::string& path, const std::vector
     experiment.name += "." + variant.name;
     experiment.variant = variant.name;
     experiment.variant_place = variant.place;
+    experiment.variants = variants.size();
     experiment.axes = variant.axes;
     for (const NamedValue& axis : variant.axis_keys)
       if (const std::string unit = unit_of_setting(experiment, axis.value); !unit.empty())

@@ -68,6 +68,7 @@ struct Experiment {
   std::vector<NamedValue> axis_units;  // of the [[axis]] tables that are crossed, where they have one
   NamedValue alone;                    // the one axis that it moves along, where that is `alone`
   std::size_t variant_place = 0;       // among the variants of the file, from 0
+  std::size_t variants = 0;            // that are flown with it, itself too
   bool held_out = false;               // a variant that training only tests on
   bool speed_is_logged = false;        // concealed trials: see Plant::Options
 };

@@ -11,6 +11,7 @@
 #include "config/toml.hpp"
 #include "gustlab/build_info.hpp"
 #include "gustlab/errors.hpp"
+#include "util/interrupt.hpp"
 
 namespace gustlab {
 
@@ -86,6 +87,7 @@ Provenance provenance_of(const Experiment& experiment, const Shard& shard) {
           {"axes", to_lines(experiment.axes)},
           {"axis_units", to_lines(experiment.axis_units)},
           {"variant_place", fmt::format("{}", experiment.variant_place)},
+          {"variants", fmt::format("{}", experiment.variants)},
           {"version", std::string(build.version)},
           {"commit", std::string(build.commit)},
           {"mujoco", std::string(build.mujoco_version)},
@@ -99,7 +101,8 @@ std::vector<std::string> differences(const Provenance& a, const Provenance& b) {
   std::vector<std::string> names;
   for (const auto& [name, value] : a) {
     const auto other = b.find(name);
-    if (name != "shard" && name != "cpu" && name != "variant_place" && (other == b.end() || other->second != value))
+    if (name != "shard" && name != "cpu" && name != "variant_place" && name != "variants" &&
+        (other == b.end() || other->second != value))
       names.push_back(name);
   }
   return names;
@@ -224,6 +227,7 @@ void RunStore::take_runs(RunStore& from) {
   Statement all = from.database_.prepare("SELECT * FROM flown");
   Statement insert = database_.prepare("INSERT INTO flown VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   while (all.step()) {
+    throw_if_interrupted();
     insert.bind(0, all.integer(0)).bind(1, all.text(1));
     for (int column = 2; column < 10; ++column) insert.bind(column, all.number(column));
     insert.step();

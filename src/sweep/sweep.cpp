@@ -99,11 +99,13 @@ std::vector<std::string> store_folders(const std::string& folder) {
 }
 
 // row by row: memory does not grow with the number of runs
-void write_csv(const std::vector<RunStore*>& stores, const std::string& folder) {
+void write_csv(
+    const std::vector<RunStore*>& stores, const std::string& folder, void (*at_each_row)() = [] {}) {
   write_file(csv_path(folder), [&](std::ostream& file) {
     bool first = true;
     for (RunStore* store : stores)
       store->for_each([&](const ResultRow& row) {
+        at_each_row();
         if (std::exchange(first, false)) file << csv_header(row.axes);
         file << csv_line(row);
       });
@@ -138,13 +140,14 @@ void check_complete(const std::vector<std::string>& folders, const std::vector<s
 // the whole is made beside, and the store takes its place last: where there is one, all is there
 void write_merged(const std::vector<std::unique_ptr<RunStore>>& shards, const Provenance& merged,
                   const std::string& out) {
+  for (const auto& entry : fs::directory_iterator(out)) remove_if_left_beside(entry.path().string());
   const ScratchFolder scratch(out);
   const std::string beside = scratch.path().string();
   RunStore store(store_path(beside), Database::Mode::create);
   store.copy_plan(*shards.front(), merged);
   for (const auto& shard : shards) store.take_runs(*shard);
   store.close();
-  write_csv({&store}, beside);
+  write_csv({&store}, beside, throw_if_interrupted);
   for (const auto& path : {csv_path, store_path})
     if (std::rename(path(beside).c_str(), path(out).c_str()) != 0)
       throw IoError(fmt::format("{}: cannot write ({})", path(out), std::strerror(errno)));
@@ -177,8 +180,26 @@ std::vector<std::unique_ptr<RunStore>> shards_to_merge(const std::vector<std::st
                                   fmt::join(differ, ", ")));
   }
   check_complete(folders, shards);
-  for (const auto& shard : shards) shard->for_each([](const ResultRow&) {});  // throws where a figure is none
+  // throws where a figure is none
+  for (const auto& shard : shards) shard->for_each([](const ResultRow&) { throw_if_interrupted(); });
   return shards;
+}
+
+// The folder of the whole, and those above it, are made for what `fill` writes there, and go away again where it cannot.
+void fill_folder(const std::string& out, const std::function<void()>& fill) {
+  std::error_code error;
+  std::vector<fs::path> missing;
+  for (fs::path path = fs::absolute(out); !fs::exists(path, error) && path.has_relative_path();
+       path = path.parent_path())
+    missing.push_back(path);
+  try {
+    make_folder(out);
+    fill();
+  } catch (...) {
+    for (const fs::path& path : missing)  // a link stays, and so does a folder with something in it
+      if (const fs::path folder = fs::canonical(path, error); !error) fs::remove(folder, error);
+    throw;
+  }
 }
 
 void merge_stores(const std::vector<std::string>& folders, const std::string& out) {
@@ -190,14 +211,40 @@ void merge_stores(const std::vector<std::string>& folders, const std::string& ou
     if (const std::string& cpu = shard->provenance().at("cpu"); merged["cpu"].find(cpu) == std::string::npos)
       merged["cpu"] += " | " + cpu;
 
-  const bool is_new = !fs::exists(out);
-  make_folder(out);
-  try {
-    write_merged(shards, merged, out);
-  } catch (...) {
-    if (is_new) fs::remove(fs::canonical(out));
-    throw;
-  }
+  fill_folder(out, [&] { write_merged(shards, merged, out); });
+}
+
+// Whether the whole of these shards stands in `out`, as a merge leaves it that is ended before its last variant.
+bool is_merged(const std::vector<std::string>& folders, const std::string& out) {
+  if (!is_finished(out)) return false;
+  const auto shard = open_to_read(folders.front()), whole = open_to_read(out);
+  const std::vector<bool> done = whole->done();
+  return differences(shard->provenance(), whole->provenance()).empty() &&
+         std::find(done.begin(), done.end(), false) == done.end();
+}
+
+// of each store how many variants its sweep was asked for; stores of earlier programs do not say
+std::size_t variants_asked(const std::string& folder) {
+  const Provenance provenance = open_to_read(folder)->provenance();
+  const auto said = provenance.find("variants");
+  std::size_t asked = 0;
+  if (said != provenance.end()) std::from_chars(said->second.data(), said->second.data() + said->second.size(), asked);
+  return asked;
+}
+
+// A variant that no shard has begun has left no folder.
+void check_all_begun(const std::vector<std::string>& folders, const std::vector<std::string>& variants) {
+  for (const std::string& folder : folders)
+    for (const std::string& variant : variants) {
+      const std::string place = (fs::path(folder) / variant).string();
+      const std::size_t asked = has_store(place) ? variants_asked(place) : 0;
+      if (asked > variants.size())
+        throw DataError(
+            fmt::format("{}: {} of {} variants are missing (no shard has begun them); go on with `gustlab sweep "
+                        "--resume`, or merge "
+                        "the folders of one variant",
+                        folder, asked - variants.size(), asked));
+    }
 }
 
 Results read_store(const std::string& folder) {
@@ -343,6 +390,7 @@ std::vector<std::string> write_combined(const std::string& out) {
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out) {
+  interrupted();
   for (const std::string& folder : folders) check_input_path(folder);
   // of each shard: one that was ended in its first variant has no more
   std::vector<std::string> variants;
@@ -359,9 +407,15 @@ void merge(const std::vector<std::string>& folders, const std::string& out) {
     for (const std::string& folder : folders) shards.push_back(place(folder, variant));
     return shards;
   };
+  check_all_begun(folders, variants);
+  std::vector<std::string> left;
+  for (const std::string& variant : variants)
+    if (!has_store(folders.front() + "/" + variant) || !is_merged(of(variant), place(out, variant)))
+      left.push_back(variant);
+  if (left.empty() && fs::exists(csv_path(out))) left = variants;  // nothing is left to do: it says so
   // nothing is written before all of it can be
-  for (const std::string& variant : variants) shards_to_merge(of(variant), place(out, variant));
-  for (const std::string& variant : variants) merge_stores(of(variant), place(out, variant));
+  for (const std::string& variant : left) shards_to_merge(of(variant), place(out, variant));
+  for (const std::string& variant : left) merge_stores(of(variant), place(out, variant));
   write_combined(out);
 }
 

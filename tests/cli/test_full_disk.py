@@ -116,6 +116,24 @@ class FullDisk(unittest.TestCase):
             self.sound("sweep", "e.toml", "--out", f"part{part}", "--shard", f"{part}/2")
         self.at_each_write(("merge", "part1", "part2", "--out", "out"), self.leaves_nothing)
 
+    def test_merge_of_variants_goes_on_with_room(self):
+        (self.folder / "v.toml").write_text(EXPERIMENT + VARIANTS)
+        for part in ("1", "2"):
+            self.sound("sweep", "v.toml", "--set", "replicates=2", "--out", f"part{part}", "--shard", f"{part}/2")
+        arguments = ("merge", "part1", "part2", "--out", "out/whole")
+
+        def goes_on(number, code, err, before, wanted):
+            self.assertEqual(code, 4, err)
+            self.assertRegex(err, FULL)
+            for name, content in self.files("out").items():  # of variants that are whole
+                self.assertEqual(content, wanted[name], name)
+            if not self.files("out"):
+                self.assertEqual(list(self.folder.glob("out*")), [])
+            self.sound(*arguments)
+            self.assertEqual(self.files("out"), wanted)
+
+        self.at_each_write(arguments, goes_on)
+
     def fly(self, duration_s):
         self.sound("run", "e.toml", "--set", f"duration_s={duration_s}", "--trajectory", "circle", "--controller", "pid", "--out", "flown")
 

@@ -393,6 +393,8 @@ class Signals(Commands):
         "diagnose": ["diagnose", "trials/nothing/fit_1.csv", "trials/nothing/fit_2.csv", "--out", "dg", "--jobs", "1"],
         "bench": ["bench", "--rounds", "1000"],
         "replay": ["replay", *(f"again_{i}.csv" for i in range(40)), "--stride", "1", "--jobs", "1"],  # half a minute
+        "metrics": ["metrics", *(f"again_{i}.csv" for i in range(40))],
+        "merge": ["merge", "one", "two", "--out", "whole"],  # of 20 000 runs
         "identify": ["identify", "trials/nothing/fit_1.csv", "--optimizer", "sr3", "--max-iterations", "1000000000", "--tolerance", "1e-300", "--lambda", "1"],
         "vehicle fit": ["vehicle", "fit", "trials/nothing/fit_1.csv", "--out", "v", "--jobs", "1"],
         "vehicle new": ["vehicle", "new", "--mass", "1kg", "--from-log", "pipe", "--out", "v"],  # its script waits for the pipe
@@ -400,6 +402,8 @@ class Signals(Commands):
 
     def test_each_signal_ends_each_command_with_130_and_no_output(self):
         os.mkfifo(self.folder / "pipe")
+        for part, out in (("1/2", "one"), ("2/2", "two")):
+            self.call("sweep", "e.toml", "--set", "replicates=20000", "--set", "duration_s=0.004", "--shard", part, "--out", out)
         for i in range(40):
             for ending in ("csv", "meta.toml"):
                 os.link(self.folder / f"trials/nothing/fit_1.{ending}", self.folder / f"again_{i}.{ending}")

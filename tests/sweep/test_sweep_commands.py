@@ -346,6 +346,35 @@ class Axes(Commands):
         self.call("merge", "s1", "s2", "--out", "m")
         self.sweep("whole")
         self.assertEqual(self.runs("m"), self.runs("whole"))
+        self.assertIn("there are results already", self.call("merge", "s1", "s2", "--out", "m", code=2)[1])
+
+    # the whole of a sweep that was ended before a variant was that of the variants that it had begun
+    def test_a_variant_that_no_shard_has_begun_is_missing(self):
+        left = "strength_2_period_10"
+        for shard in ("1", "2"):
+            self.sweep("s" + shard, "--shard", f"{shard}/2")
+            shutil.rmtree(self.folder / ("s" + shard) / left)
+        _, err = self.call("merge", "s1", "s2", "--out", "m", code=3)
+        self.assertRegex(err, r"^s1: 1 of \d+ variants are missing \(no shard has begun them\); go on with")
+        self.assertFalse((self.folder / "m").exists())
+        for shard in ("1", "2"):  # of a sweep that was asked for some of them these are all
+            self.sweep("few" + shard, "--variant", left, "--shard", f"{shard}/2")
+        self.call("merge", "few1", "few2", "--out", "m")
+
+    # as a merge leaves it that is killed between two variants
+    def test_a_merge_goes_on_with_the_variants_that_are_left(self):
+        for shard in ("1", "2"):
+            self.sweep("s" + shard, "--shard", f"{shard}/2")
+        self.call("merge", "s1", "s2", "--out", "whole")
+        shutil.copytree(self.folder / "whole", self.folder / "m")
+        shutil.rmtree(self.folder / "m" / "strength_2_period_10")
+        (self.folder / "m" / "runs.csv").unlink()
+        scratch = self.folder / "m" / "strength_2_period_10" / f".gustlab.{2 ** 22}.0"  # of no process
+        scratch.mkdir(parents=True)
+        self.call("merge", "s1", "s2", "--out", "m")
+        self.assertFalse(scratch.exists())
+        self.assertEqual(self.runs("m"), self.runs("whole"))
+        self.call("table", "m")
 
     def test_points_that_were_flown_alone_are_compared_alone(self):
         few = ["--variant", "strength_2_period_10", "--variant", "strength_2_period_5"]
