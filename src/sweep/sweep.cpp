@@ -42,15 +42,11 @@ void check_same_sweep(const std::string& path, const Provenance& there, const Pr
 
 bool has_store(const std::string& folder) { return fs::is_regular_file(store_path(folder)); }
 
-// a file of results where their folder is meant
+// A file of results where their folder is meant. Beside the runs.csv of variants stand their folders.
 [[noreturn]] void fail_as_file(const std::string& file) {
   const fs::path parent = fs::path(file).parent_path();
   const std::string folder = parent.empty() ? "." : parent.string();
-  std::error_code error;
-  const fs::directory_iterator beside(folder, error);
-  const bool is_of_results = has_store(folder) || std::any_of(begin(beside), end(beside), [](const auto& entry) {
-                               return has_store(entry.path().string());
-                             });
+  const bool is_of_results = has_store(folder) || fs::path(file).filename() == csv_path("").c_str();
   throw DataError(fmt::format(
       "{}: is a file, not a folder of results; {}", file,
       is_of_results ? fmt::format("did you mean \"{}\"?", folder) : "name the folder that `gustlab sweep` wrote"));

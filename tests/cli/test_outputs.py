@@ -174,7 +174,7 @@ class Places(Commands):
 
     def test_a_file_of_results_names_their_folder(self):
         for command in (["table"], ["gate", "--baseline", "base.csv"], ["merge", "--out", "whole"]):
-            for file, says in (("swept/runs.csv", 'did you mean "swept"?'), ("swept/runs.sqlite", 'did you mean "swept"?'), ("flown/flight.csv", "name the folder")):
+            for file, says in (("swept/runs.csv", 'did you mean "swept"?'), ("swept/runs.sqlite", 'did you mean "swept"?'), ("flown/flight.csv", "name the folder"), ("base.csv", "name the folder")):
                 err = self.call(*command, file, code=3)[1]
                 self.assertIn(f"{file}: is a file, not a folder of results; {says}", err)
 
