@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -111,10 +110,7 @@ void check_axis_names(const Experiment& experiment) {
 }
 
 std::vector<ResultRow> read_results_csv(const std::string& path) {
-  if (const std::string why = why_unreadable(path); !why.empty())
-    throw DataError(fmt::format("{}: cannot read ({})", path, why));
-  note_input(path);
-  std::ifstream file(path);
+  std::istringstream file(read_file<DataError>(path));
   std::string line;
   if (!next_line(file, line) || (line != header && !line.starts_with(std::string(header) + ",")))
     throw DataError(fmt::format("{}:1:1: not a table of runs (expected the header {})", path, header));

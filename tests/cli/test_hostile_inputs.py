@@ -245,6 +245,7 @@ class Stores(Commands):
             cells[-6] = value  # rmse_xy_m
             self.write("b.csv", ",".join(cells))
             self.refuse(3, "b.csv:2:", "gate", "s", "--baseline", "b.csv")
+        self.refuse(3, "/dev/zero: cannot read (it is larger than 64 MiB)", "gate", "s", "--baseline", "/dev/zero")
 
 
 class Logs(Commands):
