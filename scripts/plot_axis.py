@@ -58,7 +58,8 @@ def draw(options):
     axes.flat[0].legend()
     figures.note(figure, f"mean and its 95 % interval, N = {figures.runs_per_point(rows)}; hollow: not every run was completed; "
                          "none: all were over before the settling was")
-    figure.supylabel(f"{options.metric} / m")
+    kind, of, unit = options.metric.split("_")
+    figure.supylabel(f"mean {kind.upper()} {of.upper()} / {unit}")
     figures.save(figure, Path(options.out) / f"{options.metric}_over_{options.x}")
 
 

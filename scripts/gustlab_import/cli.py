@@ -15,7 +15,7 @@ from .kinds import kind_of, reader_of
 from .new_vehicle import add_options, given, make_vehicle, missing, vehicle_there
 from .outcome import FORMAT, as_document, as_json, as_text
 from .outputs import file_on_the_way, write_outputs
-from .problems import DATA, USAGE, ImportFailure, ended, printable, understood
+from .problems import DATA, USAGE, ImportFailure, ended, printable, understood, valid_utf8
 from .progress import LogProgress
 from .segments import reasons
 from .vehicle_file import read_vehicle
@@ -40,8 +40,9 @@ def arguments(argv: list) -> Namespace:
     parser.add_argument("--keep-unusable", action="store_true", help="write unusable recordings too, marked usable = false")
     parser.add_argument("--keep-position", action="store_true", help="keep latitude and longitude of the origin in the sidecar")
     parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
-    parser.add_argument("-q", "--quiet", action="store_true", help="errors only")
-    parser.add_argument("-v", "--verbose", action="store_true", help="also the noise of each flight, and the topics of logs that hold one")
+    said = parser.add_mutually_exclusive_group()
+    said.add_argument("-q", "--quiet", action="store_true", help="errors only")
+    said.add_argument("-v", "--verbose", action="store_true", help="also the noise of each flight, and the topics of logs that hold one")
     add_options(parser)
     return parser.parse_intermixed_args(argv)
 
@@ -51,7 +52,7 @@ def stem(path: Path, by_folder: bool) -> str:
     name = path.name
     for ending in (".gz", ".csv", ".txt", ".parquet", ".ulg", ".bin", ".BIN", ".log", ".tlog", ".bag", ".db3", ".mcap", ".bfl", ".bbl"):
         name = name.removesuffix(ending)
-    return f"{path.resolve().parent.name}-{name}" if by_folder else name
+    return valid_utf8(f"{path.resolve().parent.name}-{name}" if by_folder else name)
 
 
 def recording_of(path: Path):
@@ -63,6 +64,8 @@ def run(argv: list) -> int:
     options = arguments(argv)
     if options.out is not None and (file := file_on_the_way(options.out)):
         raise ImportFailure(f"--out {options.out}: {file} is a file, not a folder (flight logs go into a folder); give a folder", USAGE)
+    if options.whole and not options.map:
+        raise ImportFailure("--whole: an import without --map has no use for it (it is for column maps); leave it out", USAGE)
     column_map = load_map(options.map) if options.map else None
     made = make_vehicle(options) if given(options) else None
     named = options.vehicle or (None if column_map else vehicle_there(options.out))

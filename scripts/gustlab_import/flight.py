@@ -8,7 +8,7 @@ import numpy as np
 from . import frames
 from .column_map import UNITS, ColumnMap, suggest
 from .motors import pulse_share
-from .problems import DATA, ImportFailure
+from .problems import DATA, ImportFailure, valid_utf8
 from .rotations import conjugate, rotate
 from .signals import filled
 from .streams import ATTITUDE, FORCE, POSITION, RATE, VELOCITY, Recording
@@ -92,14 +92,14 @@ def on_one_clock(recording: Recording, from_s: float, to_s: float) -> Flight:
             source[name] = part.source
     inside = [replace(f, from_s=max(f.from_s, from_s), to_s=min(f.to_s, to_s)) for f in recording.findings
               if f.from_s <= to_s and f.to_s >= from_s]
-    return Flight(recording.file, time_s, columns, np.arange(1, len(time_s) + 1), source, len(time_s), 0.0, inside, True)
+    return Flight(valid_utf8(recording.file), time_s, columns, np.arange(1, len(time_s) + 1), source, len(time_s), 0.0, inside, True)
 
 
 def convert(table: Table, column_map: ColumnMap) -> Flight:
     """Applies the map. Throws ImportFailure when a column that the map names is not in the table."""
     builder = _Builder(table, column_map)
     time_s = builder.time()
-    flight = Flight(table.file, time_s, {}, table.line, {"time_s": column_map.get("time", "column")}, len(time_s),
+    flight = Flight(valid_utf8(table.file), time_s, {}, table.line, {"time_s": column_map.get("time", "column")}, len(time_s),
                     builder.start_s, [replace(remark, from_s=remark.from_s - builder.start_s,
                                               to_s=remark.to_s - builder.start_s) for remark in table.remarks])
     builder.fill(flight)

@@ -65,7 +65,7 @@ def make_vehicle(options: Namespace) -> NewVehicle:
         folder = Path(temporary) / FOLDER
         done = _program(["vehicle", "new", *words, *([f"--from-log={log}"] if log else []), f"--out={folder}"])
         if done.returncode != 0:
-            raise ImportFailure(done.stderr.strip(), done.returncode)
+            raise ImportFailure(done.stderr.strip().replace("gustlab vehicle new --help", "gustlab import --help"), done.returncode)
         files = {f"{FOLDER}/{path.name}": path.read_bytes() for path in folder.iterdir()}
         vehicle = replace(read_vehicle(str(folder), None), reference=f"{FOLDER}/vehicle.toml")
     for name, content in files.items():

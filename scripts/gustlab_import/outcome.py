@@ -9,7 +9,7 @@ import numpy as np
 from .checks_columns import noise
 from .flight import Flight
 from .limits import can_tell, rate
-from .problems import printable
+from .problems import printable, valid_utf8
 from .streams import QUANTITIES
 
 FORMAT = "gustlab-import/1"
@@ -35,7 +35,7 @@ class Outcome:
     @property
     def name(self) -> str:
         """Name of the file without its folder: what is written names no place of the machine."""
-        return Path(self.file).name
+        return valid_utf8(Path(self.file).name)
 
     def all_findings(self) -> list:
         """(name of the flight or "", finding) of the log and of its flights."""

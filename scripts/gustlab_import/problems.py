@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import re
 import sys
 from dataclasses import dataclass
 
@@ -9,11 +10,17 @@ from .interrupts import throw_if_interrupted
 
 USAGE, DATA, IO = 2, 3, 4
 MOST_NAMES = 12  # in one message
+HALF = re.compile("[\ud800-\udfff]")
 
 
 def printable(text: str) -> str:
     """As a terminal may see it: a file name may hold anything."""
-    return "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in text)
+    return "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in valid_utf8(text))
+
+
+def valid_utf8(text: str) -> str:
+    """As a file may hold it: a byte of a name that is no UTF-8, which Python keeps as half of a pair, as \\xNN."""
+    return HALF.sub(lambda half: f"\\x{ord(half[0]) & 0xff:02x}", text)
 
 
 def some(names) -> str:

@@ -244,6 +244,7 @@ class Figures(unittest.TestCase):
         self.assertIn("circle, mass -0.2 -->", svg)
         self.assertIn("pid -->", svg)
         self.assertIn("its 95 % interval, N = 2;", svg)
+        self.assertIn("mean RMSE XY / m -->", svg)
 
     def test_interval_of_few_runs_is_student_s(self):
         # two runs, 0.2 apart: t(0.975, 1) = 12.706, standard error 0.1; a run without a figure does not count

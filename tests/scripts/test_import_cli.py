@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import os
 import re
 import time
 import tomllib
@@ -63,6 +64,16 @@ class Conversion(ImportCase):
         self.assertEqual(self.run_import(log, "--map", self.folder / "folder.toml", "--out", self.out)[0], 2)
         code, _, err = self.run_import(log, "--map", self.folder / "folder.toml", "--out", self.folder)
         self.assertEqual((code, tomllib.loads((self.folder / "log_1.meta.toml").read_text())["vehicle"]), (0, "my_quad"), err)
+
+    def test_a_name_that_is_no_utf_8_is_escaped_and_may_be_imported_again(self):
+        log = self.write(os.fsdecode(b"caf\xe9.csv"), csv(flight()))
+        for _ in range(2):
+            code, out, err = self.run_import(log, "--map", self.map, "--out", self.out, "--format", "json")
+            self.assertEqual((code, err), (0, ""))
+            self.assertEqual(json.loads(out)["logs"][0]["file"], "caf\\xe9.csv")
+            self.assertEqual(json.loads((self.out / "import.json").read_text(encoding="utf-8"))["logs"][0]["file"], "caf\\xe9.csv")
+            sidecar = tomllib.loads((self.out / "caf\\xe9_1.meta.toml").read_text(encoding="utf-8"))
+            self.assertEqual(sidecar["origin"]["file"], "caf\\xe9.csv")
 
     def test_section(self):
         log = self.write("log.csv", csv(flight()))
@@ -172,6 +183,11 @@ class BadInput(ImportCase):
 
     def test_unknown_map(self):
         self.fails(2, "built in: arpl, crazypad, nanobench, nanodrone", self.log("t\n1\n"), "--map", "nothing", "--out", self.out)
+
+    def test_options_without_a_use(self):
+        log = self.log(csv(flight(2.0)))
+        self.fails(2, "--whole: an import without --map has no use for it (it is for column maps); leave it out", log, "--whole", "--out", self.out)
+        self.fails(2, "not allowed with argument", log, "--map", self.map, "--out", self.out, "-q", "-v")
 
     def test_missing_file(self):
         self.fails(3, "cannot be read", self.folder / "nothing.csv", "--map", self.map, "--out", self.out)

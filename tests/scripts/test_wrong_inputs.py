@@ -130,7 +130,7 @@ WRONG = (
     (["import", "good.csv", "--map", "good.toml", "--from", "100", "--out", "out"], 2, "good.csv: no sample after 100 s"),
     # a vehicle beside its flights
     (log("good.ulg", "--mass", "1.2"), 2, '--mass: "1.2" is not a number with a unit'),
-    (log("good.ulg", "--arm", "0.25m"), 2, "gustlab: --mass is required"),
+    (log("good.ulg", "--arm", "0.25m"), 2, "gustlab: --mass is required (see gustlab import --help)"),
     (log("good.ulg", "--mass", "1.2kg", "--vehicle", "iris"), 2, "--mass: --vehicle iris says it already; leave one of them out"),
     (["import", "good.ulg", "--mass", "1.2kg"], 2, "--mass: a vehicle is written only beside flight logs; give --out DIR"),
     (log("good.ulg", "--mass", "1.2kg", "--layout", "hexa"), 2, '--layout: "hexa" has 6 rotors, and 4 flew in good.ulg'),
