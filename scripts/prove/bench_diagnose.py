@@ -3,7 +3,7 @@
 
     bench_diagnose.py [--gustlab BIN] [--against OLD_BINARY] [--jobs N] [SET...]
 
-Flies the trial "pair" of experiments/trials_demo.toml, 4 flights of 25 s, logged at 100, 200 and 500 Hz, and diagnoses it; then
+Flies the trial "pair" of experiments/trials_demo.toml, 4 flights of 25 s, logged at 100, 250 and 500 Hz, and diagnoses it; then
 every SET, a folder with fit_*.csv and holdout_*.csv. Builds take turns, so that their ratio holds on a busy machine. Prints a
 table in Markdown: seconds from start to end, seconds of CPU, peak of memory.
 """
@@ -56,7 +56,7 @@ def main():
     print("|---|---:|---:|---:|" + ("---:|---:|---:|---:|" if against else ""))
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        sets = [(f"simulated, 4 × 25 s, {rate} Hz", fly(options.gustlab, rate, work / f"sets_{rate}", options.jobs)) for rate in (100, 200, 500)]
+        sets = [(f"simulated, 4 × 25 s, {rate} Hz", fly(options.gustlab, rate, work / f"sets_{rate}", options.jobs)) for rate in (100, 250, 500)]
         sets += [("/".join(path.resolve().parts[-2:]), path) for path in options.sets]
         for number, (name, flights) in enumerate(sets):
             line, now = f"| {name} |", measure(options.gustlab, flights, work / f"now_{number}", options.jobs)

@@ -35,6 +35,27 @@ std::int64_t divide(std::string_view of, double whole_s, double part_s, const st
   return static_cast<std::int64_t>(times);
 }
 
+// updates of a controller between two rows of the log; throws where a row would fall between two of them, or where there is one row
+std::int64_t ticks_of_row(double log_rate_hz, double loop_rate_hz, const std::string& controller, double flight_ticks) {
+  const double ticks = loop_rate_hz / log_rate_hz, whole = std::round(ticks);
+  const std::string says = fmt::format("\"log_rate_hz\" {} Hz", config::shortest(log_rate_hz));
+  const std::string loop = fmt::format("controller \"{}\", {} Hz", controller, config::shortest(loop_rate_hz));
+  if (ticks < 1.0 - 1e-9)
+    throw ParameterError("log_rate_hz",
+                         fmt::format("{} is above the rate of {} (it has no more rows); write log_rate_hz = {:.12g}",
+                                     says, loop, loop_rate_hz));
+  if (whole > 1.0 && whole >= flight_ticks)
+    throw ParameterError("log_rate_hz", fmt::format("{} leaves one row of a flight of {} s (the next would come after "
+                                                    "its end); fly longer, or log more often",
+                                                    says, config::shortest(flight_ticks / loop_rate_hz)));
+  if (std::abs(ticks - whole) > 1e-9 * whole)
+    throw ParameterError("log_rate_hz",
+                         fmt::format("{} does not divide the rate of {} (steps between rows would be "
+                                     "unequal); write log_rate_hz = {:.12g} or {:.12g}",
+                                     says, loop, loop_rate_hz / std::ceil(ticks), loop_rate_hz / std::floor(ticks)));
+  return static_cast<std::int64_t>(whole);
+}
+
 // at rest at the trajectory's start, heading along it, rotors at the speed that carries the weight
 VehicleState start_state(const Trajectory& trajectory, const VehicleModel& vehicle) {
   VehicleState state;
@@ -160,7 +181,8 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   const Choice& law = experiment.controllers[spec.controller];
   controller = find_controller(law.spec.type)->make();
   config::read_parameters(law.spec, *controller);
-  const double period_s = 1.0 / config::at_place(law.spec, [&] { return controller->rate_hz(experiment.vehicle); });
+  const double rate_hz = config::at_place(law.spec, [&] { return controller->rate_hz(experiment.vehicle); });
+  const double period_s = 1.0 / rate_hz;
   const std::string period_says = fmt::format("the period of controller \"{}\",", law.name);
   steps_per_tick =
       divide("step_s", period_s, options.step_s, period_says, "\"step_s\"",
@@ -174,12 +196,19 @@ Flight::Flight(const Experiment& experiment, const RunSpec& spec)
   const double longest_s = options.offboard_delay_s + options.offboard_jitter_s;
   link_messages.resize(static_cast<std::size_t>(longest_s / (period_s * static_cast<double>(ticks_per_offboard))) + 3);
   ticks = static_cast<std::int64_t>(std::round(options.duration_s / period_s));
+  if (experiment.log.log_rate_hz > 0.0)
+    ticks_per_row = ticks_of_row(experiment.log.log_rate_hz, rate_hz, law.name, static_cast<double>(ticks));
 
   plant.reset(start_state(*trajectory, experiment.vehicle));
   setup = {experiment.vehicle, period_s};
   const Observation first = plant.observe(true);
   config::at_place(law.spec, [&] { controller->reset(setup, first); });
   hand_over_tick = static_cast<std::int64_t>(std::round(options.hand_over_s / period_s));
+  if (hand_over_tick > 0 && hand_over_tick >= ticks)
+    throw ParameterError("hand_over_s",
+                         fmt::format("\"hand_over_s\" leaves nothing to fly for controller \"{}\" (it is not shorter "
+                                     "than the flight, {} s)",
+                                     law.name, config::shortest(options.duration_s)));
   if (hand_over_tick > 0) {
     first_controller = find_controller("pid")->make();
     first_controller->reset(setup, first);

@@ -58,6 +58,7 @@ struct Flight {
   std::int64_t hand_over_tick = 0;      // the first of its own
   std::int64_t steps_per_tick = 1;      // of the plant
   std::int64_t ticks_per_offboard = 1;  // between two messages of the offboard link
+  std::int64_t ticks_per_row = 1;       // between two rows of the log
   double tick_s = 0.0;                  // between two updates of the controller
   std::size_t rotors = 0;
   AtInterrupt at_interrupt = AtInterrupt::finish;

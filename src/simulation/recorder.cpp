@@ -17,15 +17,14 @@ namespace {
 
 // Of the log of a whole flight. Throws ConfigError where they are too many.
 std::size_t log_rows(const Experiment& experiment, const Flight& flight) {
-  const double duration_s = flight.options.duration_s, rate_hz = experiment.log.log_rate_hz;
-  double rows = static_cast<double>(flight.ticks);
-  if (rate_hz > 0.0) rows = std::min(rows, std::floor(duration_s * rate_hz + 1e-6) + 1.0);
+  const auto ticks = static_cast<double>(flight.ticks);
+  const double rows = std::ceil(ticks / static_cast<double>(flight.ticks_per_row));
   if (rows > most_log_rows)
-    throw ConfigError(
-        worded(fmt::format("{}: a flight log of {:.0f} rows is too long", experiment.name, rows),
-               fmt::format("the most are {:.0f}", most_log_rows),
-               fmt::format("fly less than {} s, or log_rate_hz = {:.0f} at most", config::shortest(duration_s),
-                           std::floor((most_log_rows - 1.0) / duration_s))));
+    throw ConfigError(worded(
+        fmt::format("{}: a flight log of {:.0f} rows is too long", experiment.name, rows),
+        fmt::format("the most are {:.0f}", most_log_rows),
+        fmt::format("fly less than {} s, or log_rate_hz = {:.12g} at most", config::shortest(flight.options.duration_s),
+                    1.0 / (flight.tick_s * std::ceil(ticks / most_log_rows)))));
   return static_cast<std::size_t>(rows);
 }
 
@@ -33,7 +32,7 @@ std::size_t log_rows(const Experiment& experiment, const Flight& flight) {
 
 FlightRecorder::FlightRecorder(const Experiment& experiment, Flight& flight)
     : truth_(experiment.log.log_source == "truth"),
-      rate_hz_(experiment.log.log_rate_hz),
+      ticks_per_row_(flight.ticks_per_row),
       rotors_(static_cast<std::size_t>(experiment.vehicle.rotor_count)) {
   log_.meta.vehicle = experiment.vehicle_name;
   log_.meta.actuator = ActuatorKind::rotor_speed;
@@ -66,11 +65,7 @@ void FlightRecorder::add(const Vector3& value) {
 void FlightRecorder::append(Flight& flight, const Observation& measured, const Reference& reference,
                             const RotorCommand& command) {
   const VehicleState& truth = flight.plant.state();
-  // a row is due when the log's own clock has ticked; the margin is far below a step and far above rounding
-  if (rate_hz_ > 0.0 && std::floor(truth.time_s * rate_hz_ + 1e-6) < static_cast<double>(log_.rows())) {
-    skipped_ = true;
-    return;
-  }
+  if (tick_++ % ticks_per_row_ != 0) return;
 
   column_ = 0;
   log_.time_s.push_back(truth.time_s);
@@ -98,7 +93,7 @@ void FlightRecorder::append(Flight& flight, const Observation& measured, const R
 
 FlightLog FlightRecorder::take() {
   // between the rows of a slower log the command changes, and nobody knows how
-  if (skipped_) log_.meta.hold = Hold::unknown;
+  if (ticks_per_row_ > 1) log_.meta.hold = Hold::unknown;
   return std::move(log_);
 }
 

@@ -22,8 +22,7 @@ class FlightRecorder {
 
   FlightLog log_;
   bool truth_;
-  double rate_hz_;        // 0: every tick
-  bool skipped_ = false;  // a tick that has no row
+  std::int64_t ticks_per_row_, tick_ = 0;
   std::size_t rotors_;
   std::size_t column_ = 0;
   std::vector<double> telemetry_;

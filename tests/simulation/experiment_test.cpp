@@ -104,6 +104,23 @@ TEST(Experiment, FileOfAnIncludedControllerIsBesideTheIncludedFileWhoeverListsTh
   EXPECT_EQ(read_experiment(path, {"controllers=asindy", "controller.asindy.rate_hz=100"}).controllers.size(), 1u);
 }
 
+TEST(Experiment, LogsAtTheRatesThatItsMessagesName) {
+  for (const char* rate : {"27.7777777778", "29.4117647059", "27.77777777777778", "250", "500", "2"})
+    EXPECT_EQ(message_for(small_experiment, {std::string("log_rate_hz=") + rate}), "") << rate;
+  // a loop of 400 Hz
+  EXPECT_EQ(message_for(small_experiment, {"vehicle=iris", "step_s=0.0025", "log_rate_hz=80"}), "");
+  EXPECT_THAT(message_for(small_experiment, {"vehicle=iris", "step_s=0.0025", "log_rate_hz=250"}),
+              HasSubstr("--set log_rate_hz=250: \"log_rate_hz\" 250 Hz does not divide the rate of controller \"pid\", "
+                        "400 Hz (steps between rows would be unequal); write log_rate_hz = 200 or 400"));
+}
+
+// the hovers are flown too
+TEST(Experiment, HandsOverWithinTheWholeFlight) {
+  EXPECT_EQ(message_for(small_experiment, {"hand_over_s=1.5", "hover_before_s=1"}), "");
+  EXPECT_THAT(message_for(small_experiment, {"hand_over_s=100"}),
+              HasSubstr("--set hand_over_s=100: \"hand_over_s\" leaves"));
+}
+
 struct Mistake {
   const char* says;
   const char* from;
@@ -152,6 +169,23 @@ INSTANTIATE_TEST_SUITE_P(
                 "write step_s = 0.002"},
         Mistake{"offboard", "duration_s = 1.0", "duration_s = 1.0\noffboard_rate_hz = 300",
                 "experiment.toml:9:20: the period of controller \"pid\", 0.002 s does not divide"},
+        Mistake{"log slower", "duration_s = 1.0", "duration_s = 1.0\nlog_rate_hz = 333",
+                "experiment.toml:9:15: \"log_rate_hz\" 333 Hz does not divide the rate of controller \"pid\", 500 Hz "
+                "(steps "
+                "between rows would be unequal); write log_rate_hz = 250 or 500"},
+        Mistake{"log slower still", "duration_s = 1.0", "duration_s = 1.0\nlog_rate_hz = 28",
+                "28 Hz does not divide the rate of controller \"pid\", 500 Hz (steps between rows would be unequal); "
+                "write log_rate_hz = 27.7777777778 or 29.4117647059"},
+        Mistake{
+            "log faster", "duration_s = 1.0", "duration_s = 1.0\nlog_rate_hz = 700",
+            "experiment.toml:9:15: \"log_rate_hz\" 700 Hz is above the rate of controller \"pid\", 500 Hz (it has no "
+            "more rows); write log_rate_hz = 500"},
+        Mistake{"log of one row", "duration_s = 1.0", "duration_s = 1.0\nlog_rate_hz = 1",
+                "experiment.toml:9:15: \"log_rate_hz\" 1 Hz leaves one row of a flight of 1 s"},
+        Mistake{"hand over", "duration_s = 1.0", "duration_s = 1.0\nhand_over_s = 1.0",
+                "experiment.toml:9:15: \"hand_over_s\" leaves nothing to fly for controller \"pid\" (it is not shorter "
+                "than "
+                "the flight, 1 s)"},
         Mistake{"settle", "duration_s = 1.0", "duration_s = 1.0\nsettle_s = 1.0",
                 "experiment.toml:9:12: \"settle_s\" leaves nothing to measure"},
         Mistake{"source", "duration_s = 1.0", "duration_s = 1.0\nlog_source = \"mind\"", "\"mind\" is no source"},
