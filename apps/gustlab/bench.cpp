@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "plant/bare_step.hpp"
 #include "simulation/experiment.hpp"
 #include "sweep/sweep.hpp"
@@ -104,7 +105,7 @@ void print_json(const Bench& bench, const std::string& experiment) {
                                      {"over_minimal", step_ns / bench.minimal_step_ns},
                                      {"two_threads_factor", row.one_thread_ns / row.two_threads_ns}});
   }
-  fmt::print("{}\n", report.dump(2));
+  fmt::print("{}\n", config::json_text(report, 2));
 }
 
 void print_table(const Bench& bench, const std::string& experiment) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "config/resources.hpp"
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
@@ -116,7 +117,7 @@ void calibrate_command(const CalibrateArguments& options) {
   const std::string markdown = to_markdown(calibration.stages, results, json);
   write_together([&] {
     const std::filesystem::path out(options.out);
-    write_file((out / "calibration.json").string(), json.dump(2) + "\n");
+    write_file((out / "calibration.json").string(), config::json_text(json, 2) + "\n");
     write_file((out / "calibration.md").string(), markdown);
     write_file((out / "values.txt").string(), values);
   });

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "config/resources.hpp"
 #include "config/toml.hpp"
 #include "gustlab/controller.hpp"
@@ -71,7 +72,7 @@ void run(const DefaultsArguments& options) {
                                         {"name", entry.name},
                                         {"says", entry.says},
                                         {"parameters", parameter_table(*entry.target)}};
-      fmt::print("{}\n", json.dump(1));
+      fmt::print("{}\n", config::json_text(json, 1));
     }
     found = true;
   }

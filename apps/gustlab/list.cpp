@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "control/feature_terms.hpp"
 #include "gustlab/controller.hpp"
 #include "gustlab/effect.hpp"
@@ -98,7 +99,7 @@ void run(const ListArguments& options) {
   for (const Kind& kind : listings)
     if (options.kind.empty() || options.kind == kind.name) all[kind.name] = kind.list();
   if (options.format == "json") {
-    fmt::print("{}\n", all.dump(1));
+    fmt::print("{}\n", config::json_text(all, 1));
     return;
   }
   for (const auto& [kind, rows] : all.items()) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "messages.hpp"
 #include "options.hpp"
 #include "report/tracking_json.hpp"
@@ -37,7 +38,7 @@ void metrics(const MetricsArguments& options) {
       entry.update(to_json(figures[i]));
       result["logs"].push_back(std::move(entry));
     }
-    fmt::print("{}\n", result.dump(2));
+    fmt::print("{}\n", config::json_text(result, 2));
     return;
   }
   fmt::print(

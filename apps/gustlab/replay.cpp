@@ -8,6 +8,7 @@
 #include <set>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "config/toml.hpp"
 #include "diagnosis/recording/attitude_check.hpp"
 #include "diagnosis/recording/log_checks.hpp"
@@ -208,7 +209,7 @@ void run(const ReplayArguments& options) {
   }
   progress.end();
   const nlohmann::ordered_json block = replayer.block();
-  if (options.format == "json") fmt::print("{}\n", block.dump(1));
+  if (options.format == "json") fmt::print("{}\n", config::json_text(block, 1));
   else print_text(block);
 }
 

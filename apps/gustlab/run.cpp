@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
@@ -76,7 +77,7 @@ void run_command(const RunArguments& options) {
     make_folder(options.out);
     const std::filesystem::path folder(options.out);
     write_run_log(std::move(log), experiment, (folder / "flight.csv").string(), AtInterrupt::end);
-    write_file((folder / "outcome.json").string(), outcome.dump(2) + "\n");
+    write_file((folder / "outcome.json").string(), config::json_text(outcome, 2) + "\n");
   });
   spdlog::info("{}: {} after {:.3f} s", options.out, to_string(record.outcome), record.duration_s);
 }

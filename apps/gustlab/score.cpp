@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "gustlab/errors.hpp"
 #include "messages.hpp"
 #include "report/score.hpp"
@@ -23,7 +24,7 @@ void score(const ScoreArguments& options) {
   std::vector<TrialSet> sets;
   for (std::size_t i = 0; i < options.places.size(); i += 2) sets.push_back({options.places[i], options.places[i + 1]});
   const nlohmann::ordered_json result = score_trials(sets, options.diagnosis);
-  if (options.format == "json") fmt::print("{}\n", result.dump(1));
+  if (options.format == "json") fmt::print("{}\n", config::json_text(result, 1));
   else say_on_stdout(score_markdown(result));
 }
 

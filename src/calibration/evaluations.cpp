@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "config/json_text.hpp"
 #include "gustlab/errors.hpp"
 #include "util/files.hpp"
 
@@ -47,11 +48,8 @@ void Evaluations::add(const std::string& key, const Evaluation& evaluation) {
   if (path_.empty()) return;
   errno = 0;
   std::ofstream file(path_, std::ios::app);
-  file << ordered_json{{"key", key},
-                       {"loss", evaluation.loss},
-                       {"figures", evaluation.figures},
-                       {"runs", evaluation.runs}}
-              .dump()
+  file << config::json_text(
+              {{"key", key}, {"loss", evaluation.loss}, {"figures", evaluation.figures}, {"runs", evaluation.runs}})
        << "\n";
   if (!file.flush())
     throw IoError(fmt::format("{}: cannot write ({})", path_, std::strerror(errno != 0 ? errno : EIO)));

@@ -89,19 +89,32 @@ std::string without_endless_words(std::string_view text) {
 
 // bytes of the character that begins here; 0: it is no UTF-8
 std::size_t character_size(std::string_view text) {
-  const auto first = static_cast<unsigned char>(text[0]);
-  const std::size_t size = first < 0x80         ? 1
-                           : first >> 5 == 0x06 ? 2
-                           : first >> 4 == 0x0e ? 3
-                           : first >> 3 == 0x1e ? 4
-                                                : 0;
-  if (size > text.size()) return 0;
-  for (std::size_t i = 1; i < size; ++i)
-    if (static_cast<unsigned char>(text[i]) >> 6 != 2) return 0;
-  return size;
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (byte(0) < 0x80) return 1;
+  const std::size_t size = byte(0) >> 5 == 0x06 ? 2 : byte(0) >> 4 == 0x0e ? 3 : byte(0) >> 3 == 0x1e ? 4 : 0;
+  if (size == 0 || size > text.size()) return 0;
+  unsigned code = byte(0) & (0xffU >> (size + 1));
+  for (std::size_t i = 1; i < size; ++i) {
+    if (byte(i) >> 6 != 2) return 0;
+    code = code << 6 | (byte(i) & 0x3fU);
+  }
+  // longer than it need be, half of a pair of UTF-16, beyond the last
+  constexpr unsigned least[] = {0x80, 0x800, 0x10000};
+  return code < least[size - 2] || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff ? 0 : size;
 }
 
 }  // namespace
+
+std::string valid_utf8(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t size = character_size(text.substr(i));
+    if (size == 0) result += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
+    else result += text.substr(i, size);
+    i += std::max<std::size_t>(1, size);
+  }
+  return result;
+}
 
 std::string printable(std::string_view whole) {
   const std::string shortened = without_endless_words(whole);

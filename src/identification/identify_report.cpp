@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "config/json_text.hpp"
 #include "config/toml.hpp"
 #include "identification/identify.hpp"
 
@@ -57,7 +58,7 @@ std::string to_json(const Identification& found) {
   out["iterations"] = found.fit.iterations;
   out["converged"] = found.fit.converged;
   out["notes"] = found.notes;
-  return out.dump(2) + "\n";
+  return config::json_text(out, 2) + "\n";
 }
 
 std::string to_markdown(const Identification& found) {

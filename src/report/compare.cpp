@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "config/json_text.hpp"
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 
@@ -247,7 +248,7 @@ std::string to_json(std::span<const ComparedVariant> variants, double limit_m) {
           margin.held[c] == 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(margin.values[margin.held[c] - 1]);
     json["margins"].push_back(entry);
   }
-  return json.dump(2) + "\n";
+  return config::json_text(json, 2) + "\n";
 }
 
 }  // namespace gustlab

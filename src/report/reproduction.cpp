@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "config/json_text.hpp"
 #include "gustlab/random.hpp"
 #include "report/claims.hpp"
 #include "report/svg.hpp"
@@ -198,7 +199,7 @@ std::string to_json(const Reproduction& reproduction) {
          {"needs_gust", claim.needs_gust()}});
   json["counts"] = {
       {"cells", reproduction.cells.size()}, {"within_25_percent", within_25}, {"within_50_percent", within_50}};
-  return json.dump(2) + "\n";
+  return config::json_text(json, 2) + "\n";
 }
 
 std::string to_svg(const Reproduction& reproduction) {

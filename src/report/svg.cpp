@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "config/text.hpp"
+
 namespace gustlab::svg {
 
 namespace {
@@ -138,7 +140,9 @@ std::string draw_dots(const Series& series, const Axis& x, const Axis& y, double
 
 }  // namespace
 
-std::string escape(std::string_view text) {
+std::string escape(std::string_view whole) {
+  const std::string text_of_page = config::valid_utf8(whole);
+  const std::string_view text = text_of_page;
   std::string safe;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "config/json_text.hpp"
 #include "config/toml.hpp"
 
 namespace gustlab {
@@ -208,7 +209,7 @@ std::string to_json(const Page& page) {
     }
     table["cells"].push_back(std::move(entry));
   }
-  return table.dump(2) + "\n";
+  return config::json_text(table, 2) + "\n";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "config/json_text.hpp"
 #include "config/toml.hpp"
 #include "flight_log/trial_kinds.hpp"
 #include "gustlab/errors.hpp"
@@ -154,7 +155,7 @@ std::string answer(const ConcealedTrial& trial) {
     }
     line["effects"].push_back({{"effect", spec.type}, {"parameters", parameters}});
   }
-  return line.dump() + "\n";
+  return config::json_text(line) + "\n";
 }
 
 // whatever else is in a trial's folder would be taken for its own: an old diagnosis is scored, an old recording diagnosed

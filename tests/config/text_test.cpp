@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "config/json_text.hpp"
 #include "config/toml.hpp"
 
 namespace gustlab::config {
@@ -28,6 +31,20 @@ TEST(Text, ControlCharactersAreShownAndNotObeyed) {
   EXPECT_EQ(printable("two\nlines, µ and Ω"), "two\nlines, µ and Ω");
   EXPECT_EQ(printable("cut short \xc2"), "cut short \\xc2");
   EXPECT_EQ(printable("\xff\xfe"), "\\xff\\xfe");
+}
+
+TEST(Text, OfAnotherEncodingBytesAreShown) {
+  EXPECT_EQ(valid_utf8("caf\xe9.csv"), "caf\\xe9.csv");
+  EXPECT_EQ(valid_utf8("tab\t, café, 日本, 🛩"), "tab\t, café, 日本, 🛩");
+  // longer than it need be, half of a pair of UTF-16, beyond the last, cut short
+  EXPECT_EQ(valid_utf8("\xc0\xaf|\xed\xa0\x80|\xf4\x90\x80\x80|\xe6\x97"),
+            "\\xc0\\xaf|\\xed\\xa0\\x80|\\xf4\\x90\\x80\\x80|\\xe6\\x97");
+}
+
+TEST(Text, OfJsonIsUtf8WhateverANameIs) {
+  const nlohmann::ordered_json document{{"file", "caf\xe9.csv"}, {"n\xe9", {1, "\xff", nullptr}}, {"a", "é\n"}};
+  EXPECT_EQ(json_text(document), R"({"file":"caf\\xe9.csv","n\\xe9":[1,"\\xff",null],"a":"é\n"})");
+  EXPECT_EQ(json_text({{"a", 1}}, 1), "{\n \"a\": 1\n}");
 }
 
 TEST(Text, OfAnEndlessWordTheBeginningIsShown) {
