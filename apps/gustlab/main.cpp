@@ -144,10 +144,11 @@ int run(int argc, char** argv) {
   });
   app.fallthrough();
   app.set_version_flag("--version", version_text());
-  app.add_flag_callback(
+  CLI::Option* quiet = app.add_flag_callback(
       "-q,--quiet", [] { spdlog::set_level(spdlog::level::err); }, "errors only");
   app.add_flag_callback(
-      "-v,--verbose", [] { spdlog::set_level(spdlog::level::debug); }, "says more");
+         "-v,--verbose", [] { spdlog::set_level(spdlog::level::debug); }, "says more")
+      ->excludes(quiet);
   try {
     start_messages();
     protect_inputs();

@@ -193,13 +193,16 @@ void add_table(CLI::App& app) {
                    "latex: the layout of the paper's tables; html: one page of table, heat maps, paths and failures")
       ->check(CLI::IsMember({"md", "csv", "latex", "json", "html"}))
       ->capture_default_str();
-  command->add_option("--columns", options->columns, "figures to show: rmse, mae, p95, max, rmse_z (md, csv, latex)")
+  command
+      ->add_option("--columns", options->columns,
+                   "figures to show, separated by commas: rmse, mae, p95, max, rmse_z (md, csv, latex)")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_flag("--bold-best", options->table.bold_best,
                     "the least mean of each trajectory in bold, of those that completed most (md, latex)");
   command
-      ->add_option("--names", options->names, "what the table calls ours: daiml=ADAIML,lemniscate=infinity (md, latex)")
+      ->add_option("--names", options->names,
+                   "what the table calls ours, separated by commas: daiml=ADAIML,lemniscate=infinity (md, latex)")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--label", options->table.label, "label behind tab:, instead of the experiment's name (latex)");

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "config/json_text.hpp"
 #include "config/toml.hpp"
 #include "gustlab/errors.hpp"
 #include "options.hpp"
@@ -57,7 +58,11 @@ double quantity(const std::string& option, const std::string& text,
 }
 
 // what is left of a millionth is rounding
-std::string rounded(double value) { return fmt::format("{:.2g}", std::abs(value) < 1e-6 ? 0.0 : value); }
+// two digits that count
+std::string rounded(double value) {
+  const std::string text = fmt::format("{:.2g}", std::abs(value) < 1e-6 ? 0.0 : value);
+  return std::abs(value) < 99.5 ? text : fmt::format("{:.0f}", std::strtod(text.c_str(), nullptr));
+}
 
 // a name that is safe in a path, in TOML and in XML
 std::string name_of(const std::filesystem::path& out) {
@@ -233,7 +238,7 @@ void print_report(const VehicleModel& vehicle, const VehicleReport& report) {
 void check(const std::string& name, const std::string& format) {
   const VehicleModel vehicle = read_vehicle(name);
   const VehicleReport report = examine_vehicle(vehicle);
-  if (format == "json") fmt::print("{}\n", to_json(vehicle, report).dump(1));
+  if (format == "json") fmt::print("{}\n", config::json_text(to_json(vehicle, report), 1));
   else print_report(vehicle, report);
   if (!report.contradictions.empty()) throw ExitCode{1};
 }

@@ -1,5 +1,6 @@
 """Inputs that are broken on purpose: one message with its place, exit 2 or 3, soon, in little memory, and nothing written."""
 
+import json
 import os
 import re
 import resource
@@ -8,6 +9,7 @@ import sqlite3
 import subprocess
 import tempfile
 import time
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -335,6 +337,31 @@ class Logs(Commands):
             self.assertIn("\\x1b[31m", out)
 
 
+    def test_a_name_that_is_no_utf_8_is_escaped_in_what_is_written(self):
+        name = os.fsdecode(b"caf\xe9")
+        for end in (".csv", ".meta.toml"):
+            (self.folder / "flown" / ("flight" + end)).rename(self.folder / (name + end))
+        out, _ = self.call("metrics", name + ".csv", "--format", "json")
+        self.assertEqual(json.loads(out)["logs"][0]["file"], "caf\\xe9.csv")
+        json.loads(self.call("replay", name + ".csv", "--format", "json")[0])
+        self.call("diagnose", name + ".csv", "--out", "dg")
+        document = json.loads((self.folder / "dg" / "diagnosis.json").read_text(encoding="utf-8"))
+        self.assertIn("caf\\xe9.csv", json.dumps(document, ensure_ascii=False).replace("\\\\", "\\"))
+        self.assertIn("caf\\xe9.csv", (self.folder / "dg" / "report.html").read_text(encoding="utf-8"))
+        tomllib.loads((self.folder / "dg" / "augmented.toml").read_text(encoding="utf-8"))
+
+    def test_a_copy_of_a_flight_is_given_twice(self):
+        for end in (".csv", ".meta.toml"):
+            shutil.copy(self.folder / "flown" / ("flight" + end), self.folder / ("copy" + end))
+        for option in ([], ["--holdout"], ["--reference"]):
+            self.refuse(2, "copy.csv: is a copy of flight.csv (a flight is fitted, held out or a reference); leave one out",
+                        "diagnose", "flown/flight.csv", *option, "copy.csv", "--out", "dg")
+        # one that differs in its last byte is none
+        text = (self.folder / "copy.csv").read_bytes()
+        self.write("copy.csv", text[:-2] + (b"1" if text[-2:-1] != b"1" else b"2") + b"\n")
+        self.call("diagnose", "flown/flight.csv", "--holdout", "copy.csv", "--out", "dg")
+
+
 class Settings(Commands):
     def test_places_of_what_is_not_there_or_is_a_folder(self):
         self.refuse(2, "controller.daiml.weights=.: ", "sweep", "e.toml", "--dry-run", "--set", 'controllers=["daiml"]', "--set", "controller.daiml.weights=.")
@@ -353,13 +380,24 @@ class Settings(Commands):
             self.write("i.toml", EXPERIMENT + f'include = ["{name}"]\n')
             self.refuse(2, f'i.toml:7:11: "{name}" cannot be read (', "sweep", "i.toml", "--dry-run")
 
+    # 700 Hz gave 500 Hz, and 333 Hz steps of 2 and 4 ms in turns
+    def test_a_rate_of_the_log_that_does_not_divide_the_loop_is_refused(self):
+        self.write("t.toml", trials_toml("nothing"))
+        for command in (["run", "e.toml"], ["sweep", "e.toml", "--logs"], ["conceal", "t.toml", "--answers", "a"]):
+            with self.subTest(command=command[0]):
+                self.refuse(2, '--set log_rate_hz=333: "log_rate_hz" 333 Hz does not divide the rate of controller "pid", 500 Hz (steps '
+                            "between rows would be unequal); write log_rate_hz = 250 or 500", *command, "--set", "log_rate_hz=333", "--out", "o")
+        self.write("t.toml", "log_rate_hz = 700\n" + trials_toml("nothing"))
+        self.refuse(2, 't.toml:1:15: "log_rate_hz" 700 Hz is above the rate of controller "pid", 500 Hz (', "conceal", "t.toml", "--answers", "a",
+                    "--out", "o")
+
     # an hour took a gigabyte, and a day 15
     def test_a_log_that_is_too_long_is_refused_before_it_is_flown(self):
         self.write("t.toml", trials_toml("nothing"))
         long = ("--set", "duration_s=90000", "--out", "o")
         for command in (["run", "e.toml", *long], ["sweep", "e.toml", "--logs", *long], ["conceal", "t.toml", "--answers", "a", *long]):
             with self.subTest(command=command[0]):
-                self.refuse(2, "000 rows is too long (the most are 3000000); fly less than 90000 s, or log_rate_hz = 33 at most", *command)
+                self.refuse(2, "000 rows is too long (the most are 3000000); fly less than 90000 s, or log_rate_hz = 33.3333333333 at most", *command)
                 self.assertFalse((self.folder / "o").exists())
         # of as long a flight fewer rows
         self.call("run", "e.toml", "--set", "vehicle=crazyflie", "--set", "duration_s=7000", "--set", "log_rate_hz=10", "--out", "o")

@@ -72,6 +72,12 @@ class NewVehicle(InFolder):
         self.assertAlmostEqual(said["mass_kg"], plain["mass_kg"] * 1.25)
         self.assertAlmostEqual(said["thrust_to_weight"] * said["weight_N"], plain["thrust_to_weight"] * plain["weight_N"] * 1.1 * 0.81)
 
+    def test_a_large_error_of_the_hover_has_no_exponent(self):
+        self.write(LEAST + 'coefficient = 1e-5\nmax_speed_radps = 900\n[[effect]]\ntype = "thrust_scale"\ndelta = -0.45\n')
+        error_mm = 1e3 * self.check("vehicle.toml")["hover"]["error_m"]
+        self.assertGreater(error_mm, 99.5)
+        self.assertIn(f"{float(f'{error_mm:.2g}'):.0f} mm from the reference", self.ok("vehicle", "check", "vehicle.toml"))
+
     def test_every_number_says_where_it_comes_from(self):
         self.new(*NEW)
         lines = (self.folder / "mine" / "vehicle.toml").read_text(encoding="utf-8").splitlines()
