@@ -402,7 +402,7 @@ const BadInput bad_inputs[] = {
      2,
      "a.csv: is given twice",
      {"diagnose", "a.csv", "--reference", "a.csv", "--out", "d"}},
-    {"quiet and verbose", 2, "gustlab: --verbose excludes --quiet", {"run", "e.toml", "--out", "d", "-q", "-v"}},
+    {"quiet and verbose", 2, "gustlab: --quiet excludes --verbose", {"run", "e.toml", "--out", "d", "-q", "-v"}},
     {"folder of a flight", 3, "v: not a flight log", {"replay", "v"}},
     {"negative replicate",
      2,
