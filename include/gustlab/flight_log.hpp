@@ -13,9 +13,10 @@ namespace gustlab {
 
 enum class ActuatorKind { rotor_speed, thrust, throttle, pwm, collective_thrust };
 enum class Hold { unknown, zoh, linear };
-// What rotors do between the rows of a log that does not say how commands go on: as `hold` has it; from the command of a row to the speed that the
-// next one measures; or what a faster loop adds, which is not logged.
-enum class BetweenRows { as_said, from_command_to_speed, loop_goes_on };
+// What rotors do between the rows of a log: as `hold` has it; where it does not say how commands go on, from the command of a row to the speed that the
+// next one measures, or what a faster loop adds, which is not logged; where commands are held, from one measured speed to the next
+// as the rotors of the vehicle file answer.
+enum class BetweenRows { as_said, from_command_to_speed, loop_goes_on, as_answered };
 std::string_view to_string(ActuatorKind kind);
 std::string_view to_string(Hold hold);
 

@@ -85,6 +85,7 @@ std::vector<FlightLog> marked(std::vector<FlightLog> logs, BetweenRows as) {
 }
 
 BetweenRows found_between_rows(const Aligned& aligned) {
+  if (!aligned.hold_unknown) return speeds_follow(aligned.raw_fit) ? BetweenRows::as_answered : BetweenRows::as_said;
   if (std::ranges::none_of(aligned.raw_fit, [](const FlightData& f) { return !f.measured_speed.empty(); })) {
     const TurnBetweenRows turn = turn_between_rows(aligned.raw_fit);
     const bool goes_on =
@@ -142,7 +143,7 @@ Aligned align(const Recordings& recordings) {
 }
 
 void settle_between_rows(Aligned& aligned) {
-  if (!aligned.hold_unknown || aligned.was_filtered() || aligned.reading.forces_only) return;
+  if (aligned.was_filtered() || aligned.reading.forces_only) return;
   const BetweenRows found = found_between_rows(aligned);
   for (std::vector<FlightLog>* logs : {&aligned.fit, &aligned.holdout, &aligned.reference})
     *logs = marked(std::move(*logs), found);

@@ -5,6 +5,7 @@
 #include "diagnosis/estimation/session.hpp"
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/row_acceleration.hpp"
+#include "diagnosis/recording/rotor_answer.hpp"
 #include "diagnosis/result/decisions.hpp"
 
 namespace gustlab::diagnosis {
@@ -59,6 +60,33 @@ bool speeds_jump(const std::function<std::vector<FlightData>(bool jump)>& read) 
   const std::vector<FlightData> jumping = read(true);
   if (std::ranges::any_of(jumping, [](const FlightData& f) { return f.jumping_speed.empty(); })) return false;
   return left_by_rotors(jumping) < decisions::left_by_jumps * left_by_rotors(read(false));
+}
+
+bool speeds_follow(const std::vector<FlightData>& flights) {
+  const auto left_when = [&flights](std::size_t rows_late) {
+    double left = 0.0, moved = 0.0;
+    for (const FlightData& flight : flights) {
+      const RotorAnswer answer(flight.vehicle);
+      const std::vector<double>& time_s = flight.commands.time_s();
+      const auto &commanded = flight.commands.speed_radps(), &measured = flight.measured_speed.speed_radps();
+      for (std::size_t k = rows_late; k + 1 < measured.size(); ++k) {
+        const RotorArray next = answer.after(time_s[k + 1] - time_s[k], measured[k], commanded[k - rows_late]);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(flight.vehicle.rotor_count); ++i) {
+          left += std::pow(measured[k + 1][i] - next[i], 2);
+          moved += std::pow(measured[k + 1][i] - measured[k][i], 2);
+        }
+      }
+    }
+    return moved > 0.0 ? left / moved : 1.0;
+  };
+  if (std::ranges::any_of(flights, [](const FlightData& f) {
+        return f.measured_speed.empty() || f.measured_speed.time_s() != f.commands.time_s();
+      }))
+    return false;
+  constexpr std::size_t most_rows_late = 50;
+  for (std::size_t rows_late = 0; rows_late < most_rows_late; ++rows_late)
+    if (left_when(rows_late) < decisions::left_by_answers) return true;
+  return false;
 }
 
 bool linear_is_likelier(const VehicleModel& vehicle, int jobs,

@@ -17,4 +17,8 @@ bool linear_is_likelier(const VehicleModel& vehicle, int jobs,
 // the other; false where a flight has not both speeds and commands, in the same rows.
 bool speeds_jump(const std::function<std::vector<FlightData>(bool jump)>& read);
 
+// Whether rotors answer held commands as the vehicle file has it, now or late by whole rows: from the speed of a row and the command of a row the speed of the
+// next one follows. False where a flight has not both speeds and commands, in the same rows, or where speeds hardly change.
+bool speeds_follow(const std::vector<FlightData>& flights);
+
 }  // namespace gustlab::diagnosis

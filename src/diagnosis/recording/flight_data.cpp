@@ -8,6 +8,7 @@
 
 #include "diagnosis/recording/flight_labels.hpp"
 #include "diagnosis/recording/log_filters.hpp"
+#include "diagnosis/recording/rotor_answer.hpp"
 #include "diagnosis/recording/row_intervals.hpp"
 #include "diagnosis/recording/total_thrust.hpp"
 #include "gustlab/errors.hpp"
@@ -525,6 +526,32 @@ CommandRecord from_commands(const CommandRecord& commands, const CommandRecord& 
   return {std::move(time_s), std::move(speed), true};
 }
 
+// From each measured speed to the next along the lag of the vehicle file: at once where it has none.
+CommandRecord as_answered(const CommandRecord& measured, const VehicleModel& vehicle) {
+  constexpr double at_once_s = 1e-6;
+  constexpr int parts = 4;  // of a row, straight lines
+  const RotorAnswer answer(vehicle);
+  std::vector<double> time_s;
+  std::vector<RotorArray> speed;
+  for (std::size_t k = 0; k < measured.time_s().size(); ++k) {
+    const RotorArray& from = measured.speed_radps()[k];
+    time_s.push_back(measured.time_s()[k]), speed.push_back(from);
+    if (k + 1 == measured.time_s().size()) break;
+    const RotorArray& to = measured.speed_radps()[k + 1];
+    const double row_s = measured.time_s()[k + 1] - measured.time_s()[k];
+    const RotorArray reached = answer.after(row_s, from, to);
+    for (int part = 0; part < parts; ++part) {
+      const double after_s = part == 0 ? at_once_s : row_s * part / parts;
+      const RotorArray on_its_way = answer.after(after_s, from, to);
+      RotorArray& now = speed.emplace_back(from);
+      time_s.push_back(measured.time_s()[k] + after_s);
+      for (std::size_t i = 0; i < max_rotors; ++i)
+        if (reached[i] != from[i]) now[i] += (to[i] - from[i]) * (on_its_way[i] - from[i]) / (reached[i] - from[i]);
+    }
+  }
+  return {std::move(time_s), std::move(speed), true};
+}
+
 // one log, as the options say; without `each_rotor` and `sensors`
 FlightData read_alone(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
   const bool filters = options.common_filter_s > 0.0, averages = !filters && options.coarse_rate_hz > 0.0;
@@ -549,6 +576,8 @@ FlightData read_alone(const FlightLog& original, const VehicleModel& vehicle, co
   flight.loop_goes_on = log.meta.between_rows == BetweenRows::loop_goes_on;
   if (log.meta.between_rows == BetweenRows::from_command_to_speed)
     flight.jumping_speed = from_commands(flight.commands, flight.measured_speed);
+  if (log.meta.between_rows == BetweenRows::as_answered)
+    flight.jumping_speed = as_answered(flight.measured_speed, vehicle);
   if (flight.commands.empty() && flight.measured_speed.empty())
     throw DataError(fmt::format("{}: no actuator input for {} rotors (u1…u{} or rotor1…rotor{} is needed)", log.path,
                                 vehicle.rotor_count, vehicle.rotor_count, vehicle.rotor_count));

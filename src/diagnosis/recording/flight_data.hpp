@@ -110,7 +110,7 @@ struct FlightData {
   SensorCorrection corrected;
   CommandRecord commands;        // mapped to rotor speed
   CommandRecord measured_speed;  // rotor* columns, when there
-  // The same where they jump to the command of each row and go on to what the next row measures: what drives the body. Empty: they do not.
+  // The same where it is known how they go from one row to the next: what drives the body. Empty: it is not.
   CommandRecord jumping_speed;
   std::vector<RotorArray> measured_at_sample;  // the same at the samples; empty: not compared with commands
   RotorHistory estimated;        // of measured speeds and commands together, when that was made: see rotor_speeds.hpp

@@ -109,6 +109,10 @@ inline constexpr double unknown_hold_samples = 1.0;
 // Statistic: share of the variance of the roll and pitch acceleration from row to row that is left, over that which straight lines leave. From: simulated logs of 50 and 100 Hz of
 // loops at 500 Hz: 0.00 to 0.16 without noise where rotors obey at once, 0.6 to 0.8 with noise, 150 with a lag. Costs: not measured.
 inline constexpr double left_by_jumps = 0.9;
+
+// Where a log says that commands are held, measured speeds are known between its rows where the vehicle file's rotors leave less than this of what they change from
+// row to row. Statistic: Σ (speed of the next row − predicted)² over Σ (change of the speed)². From: simulated logs at the loop's rate. Costs: not measured.
+inline constexpr double left_by_answers = 0.01;
 // Where a log does not say how commands go on between its rows, a name stands for physics when it stays as large with every other row alone.
 // Statistic: relative change of its size. From: simulated logs of 50 and 100 Hz of faster loops: of 126 right names (lags and delays apart) one changes by .37 and
 // the others by .29 at most, of 32 wrong ones 15 by more. Costs: sizes that only the fastest motion shows.
@@ -152,9 +156,11 @@ inline constexpr double nearly_all = 0.05;
 // Statistic: paired differences of blocks, in standard errors; share of the effect's own gain that the rival loses. From: p = 0.01 for the first, no
 // derivation for the second. Costs: names that are known more weakly are given as a class.
 inline constexpr double equivalent_z = 2.6, most_lost_to_rival = 0.5;
-// A rival that costs no more than this is told by no flight, however sure its sign: a mass and a thrust scale differ by rounding alone.
-// Statistic: Δχ². From: one standard error. Costs: none known.
-inline constexpr double least_told_chi2 = 1.0;
+// A rival that costs no more than this is told by no flight, however sure its sign: a mass and a thrust scale differ by rounding alone, and no model of
+// an effect is right to 3 % of its size.
+// Statistic: Δχ², and its share of what the effect itself gains. From: one standard error; the square of 3 %. Costs: strong names that are known so
+// closely are given as a class.
+inline constexpr double least_told_chi2 = 1.0, least_told_share = 1e-3;
 // Of a moment of inertia that a torque ratio may be as well.
 // Statistic: its relative change, at least so much. From: the reporting tolerance of inertia. Costs: none known.
 inline constexpr double least_aliased = 0.05;

@@ -193,6 +193,30 @@ TEST(MeasuredSpeeds, DoNotJumpWhereRotorsAreSlowOrNotMeasured) {
     EXPECT_NE(settled(trial).fit.front().meta.between_rows, BetweenRows::from_command_to_speed);
 }
 
+// Every command of the loop is logged: speeds go to the next row as the file's rotors answer, also where a delay of whole rows is concealed.
+TEST(MeasuredSpeeds, AreKnownBetweenRowsThatHaveEachCommand) {
+  test::TrialSettings prompt = on_the_rows(), late = on_the_rows(), slow = on_the_rows();
+  late.concealed = R"({type = "actuation_delay", delay = 0.01})";
+  slow.vehicle = "crazyflie";  // with a lag in its file
+  for (test::TrialSettings* trial : {&prompt, &late, &slow}) {
+    trial->log_rate_hz = 0.0;
+    Aligned aligned = settled(*trial);
+    ASSERT_EQ(aligned.fit.front().meta.between_rows, BetweenRows::as_answered) << trial->vehicle << trial->concealed;
+    EXPECT_NEAR(gain(aligned), 1.0, 3e-4) << trial->vehicle << trial->concealed;
+  }
+  Aligned aligned = settled(prompt);
+  aligned.fit.front().meta.between_rows = BetweenRows::as_said;
+  EXPECT_GT(std::abs(gain(aligned) - 1.0), 1e-3);
+}
+
+TEST(MeasuredSpeeds, AreNotWhereRotorsAnswerOtherwise) {
+  test::TrialSettings slow = on_the_rows();
+  slow.controller = "geometric";
+  slow.concealed = R"({type = "motor_lag", time_constant = 0.02})";
+  slow.log_rate_hz = 0.0;
+  EXPECT_EQ(settled(slow).fit.front().meta.between_rows, BetweenRows::as_said);
+}
+
 // Commands alone show a quarter more torque than there is.
 TEST(CommandsAlone, SayThatTheLoopGoesOn) {
   test::TrialSettings trial = on_the_rows();
