@@ -511,7 +511,9 @@ std::string calibration(const Json& diagnosis) {
   for (const Json& bias : part(diagnosis, "sensor_biases"))
     rows += rows_of_parameters("", text(bias, "sensor"), part(bias, "parameters"));
   if (rows.empty()) return "";
-  return "<p>Small corrections below the reporting tolerances: the usual scatter of a build, not missing physics.</p>" +
+  return "<p>Small corrections: below the reporting tolerances, or no more than what several numbers within theirs do "
+         "together. "
+         "The usual scatter of a build, not missing physics.</p>" +
          card_table({{"of"}, {"parameter"}, {"value ± 95 %", true}, {"unit"}}, rows);
 }
 

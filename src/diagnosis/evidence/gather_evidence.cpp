@@ -396,7 +396,8 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
     }
     record.inclusion = finding.inclusion;
     for (const Rival& rival : finding.rivals)
-      if (is_told(rival, finding) && (record.rival_z == 0.0 || rival.delta_chi2 < record.rival_delta_chi2))
+      if (is_told(rival) && !equal(rival, finding) &&
+          (record.rival_z == 0.0 || rival.delta_chi2 < record.rival_delta_chi2))
         record.rival_delta_chi2 = rival.delta_chi2, record.rival_z = rival.z;
     if (group.row->commanded)
       record.unpredicted_commands =

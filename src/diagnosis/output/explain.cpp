@@ -126,7 +126,7 @@ bool fill_rivals(const Session& session, const Selection& selection, const Findi
                                    std::min(selection.unpredicted_delta_chi2, most_lost_to_rival * finding.delta_chi2));
     effect.confusable.push_back({name, equivalent, rival.z, rival.delta_chi2});
     if (equivalent) effect.classmates.push_back(name);
-    trim = trim || (alike && rival.below_tolerance);
+    trim = trim || (alike && !is_told(rival) && rival.below_tolerance);
   }
   return trim;
 }
@@ -389,7 +389,7 @@ std::string augmented_toml(const Diagnosis& diagnosis) {
     if (!changed(diagnosis.effects, old) && !changed(diagnosis.calibration, old)) reference.push_back(old);
   write(reference, "  # in the reference flights");
   write(diagnosis.effects, "");
-  write(diagnosis.calibration, "  # calibration, below its reporting tolerance");
+  write(diagnosis.calibration, "  # calibration, within the usual scatter of a build");
   text += diagnosis.residual_toml;
   return text;
 }

@@ -24,13 +24,16 @@ constexpr double too_much = 0.4;                  // share of the acceleration t
 constexpr double clearly_better = 0.25;
 
 struct Reading {
+  const char* columns;
   const char* says;
-  bool scalar_last, world_to_body;
+  bool scalar_last = false, world_to_body = false, mirrored = false;
 };
-constexpr Reading readings[] = {{"", false, false},
-                                {"scalar-last", true, false},
-                                {"world-to-body", false, true},
-                                {"scalar-last and world-to-body", true, true}};
+constexpr Reading readings[] = {
+    {"", ""},
+    {"qw…qz", "the quaternion were scalar-last", true, false},
+    {"qw…qz", "the quaternion were world-to-body", false, true},
+    {"qw…qz", "the quaternion were scalar-last and world-to-body", true, true},
+    {"px…vz", "y and z of its path had the other sign, as north-east-down has it", false, false, true}};
 
 // columns that are all there; else none
 std::vector<const std::vector<double>*> columns_of(const FlightLog& log, std::initializer_list<const char*> names) {
@@ -66,10 +69,12 @@ double thrust_mps2(const VehicleModel& vehicle, const std::vector<const std::vec
          vehicle.mass_kg;
 }
 
-// horizontal part of the body's z axis in W
+// horizontal part of the body's z axis in W, as the path has its axes
 Vector2 lean(const double (&c)[4], const Reading& reading) {
   const Quaternion q = reading.scalar_last ? Quaternion(c[3], c[0], c[1], c[2]) : Quaternion(c[0], c[1], c[2], c[3]);
-  return ((reading.world_to_body ? q.conjugate() : q) * Vector3::UnitZ()).head<2>();
+  Vector2 lean = ((reading.world_to_body ? q.conjugate() : q) * Vector3::UnitZ()).head<2>();
+  if (reading.mirrored) lean.y() = -lean.y();
+  return lean;
 }
 
 }  // namespace
@@ -84,7 +89,8 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
   const ActuatorKind kind = inputs_of(log, vehicle, inputs);
   double thrust = usual_gravity_mps2;
   for (std::size_t first = 0, last = 0; first < log.rows(); first = last) {
-    Vector2 sum[std::size(readings)] = {Vector2::Zero(), Vector2::Zero(), Vector2::Zero(), Vector2::Zero()};
+    Vector2 sum[std::size(readings)];
+    std::ranges::fill(sum, Vector2::Zero());
     std::size_t from = log.rows(), to = log.rows();
     double count = 0.0;
     for (last = first; last < log.rows() && log.time_s[last] - log.time_s[first] < window_s; ++last) {
@@ -123,10 +129,9 @@ std::vector<LogFinding> check_attitude(const FlightLog& log, const VehicleModel&
     if (left(r) < (best == 0 ? clearly_better * std::min(1.0, as_read) : left(best))) best = r;
   if (as_read < too_much || best == 0) return {};
   const std::string file = label_of(log.path);
-  return {{file, "qw…qz", "inconsistent", log.time_s.front(), log.time_s.back(),
-           fmt::format(
-               "the vehicle does not accelerate as its attitude leans, and would if the quaternion were {}: set aside",
-               readings[best].says),
+  return {{file, readings[best].columns, "inconsistent", log.time_s.front(), log.time_s.back(),
+           fmt::format("the vehicle does not accelerate as its attitude leans, and would if {}: set aside",
+                       readings[best].says),
            true, false}};
 }
 

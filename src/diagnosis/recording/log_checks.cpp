@@ -167,8 +167,9 @@ class Checker {
       }
     if (outside > 0)
       add("u1…uN", "out_of_range", first, last,
-          fmt::format("{:.1f} % of the inputs are outside 0…{:g}: the flight is set aside",
-                      100.0 * static_cast<double>(outside) / static_cast<double>(count), top),
+          fmt::format("{:.1f} % of the inputs are outside 0…{:g}{}: the flight is set aside",
+                      100.0 * static_cast<double>(outside) / static_cast<double>(count), top,
+                      2 * outside > count ? " (another vehicle's, or in another unit?)" : ""),
           true);
     return outside == 0;
   }

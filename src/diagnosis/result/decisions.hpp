@@ -156,11 +156,11 @@ inline constexpr double nearly_all = 0.05;
 // Statistic: paired differences of blocks, in standard errors; share of the effect's own gain that the rival loses. From: p = 0.01 for the first, no
 // derivation for the second. Costs: names that are known more weakly are given as a class.
 inline constexpr double equivalent_z = 2.6, most_lost_to_rival = 0.5;
-// A rival that costs no more than this is told by no flight, however sure its sign: a mass and a thrust scale differ by rounding alone, and no model of
-// an effect is right to 3 % of its size.
-// Statistic: Δχ², and its share of what the effect itself gains. From: one standard error; the square of 3 %. Costs: strong names that are known so
+// A rival that costs no more than this is told by no flight, however sure its sign: a mass and a thrust scale differ by how the loop answers the gyroscope's
+// noise, and no model of an effect is right to 3 % of its size.
+// Statistic: Δχ², and its share of what the effect itself gains. From: odds of 150 to one; the square of 3 %. Costs: strong names that are known so
 // closely are given as a class.
-inline constexpr double least_told_chi2 = 1.0, least_told_share = 1e-3;
+inline constexpr double least_told_chi2 = 10.0, least_told_share = 1e-3;
 // Of a moment of inertia that a torque ratio may be as well.
 // Statistic: its relative change, at least so much. From: the reporting tolerance of inertia. Costs: none known.
 inline constexpr double least_aliased = 0.05;

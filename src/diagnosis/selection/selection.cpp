@@ -46,13 +46,13 @@ bool at_its_bound(const Catalogue& catalogue, const Eigen::VectorXd& value, int 
   });
 }
 
-bool is_told(const Rival& rival, const Finding& finding) {
-  return rival.z >= decisions::equivalent_z &&
-         rival.delta_chi2 >= std::max(decisions::least_told_chi2, decisions::least_told_share * finding.delta_chi2);
+bool is_told(const Rival& rival) {
+  return rival.z >= decisions::equivalent_z && rival.delta_chi2 >= decisions::least_told_chi2;
 }
 
 bool equal(const Rival& rival, const Finding& finding) {
-  return !is_told(rival, finding) && rival.delta_chi2 < decisions::most_lost_to_rival * finding.delta_chi2;
+  const double share = is_told(rival) ? decisions::least_told_share : decisions::most_lost_to_rival;
+  return rival.delta_chi2 < share * finding.delta_chi2;
 }
 
 }  // namespace gustlab::diagnosis

@@ -33,9 +33,9 @@ struct Finding {
 };
 
 // Whether these flights distinguish the two.
-bool is_told(const Rival& rival, const Finding& finding);
-// Whether they do not. Few blocks may carry a whole effect: a rival that keeps less than half of its gain is no
-// equal, whatever the spread.
+bool is_told(const Rival& rival);
+// Whether they do not, or by no more than a model may be wrong by. Few blocks may carry a whole effect: a rival that keeps less than half of its
+// gain is no equal, whatever the spread.
 bool equal(const Rival& rival, const Finding& finding);
 
 struct Selection {

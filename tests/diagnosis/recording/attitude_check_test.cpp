@@ -67,6 +67,17 @@ TEST(AttitudeCheck, AnotherOrderOfTheQuaternionIsNamed) {
   EXPECT_THAT(found[0].says, HasSubstr("were world-to-body: set aside"));
 }
 
+TEST(AttitudeCheck, APathInOtherAxesThanTheAttitudeIsNamed) {
+  for (const double yaw_rad : {0.0, 0.4, 2.5}) {
+    FlightLog log = hover(0.02, 0.05, yaw_rad, Written::right);
+    for (double& east : log.columns[1].values) east = -east;
+    const auto found = check_attitude(log, test::crazyflie());
+    ASSERT_EQ(found.size(), 1u) << yaw_rad;
+    EXPECT_TRUE(found[0].sets_flight_aside);
+    EXPECT_THAT(found[0].says, HasSubstr("as north-east-down has it: set aside"));
+  }
+}
+
 // a vehicle that pulls 3 g accelerates three times as much as it leans at hover
 TEST(AttitudeCheck, TheThrustThatIsCommandedIsWhatLeans) {
   const VehicleModel vehicle = test::crazyflie();

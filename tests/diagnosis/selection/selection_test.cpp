@@ -29,7 +29,7 @@ TEST(Selection, OfADifferenceOfNoSizeIsAClass) {
   scale.delta_chi2 = 1e-4;
   EXPECT_TRUE(equal(scale, mass));
   scale.delta_chi2 = 20.0;
-  EXPECT_TRUE(is_told(scale, mass));
+  EXPECT_TRUE(is_told(scale));
   EXPECT_FALSE(equal(scale, mass));
   // of a name that gains so much, a model of 3 % of its size
   mass.delta_chi2 = 3e5;
