@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <set>
 
@@ -174,25 +173,6 @@ void run(const DiagnoseArguments& options) {
   fmt::print("{}", diagnosis_lines(result));
 }
 
-// whatever cannot be read is no copy: whoever reads it says why
-bool are_copies(const std::filesystem::path& one, const std::filesystem::path& other) {
-  std::error_code wrong;
-  const auto size = std::filesystem::file_size(one, wrong);
-  if (wrong || size != std::filesystem::file_size(other, wrong) || wrong) return false;
-  std::ifstream a(one, std::ios::binary), b(other, std::ios::binary);
-  std::vector<char> block_a(1 << 16), block_b(1 << 16);
-  std::uintmax_t same = 0;
-  while (same < size) {
-    a.read(block_a.data(), static_cast<std::streamsize>(block_a.size()));
-    b.read(block_b.data(), static_cast<std::streamsize>(block_b.size()));
-    if (a.gcount() == 0 || a.gcount() != b.gcount() ||
-        !std::equal(block_a.begin(), block_a.begin() + a.gcount(), block_b.begin()))
-      return false;
-    same += static_cast<std::uintmax_t>(a.gcount());
-  }
-  return true;
-}
-
 }  // namespace
 
 // an unusable flight is set aside, but one that is not there is a slip of the hand
@@ -200,12 +180,7 @@ void check_flight(const std::string& path, std::set<std::filesystem::path>& seen
   sidecar_path(path);  // refuses what is no flight log
   if (const std::string why = why_unreadable(path); !why.empty())
     throw DataError(fmt::format("{}: cannot read ({})", path, why));
-  constexpr const char* use = "a flight is fitted, held out or a reference";
-  const std::set<std::filesystem::path> others = seen;
-  check_is_new(path, seen, use);
-  for (const std::filesystem::path& other : others)
-    if (are_copies(path, other))
-      throw ConfigError(fmt::format("{}: is a copy of {} ({}); leave one out", path, other.filename().string(), use));
+  check_is_new(path, seen, "a flight is fitted, held out or a reference");
 }
 
 void check_flights(const diagnosis::DiagnoseOptions& wanted) {

@@ -16,7 +16,7 @@ diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::Diag
 // The key of a finished diagnosis in OUT; empty when there is none.
 std::string diagnosed_key(const std::string& out);
 
-// Takes a flight log to those that were `seen`. Throws DataError where it is not there, ConfigError where it, or a copy of it, is among them.
+// Takes a flight log to those that were `seen`. Throws DataError where it is not there, ConfigError where it is among them.
 void check_flight(const std::string& path, std::set<std::filesystem::path>& seen);
 // The same of all flights.
 void check_flights(const diagnosis::DiagnoseOptions& wanted);

@@ -57,8 +57,7 @@ double quantity(const std::string& option, const std::string& text,
                                 text, fmt::join(known, ", "), units.front().first == "kg" ? "1.2kg" : "0.25m"));
 }
 
-// what is left of a millionth is rounding
-// two digits that count
+// two digits that count; what is left of a millionth is rounding
 std::string rounded(double value) {
   const std::string text = fmt::format("{:.2g}", std::abs(value) < 1e-6 ? 0.0 : value);
   return std::abs(value) < 99.5 ? text : fmt::format("{:.0f}", std::strtod(text.c_str(), nullptr));

@@ -2,7 +2,7 @@
 
 
 def trials_toml(*names, duration_s=4.0):
-    """Two flights to fit and one held out for each name; nothing is concealed in them. Without noise they would be copies."""
+    """Two flights to fit and one held out for each name; nothing is concealed in them."""
     return f"""
 format = "gustlab-trials/1"
 name = "t"
@@ -13,9 +13,6 @@ fit = ["circle", "circle"]
 holdout = ["circle"]
 seed = 1
 duration_s = {duration_s}
-[[effect]]
-type = "measurement_noise"
-position_sd = 0.0005
 """ + "".join(f'[[trial]]\nname = "{name}"\n' for name in names)
 
 

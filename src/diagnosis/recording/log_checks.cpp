@@ -544,22 +544,29 @@ class Checker {
 
 std::vector<LogFinding> check_log(FlightLog& log, const VehicleModel& vehicle) { return Checker(log, vehicle).run(); }
 
-std::vector<LogFinding> check_copies(const std::vector<FlightLog>& logs) {
+namespace {
+
+bool are_copies(const FlightLog& one, const FlightLog& other) {
+  const auto same = [](const LogColumn& a, const LogColumn& b) {
+    return std::ranges::equal(a.values, b.values,
+                              [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+  };
+  return one.rows() == other.rows() && std::ranges::equal(one.columns, other.columns, same);
+}
+
+}  // namespace
+
+std::vector<LogFinding> check_copies(const std::vector<FlightLog>& logs, const std::vector<const FlightLog*>& before) {
   std::vector<LogFinding> found;
-  for (std::size_t i = 0; i < logs.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      if (logs[i].rows() != logs[j].rows() || logs[i].columns.size() != logs[j].columns.size()) continue;
-      bool same = true;
-      for (std::size_t c = 0; same && c < logs[i].columns.size(); ++c)
-        same = std::equal(logs[i].columns[c].values.begin(), logs[i].columns[c].values.end(),
-                          logs[j].columns[c].values.begin(),
-                          [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
-      if (!same) continue;
-      const auto name = [](const FlightLog& log) { return label_of(log.path); };
-      found.push_back({name(logs[i]), "*", "duplicate", 0.0, logs[i].rows() ? logs[i].time_s.back() : 0.0,
-                       fmt::format("is a copy of {}: set aside", name(logs[j])), true, false});
-      break;
-    }
+  std::vector<const FlightLog*> seen = before;
+  for (const FlightLog& log : logs) {
+    const auto original =
+        std::ranges::find_if(seen, [&](const FlightLog* earlier) { return are_copies(log, *earlier); });
+    if (original != seen.end())
+      found.push_back({label_of(log.path), "*", "duplicate", 0.0, log.rows() ? log.time_s.back() : 0.0,
+                       fmt::format("is a copy of {}: set aside", label_of((*original)->path)), true, false});
+    seen.push_back(&log);
+  }
   return found;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -44,7 +45,7 @@ std::vector<FlightLog> read_all(const std::vector<std::string>& paths, Recording
 }
 
 // faults come before any physics
-void set_aside(std::vector<FlightLog>& logs, Recordings& out) {
+void set_aside(std::vector<FlightLog>& logs, const std::vector<LogFinding>& copies, Recordings& out) {
   std::vector<bool> away(logs.size(), false);
   const auto note = [&](const std::vector<LogFinding>& findings, std::size_t i) {
     for (const LogFinding& finding : findings) {
@@ -53,7 +54,6 @@ void set_aside(std::vector<FlightLog>& logs, Recordings& out) {
       away[i] = away[i] || finding.sets_flight_aside;
     }
   };
-  const std::vector<LogFinding> copies = check_copies(logs);
   for (std::size_t i = 0; i < logs.size(); ++i) {
     note(copies, i);
     if (!away[i]) note(check_attitude(logs[i], out.vehicle), i);
@@ -91,9 +91,14 @@ Recordings read_recordings(const std::vector<std::string>& fit, const std::vecto
 }
 
 Recordings check(Recordings recordings) {
-  set_aside(recordings.fit, recordings);
-  set_aside(recordings.holdout, recordings);
-  set_aside(recordings.reference, recordings);
+  const std::array roles = {&recordings.fit, &recordings.holdout, &recordings.reference};
+  std::vector<const FlightLog*> before;
+  std::vector<std::vector<LogFinding>> copies;  // as they were recorded: columns that are of no use are left out below
+  for (const std::vector<FlightLog>* logs : roles) {
+    copies.push_back(check_copies(*logs, before));
+    for (const FlightLog& log : *logs) before.push_back(&log);
+  }
+  for (std::size_t i = 0; i < roles.size(); ++i) set_aside(*roles[i], copies[i], recordings);
   if (recordings.fit.empty()) throw DataError(nothing_usable(recordings.remarks));
   assume_nominal_voltage(recordings.vehicle, recordings.fit.front());
   if (recordings.holdout.empty() && recordings.fit.size() > 1) {
