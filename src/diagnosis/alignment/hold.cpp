@@ -63,10 +63,14 @@ bool speeds_jump(const std::function<std::vector<FlightData>(bool jump)>& read) 
 }
 
 bool speeds_follow(const std::vector<FlightData>& flights) {
-  const auto left_when = [&flights](std::size_t rows_late) {
+  if (std::ranges::any_of(flights, [](const FlightData& f) {
+        return f.measured_speed.empty() || f.measured_speed.time_s() != f.commands.time_s();
+      }))
+    return false;
+  const RotorAnswer answer(flights.front().vehicle);
+  const auto left_when = [&](std::size_t rows_late) {
     double left = 0.0, moved = 0.0;
     for (const FlightData& flight : flights) {
-      const RotorAnswer answer(flight.vehicle);
       const std::vector<double>& time_s = flight.commands.time_s();
       const auto &commanded = flight.commands.speed_radps(), &measured = flight.measured_speed.speed_radps();
       for (std::size_t k = rows_late; k + 1 < measured.size(); ++k) {
@@ -79,10 +83,6 @@ bool speeds_follow(const std::vector<FlightData>& flights) {
     }
     return moved > 0.0 ? left / moved : 1.0;
   };
-  if (std::ranges::any_of(flights, [](const FlightData& f) {
-        return f.measured_speed.empty() || f.measured_speed.time_s() != f.commands.time_s();
-      }))
-    return false;
   constexpr std::size_t most_rows_late = 50;
   for (std::size_t rows_late = 0; rows_late < most_rows_late; ++rows_late)
     if (left_when(rows_late) < decisions::left_by_answers) return true;
