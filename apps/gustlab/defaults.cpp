@@ -27,8 +27,12 @@ struct Entry {
 
 std::vector<Entry> entries() {
   std::vector<Entry> result;
-  result.push_back(
-      {"experiment", "experiment", "the keys of an experiment outside its tables", "", make_experiment_keys()});
+  result.push_back({"experiment", "experiment",
+                    "the keys of an experiment outside its tables; those are [trajectory.NAME], [controller.NAME], "
+                    "[[effect]], [environment] "
+                    "(ground_z_m, ceiling_z_m, walls: what is not given is not there, and nothing crashes into it), "
+                    "[[variant]] and [[axis]]",
+                    "", make_experiment_keys()});
   for (const TrajectoryRow& row : trajectory_registry())
     result.push_back({"trajectory", std::string(row.name), std::string(row.says),
                       fmt::format("[trajectory.{}]\n", row.name), row.make()});

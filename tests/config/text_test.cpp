@@ -54,6 +54,13 @@ TEST(Text, OfAnEndlessWordTheBeginningIsShown) {
             "unknown key " + std::string(60, 'k') + "… (120000 characters)\nand more");
 }
 
+TEST(Text, OfThreeLettersOneMayBeWrong) {
+  EXPECT_EQ(suggest("pxx", {"px", "v_x"}), "did you mean \"px\"?");
+  EXPECT_EQ(suggest("rpx", {"v_x"}), "");
+  EXPECT_EQ(suggest("u1", {"v7"}), "");
+  EXPECT_EQ(suggest("mas", {"mass"}), "did you mean \"mass\"?");
+}
+
 TEST(Text, LowerTouchesOnlyAsciiLetters) { EXPECT_EQ(lower("AbZ-9 Ω[`{@"), "abz-9 Ω[`{@"); }
 
 }  // namespace text_test
