@@ -40,8 +40,7 @@ std::string suggest(std::string_view typed, const std::vector<std::string>& know
   const std::string mistyped = lower(typed);
   std::string nearest;
   // of three letters one may be wrong
-  std::size_t best =
-      std::min(std::max<std::size_t>(2, mistyped.size() / 3), std::max<std::size_t>(1, mistyped.size() / 2)) + 1;
+  std::size_t best = (mistyped.size() <= 3 ? 1 : std::max<std::size_t>(2, mistyped.size() / 3)) + 1;
   for (const std::string& name : known) {
     const std::string other = lower(name);
     // a name that begins with what was typed counts as near
