@@ -16,6 +16,7 @@
 #include "diagnosis/evidence/half_rate.hpp"
 #include "diagnosis/evidence/reference_fit.hpp"
 #include "diagnosis/evidence/suspect.hpp"
+#include "diagnosis/evidence/usual_names.hpp"
 #include "diagnosis/hover/quasi_static.hpp"
 #include "diagnosis/model/speed_comparison.hpp"
 #include "diagnosis/output/conclude.hpp"
@@ -173,9 +174,13 @@ Fitted fit_beside(const ReferenceFit* normal, const Aligned& aligned, Reading re
   Selection selection = select_within_bounds(session);
   report_progress(options, testing);
   std::vector<FlightLog> proof = proof_flights(aligned);
-  Challenge challenged = challenge(
-      session, selection, {flights.holdout, flights.holdout_own_rate, proof},
-      [&] { return std::min(most_pose_latency_s(aligned.raw_fit), most_pose_latency_s(aligned.raw_holdout)); }, jobs);
+  const auto judge = [&](Selection& judged) {
+    return challenge(
+        session, judged, {flights.holdout, flights.holdout_own_rate, proof},
+        [&] { return std::min(most_pose_latency_s(aligned.raw_fit), most_pose_latency_s(aligned.raw_holdout)); }, jobs);
+  };
+  Challenge challenged = judge(selection);
+  say_usual_names(session, selection, challenged, judge);
   return {std::move(vehicle),   normal ? normal->effects : std::vector<EffectFinding>{},
           std::move(used),      std::move(flights.holdout),
           std::move(proof),     std::move(session),

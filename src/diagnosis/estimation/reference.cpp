@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <limits>
 
 #include "diagnosis/result/decisions.hpp"
 #include "util/quantiles.hpp"
@@ -21,13 +22,19 @@ std::pair<std::string, int> name_of(const Catalogue& catalogue, const Column& co
 
 int flights_of(const Grams& grams) { return 1 + std::ranges::max(grams.flight); }
 
-// Gram matrices of each flight; of one alone, of its thirds
+// Gram matrices of each flight; of one alone, of its thirds in time
 std::vector<Eigen::MatrixXd> parts_of(const Grams& grams) {
   const bool one = flights_of(grams) == 1;
-  const std::size_t count = one ? 3 : static_cast<std::size_t>(flights_of(grams)), size = grams.block.size();
+  const std::size_t count = one ? 3 : static_cast<std::size_t>(flights_of(grams));
+  double first_s = std::numeric_limits<double>::infinity(), last_s = -first_s;
+  for (std::size_t b = 0; b < grams.block.size(); ++b)
+    if (!grams.known[b]) first_s = std::min(first_s, grams.time_s[b]), last_s = std::max(last_s, grams.time_s[b]);
+  const double third_s = std::max((last_s - first_s) / 3.0, 1e-9);
   std::vector<Eigen::MatrixXd> parts(count, Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1));
-  for (std::size_t b = 0; b < size; ++b)
-    parts[!one ? static_cast<std::size_t>(grams.flight[b]) : grams.known[b] ? 0 : 3 * b / size] += grams.block[b];
+  for (std::size_t b = 0; b < grams.block.size(); ++b) {
+    const double third = grams.known[b] ? 0.0 : std::clamp((grams.time_s[b] - first_s) / third_s, 0.0, 2.0);
+    parts[static_cast<std::size_t>(one ? static_cast<int>(third) : grams.flight[b])] += grams.block[b];
+  }
   return parts;
 }
 

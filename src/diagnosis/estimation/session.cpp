@@ -156,6 +156,7 @@ std::vector<int> Session::with_biases(const std::vector<int>& groups) const {
 void Session::freeze(int column) {
   catalogue_.freeze(column);
   std::erase(all_, column);
+  frozen_.push_back(column);
 }
 
 double Session::window_spacing_s() const {
@@ -410,6 +411,11 @@ void Session::leap(const std::vector<NoiseModel>& before, const std::vector<Line
 
 void Session::put_back(Learned before) {
   noise = std::move(before.noise), smoothed = std::move(before.smoothed);
+  for (const int column : std::exchange(frozen_, {})) {
+    catalogue_.thaw(column);
+    all_.insert(std::ranges::lower_bound(all_, column), column);
+  }
+  for (const int column : before.frozen) freeze(column);
   if (shoots()) weigh(std::move(before.weights));
 }
 

@@ -99,13 +99,14 @@ class Session {
   void take_weights(const Session& other);
   bool shoots() const { return !shooting_flights_.empty(); }
 
-  // What learn_noise() found, to be put back.
+  // What learn_noise() found and which columns were frozen, to be put back: linearised anew the session is what it was then.
   struct Learned {
     NoiseModel noise;
     std::vector<Smoothed> smoothed;
     ShootingWeights weights;
+    std::vector<int> frozen;
   };
-  Learned learned() const { return {noise, smoothed, weights_}; }
+  Learned learned() const { return {noise, smoothed, weights_, frozen_}; }
   void put_back(Learned before);
 
   NoiseModel noise;
@@ -142,7 +143,7 @@ class Session {
   Catalogue catalogue_;
   std::vector<LinearFlight> linear_, each_rotor_;  // of FlightData::each_rotor
   Eigen::VectorXd value_;
-  std::vector<int> all_, biases_;
+  std::vector<int> all_, biases_, frozen_;
   std::vector<SensorWindows> sensor_windows_;
   std::vector<FlightData> shooting_flights_;
   std::vector<ShotFlight> shot_;

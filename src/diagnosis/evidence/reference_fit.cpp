@@ -47,8 +47,9 @@ bool ReferenceFlights::have(const Catalogue& catalogue, const Selection& found, 
     const int same = own.find(group.label);
     if (same < 0 || group.row->per_flight || group.row->is_history()) continue;
     groups.push_back(same);
-    for (std::size_t i = 0; i < group.columns.size(); ++i)
-      start[own.group(same).columns[i]] = found.value[group.columns[i]];
+    for (const int c : own.group(same).columns)
+      for (const int there : group.columns)
+        if (catalogue.column(there).parameter == own.column(c).parameter) start[c] = found.value[there];
   }
   if (groups.empty()) return false;
   Session::Learned kept = session_.learned();

@@ -325,6 +325,12 @@ void Catalogue::freeze(int column) {
   std::erase(groups_[static_cast<std::size_t>(g)].columns, column);
 }
 
+void Catalogue::thaw(int column) {
+  const int g = columns_[static_cast<std::size_t>(column)].group;
+  std::vector<int>& asked = groups_[static_cast<std::size_t>(g)].columns;
+  asked.insert(std::ranges::lower_bound(asked, column), column);
+}
+
 bool Catalogue::asks_last(int group) const {
   int last = size() - 1;
   while (last >= 0 && columns_[static_cast<std::size_t>(last)].group != group) --last;

@@ -137,6 +137,7 @@ class Catalogue {
   // A number that ran away from what is known of it beforehand, or that the flights do not tell, stays as the vehicle file has it, and leaves its
   // group to the others.
   void freeze(int column);
+  void thaw(int column);
   // Whether the last number of a group is asked.
   bool asks_last(int group) const;
   // Sensor effects and rate biases of one flight, as smoothing takes them out.

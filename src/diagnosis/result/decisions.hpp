@@ -161,6 +161,10 @@ inline constexpr double equivalent_z = 2.6, most_lost_to_rival = 0.5;
 // Statistic: Δχ², and its share of what the effect itself gains. From: odds of 150 to one; the square of 3 %. Costs: strong names that are known so
 // closely are given as a class.
 inline constexpr double least_told_chi2 = 10.0, least_told_share = 1e-3;
+// Of two equal names the one with the far more usual size is said.
+// Statistic: sizes in those that are typical of each effect: the name's, at least so much; the other's, as a share of it. From: no derivation. Costs: a
+// right name of an unusual size is said second, in its class.
+inline constexpr double unusual_from = 3.0, far_more_usual = 0.5;
 // Of a moment of inertia that a torque ratio may be as well.
 // Statistic: its relative change, at least so much. From: the reporting tolerance of inertia. Costs: none known.
 inline constexpr double least_aliased = 0.05;

@@ -726,7 +726,9 @@ class Selector {
         const Eigen::VectorXd difference =
             block_losses(result.grams, s_.with_biases(e.groups), e.fit.coefficient) -
             (e.trim ? block_losses(result.grams, s_.with_biases(e.kept), e.kept_fit.coefficient) : own);
-        finding.rivals.push_back({other, paired_z(result.grams, difference), e.delta_chi2(), e.trim});
+        const Eigen::VectorXd value = value_at(catalogue_, s_.with_biases(e.groups), e.fit);
+        finding.rivals.push_back({other, paired_z(result.grams, difference), e.delta_chi2(), e.trim,
+                                  size_in_naturals(catalogue_, value, other)});
       }
     });
   }

@@ -1,6 +1,7 @@
 #include "diagnosis/selection/selection.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace gustlab::diagnosis {
@@ -37,6 +38,19 @@ Eigen::VectorXd value_at(const Catalogue& catalogue, const std::vector<int>& col
 bool possible(const Catalogue& catalogue, const Eigen::VectorXd& value, int group) {
   return std::ranges::all_of(catalogue.group(group).columns,
                              [&](int c) { return catalogue.column(c).admits(value[c]); });
+}
+
+double size_in_naturals(const Catalogue& catalogue, const Eigen::VectorXd& value, int group) {
+  double largest = 0.0;
+  for (const int c : catalogue.group(group).columns) {
+    const Column& column = catalogue.column(c);
+    largest = std::max(largest, std::abs(value[c] - column.nominal) / column.natural);
+  }
+  return largest;
+}
+
+bool is_far_more_usual(double size, double than) {
+  return than >= decisions::unusual_from && size < decisions::far_more_usual * than;
 }
 
 bool at_its_bound(const Catalogue& catalogue, const Eigen::VectorXd& value, int group) {

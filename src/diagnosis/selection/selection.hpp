@@ -18,6 +18,7 @@ struct Rival {
   double z = 0.0;  // paired block differences
   double delta_chi2 = 0.0;
   bool below_tolerance = false;  // in its place it would be a trim
+  double size_in_naturals = 0.0;
 };
 
 struct Finding {
@@ -70,6 +71,10 @@ Selection go_back(Session& session, Settled before);
 Eigen::VectorXd value_at(const Catalogue& catalogue, const std::vector<int>& columns, const Fit& fit);
 // Whether a group's values lie within their bounds.
 bool possible(const Catalogue& catalogue, const Eigen::VectorXd& value, int group);
+// A group's largest value (SI, all columns), less the vehicle file's, in sizes that are typical of it.
+double size_in_naturals(const Catalogue& catalogue, const Eigen::VectorXd& value, int group);
+// Whether one such size is so much smaller than another, unusual one that the name with it is said (decisions::far_more_usual).
+bool is_far_more_usual(double size, double than);
 // Whether one of them ran into its bound: the group is fitted to something that it does not describe.
 bool at_its_bound(const Catalogue& catalogue, const Eigen::VectorXd& value, int group);
 

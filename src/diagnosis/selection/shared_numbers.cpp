@@ -10,10 +10,12 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// whether a fitted set gives a group a value that is possible and no trim
-bool may_be_named(const Session& session, const std::vector<int>& columns, const Fit& fit, int group) {
-  const Eigen::VectorXd value = value_at(session.catalogue(), columns, fit);
-  return !below_tolerance(session, value, group) && possible(session.catalogue(), value, group);
+// whether a fitted set gives a group a value that is possible, no trim, and not far less usual than a force's
+bool may_be_named(const Session& session, const std::vector<int>& columns, const Fit& fit, int group, double force) {
+  const Catalogue& catalogue = session.catalogue();
+  const Eigen::VectorXd value = value_at(catalogue, columns, fit);
+  return !below_tolerance(session, value, group) && possible(catalogue, value, group) &&
+         !is_far_more_usual(force, size_in_naturals(catalogue, value, group));
 }
 
 }  // namespace
@@ -26,7 +28,8 @@ std::vector<int> shared_instead(const Session& session, const Grams& grams, std:
   for (const int force : std::vector<int>(chosen)) {
     if (!catalogue.group(force).row->per_flight) continue;
     const std::vector<int> columns = session.with_biases(chosen);
-    const double loss = solve(total, columns).loss,
+    const Fit own = solve(total, columns);
+    const double size = size_in_naturals(catalogue, value_at(catalogue, columns, own), force), loss = own.loss,
                  gain = solve(total, session.with_biases(search.without(chosen, force))).loss - loss;
     double least = loss + grams.price(columns.size()) + decisions::nearly_all * gain;
     std::vector<int> best = chosen;
@@ -39,7 +42,7 @@ std::vector<int> shared_instead(const Session& session, const Grams& grams, std:
       const std::vector<int> other_columns = session.with_biases(instead);
       const Fit fit = solve(total, other_columns);
       const double cost = fit.loss + grams.price(other_columns.size());
-      if (cost < least && may_be_named(session, other_columns, fit, other)) least = cost, best = instead;
+      if (cost < least && may_be_named(session, other_columns, fit, other, size)) least = cost, best = instead;
     }
     chosen = best;
     std::ranges::sort(chosen);

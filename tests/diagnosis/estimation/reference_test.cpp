@@ -126,6 +126,22 @@ Grams flights_that_differ(const Catalogue& catalogue, int flights, double sd) {
   return grams;
 }
 
+// speeds, torques and sensors have blocks of their own, which come after those of the motion
+TEST(Reference, ThirdsOfOneFlightAreThirdsOfItsTime) {
+  const Catalogue catalogue(read_vehicle("crazyflie"), 1,
+                            {Need::attitude | Need::motion | Need::torque, false, false, false});
+  const auto information = [&](std::vector<int> order) {
+    const Grams parts = flights_that_differ(catalogue, 6, 0.2);
+    Grams flight;
+    flight.columns = parts.columns, flight.rows = parts.rows;
+    for (const int at : order) flight.add(0, 300.0 + at, parts.block[static_cast<std::size_t>(at)], false);
+    flight.add(0, 0.0, Eigen::MatrixXd::Zero(parts.columns + 1, parts.columns + 1), true);
+    return reference_of(catalogue, flight, {}).information;
+  };
+  const Eigen::MatrixXd in_order = information({0, 1, 2, 3, 4, 5}), otherwise = information({0, 2, 4, 1, 3, 5});
+  EXPECT_LT((in_order - otherwise).norm(), 1e-9 * in_order.norm());
+}
+
 TEST(Reference, FlightsThatDifferHoldLessInformation) {
   const Catalogue catalogue(read_vehicle("crazyflie"), 1,
                             {Need::attitude | Need::motion | Need::torque, false, false, false});

@@ -36,5 +36,11 @@ TEST(Selection, OfADifferenceOfNoSizeIsAClass) {
   EXPECT_TRUE(equal(scale, mass));
 }
 
+TEST(Selection, AnUnusualSizeIsComparedWithAFarSmallerOne) {
+  EXPECT_TRUE(is_far_more_usual(2.0, 10.0));
+  EXPECT_FALSE(is_far_more_usual(6.0, 10.0));
+  EXPECT_FALSE(is_far_more_usual(0.5, 2.0));  // both are usual
+}
+
 }  // namespace selection_test
 }  // namespace gustlab::diagnosis

@@ -16,8 +16,9 @@ class SharedNumbers : public ::testing::Test {
   const Catalogue& catalogue = session.catalogue();
   const int force = catalogue.find("constant_force"), scale = catalogue.find("thrust_scale");
 
-  // Two flights whose upward force is the thrust scale's column; of a thrust scale of two natural sizes each shows `apart` more or less.
-  Grams flights(double apart) const {
+  // Two flights whose upward force is the thrust scale's column, `stronger` times as large; of a thrust scale of some natural sizes each shows `apart`
+  // more or less.
+  Grams flights(double apart, double naturals = 2.0, double stronger = 1.0) const {
     Grams grams;
     grams.columns = catalogue.size();
     for (int f = 0; f < 2; ++f) {
@@ -27,8 +28,8 @@ class SharedNumbers : public ::testing::Test {
       for (int c = 0; c < catalogue.size(); ++c)
         if (catalogue.column(c).flight == 1 - f) rows.col(c).setZero();
       const int own = catalogue.group(scale).columns.front();
-      rows.col(catalogue.group(force).columns[static_cast<std::size_t>(3 * f + 2)]) = rows.col(own);
-      rows.rightCols(1) += (2.0 + (f == 0 ? apart : -apart)) * rows.col(own);
+      rows.col(catalogue.group(force).columns[static_cast<std::size_t>(3 * f + 2)]) = stronger * rows.col(own);
+      rows.rightCols(1) += (naturals + (f == 0 ? apart : -apart)) * rows.col(own);
       grams.add(f, 0.0, rows.transpose() * rows, false);
       grams.rows += rows_per_flight;
     }
@@ -43,6 +44,12 @@ TEST_F(SharedNumbers, AForceThatIsAlikeInEveryFlightIsANumberOfTheVehicle) {
 
 TEST_F(SharedNumbers, AForceThatDiffersStays) {
   EXPECT_EQ(shared_instead(session, flights(1.0), {force}, {}), std::vector<int>{force});
+}
+
+// a wind of 2 m/s that tilts all rotors by 6° as well
+TEST_F(SharedNumbers, AForceOfAFarMoreUsualSizeStays) {
+  EXPECT_EQ(shared_instead(session, flights(0.0, 4.0, 1.0), {force}, {}), std::vector<int>{scale});
+  EXPECT_EQ(shared_instead(session, flights(0.0, 4.0, 3.0), {force}, {}), std::vector<int>{force});
 }
 
 TEST_F(SharedNumbers, WhatIsLeftOutIsNotAsked) {
