@@ -220,7 +220,6 @@ diagnosis::Diagnosis diagnose_into(const std::string& out, const diagnosis::Diag
   mallopt(M_TOP_PAD, 64 << 20);
 #endif
   diagnosis::Diagnosis result = diagnosis::diagnose(wanted);
-  warn_of_set_aside(result);
   const nlohmann::ordered_json document = diagnosis::to_json(result);
 
   replace_folder(out, [&](const std::filesystem::path& fresh) {

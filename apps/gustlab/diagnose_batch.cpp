@@ -190,7 +190,7 @@ void diagnose_batch(const std::string& sets_path, const std::string& out, int jo
         wanted.progress = [&](std::string_view stage, std::optional<double>) {
           progress.show(fmt::format("{}: {}", set.name, stage), begun / static_cast<double>(sets.size()));
         };
-        diagnose_into(folder, wanted, key);
+        warn_of_set_aside(diagnose_into(folder, wanted, key));
         said = read_said(folder);
       }
     } catch (const DataError& error) {

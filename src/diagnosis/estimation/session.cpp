@@ -159,6 +159,14 @@ void Session::freeze(int column) {
   frozen_.push_back(column);
 }
 
+void Session::freeze_only(const std::vector<int>& columns) {
+  for (const int column : std::exchange(frozen_, {})) {
+    catalogue_.thaw(column);
+    all_.insert(std::ranges::lower_bound(all_, column), column);
+  }
+  for (const int column : columns) freeze(column);
+}
+
 double Session::window_spacing_s() const {
   double duration_s = 0.0;
   for (const FlightData& flight : shooting_flights_) duration_s += flight.duration_s();
@@ -411,11 +419,6 @@ void Session::leap(const std::vector<NoiseModel>& before, const std::vector<Line
 
 void Session::put_back(Learned before) {
   noise = std::move(before.noise), smoothed = std::move(before.smoothed);
-  for (const int column : std::exchange(frozen_, {})) {
-    catalogue_.thaw(column);
-    all_.insert(std::ranges::lower_bound(all_, column), column);
-  }
-  for (const int column : before.frozen) freeze(column);
   if (shoots()) weigh(std::move(before.weights));
 }
 

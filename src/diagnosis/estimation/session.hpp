@@ -59,6 +59,9 @@ class Session {
   void suspect_limit(double limit_radps);
   // Catalogue::freeze, here and in what is fitted beside all effects.
   void freeze(int column);
+  const std::vector<int>& frozen() const { return frozen_; }
+  // These columns and no others; the session has to be linearised anew.
+  void freeze_only(const std::vector<int>& columns);
   // F again from scratch at the next linearise (after a large effect was found).
   void forget_transitions();
   // EM on the noise, with the given columns at their least-squares values (ridged) all along.
@@ -99,14 +102,13 @@ class Session {
   void take_weights(const Session& other);
   bool shoots() const { return !shooting_flights_.empty(); }
 
-  // What learn_noise() found and which columns were frozen, to be put back: linearised anew the session is what it was then.
+  // What learn_noise() found, to be put back.
   struct Learned {
     NoiseModel noise;
     std::vector<Smoothed> smoothed;
     ShootingWeights weights;
-    std::vector<int> frozen;
   };
-  Learned learned() const { return {noise, smoothed, weights_, frozen_}; }
+  Learned learned() const { return {noise, smoothed, weights_}; }
   void put_back(Learned before);
 
   NoiseModel noise;

@@ -19,11 +19,12 @@ const Finding* Selection::find(int group) const {
 }
 
 Settled settled(const Session& session, Selection selection) {
-  return {std::move(selection), session.learned(), session.value()};
+  return {std::move(selection), session.learned(), session.value(), session.frozen()};
 }
 
 Selection go_back(Session& session, Settled before) {
   session.put_back(std::move(before.learned));
+  session.freeze_only(before.frozen);
   session.linearise(before.linearised_at, session.all_columns());
   return std::move(before.selection);
 }

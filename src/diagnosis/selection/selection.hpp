@@ -62,6 +62,7 @@ struct Settled {
   Selection selection;
   Session::Learned learned;
   Eigen::VectorXd linearised_at;  // SI, all columns
+  std::vector<int> frozen;        // columns
 };
 Settled settled(const Session& session, Selection selection);
 // Makes the session what it was.

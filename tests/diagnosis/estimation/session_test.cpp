@@ -8,23 +8,20 @@ namespace gustlab::diagnosis {
 namespace session_test {
 
 // a set that was tried in vain leaves no number unasked
-TEST(Session, PutBackItAsksTheColumnsThatItAsked) {
+TEST(Session, OnlyTheseColumnsAreFrozen) {
   Session session = test::session_of(test::short_flights("", {"multisine"}, 2.0));
   const int group = session.catalogue().find("center_of_mass");
   const auto asked = [&] { return session.catalogue().group(group).columns; };
   const std::vector<int> all = session.all_columns(), own = asked();
   ASSERT_EQ(own.size(), 3u);
   session.freeze(own[2]);
-  const Session::Learned before = session.learned();
   session.freeze(own[0]);
   EXPECT_EQ(asked(), std::vector<int>{own[1]});
-  const Session::Learned later = session.learned();
-  session.put_back(before);
+  EXPECT_EQ(session.frozen(), (std::vector<int>{own[2], own[0]}));
+  session.freeze_only({own[2]});
   EXPECT_EQ(asked(), (std::vector<int>{own[0], own[1]}));
   EXPECT_EQ(session.all_columns().size(), all.size() - 1);
-  session.put_back(later);
-  EXPECT_EQ(asked(), std::vector<int>{own[1]});
-  session.put_back({session.noise, session.smoothed, {}, {}});
+  session.freeze_only({});
   EXPECT_EQ(asked(), own);
   EXPECT_EQ(session.all_columns(), all);
 }
