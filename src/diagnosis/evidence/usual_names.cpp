@@ -1,6 +1,7 @@
 #include "diagnosis/evidence/usual_names.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "diagnosis/selection/select_effects.hpp"
@@ -13,9 +14,10 @@ std::ptrdiff_t names(const std::vector<Evidence>& records) {
   return std::ranges::count_if(records, [](const Evidence& r) { return r.probability >= decisions::named_from; });
 }
 
-// what was judged before belongs to the answer, too
-void add_before(Challenge& judged, Challenge before) {
-  for (JudgedSet& set : before.history) set.answer = false;
+// what was judged before, up to the set in which one label gave its place to the other, belongs to the answer, too
+void add_before(Challenge& judged, Challenge before, const std::string& name, const std::string& usual) {
+  for (JudgedSet& set : before.history)
+    if (std::exchange(set.answer, false)) set.withdrawn = {name}, set.in_its_place = usual;
   judged.history.insert(judged.history.begin(), before.history.begin(), before.history.end());
   for (Evidence& went : before.withdrawn) {
     const auto is_it = [&](const Evidence& other) { return other.group == went.group; };
@@ -67,7 +69,8 @@ void say_usual_names(Session& session, Selection& selection, Challenge& judged,
     std::optional<Challenge> again;
     if (other.groups() == groups && equal(*rival, finding)) again = judge(other);
     if (again && other.groups() == groups && names(again->records) >= names(judged.records)) {
-      add_before(*again, std::move(judged));
+      add_before(*again, std::move(judged), session.catalogue().group(finding.group).label,
+                 session.catalogue().group(rival->group).label);
       judged = std::move(*again);
       selection = std::move(other);
       i = 0;

@@ -54,6 +54,8 @@ TEST_F(UsualNames, AnEqualRivalOfAUsualSizeIsTheAnswer) {
   EXPECT_EQ(judged.records.size(), selection.findings.size());
   ASSERT_EQ(judged.history.size(), 2u);  // what was judged before is kept
   EXPECT_FALSE(judged.history.front().answer);
+  EXPECT_EQ(judged.history.front().withdrawn, std::vector<std::string>{"thrust_scale"});
+  EXPECT_EQ(judged.history.front().in_its_place, "mass");
   EXPECT_TRUE(judged.history.back().answer);
 }
 
