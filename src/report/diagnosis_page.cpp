@@ -37,8 +37,8 @@ std::string headlines(const Json& diagnosis) {
   std::string items;
   for (const Json& effect : in_order_of_weight(diagnosis)) {
     const std::vector<std::string> alike = alike_in_words(effect);
-    const std::string same =
-        alike.empty() ? "" : " These flights cannot tell it from " + list_in_words(alike, "or") + ".";
+    std::string same = alike.empty() ? "" : " These flights cannot tell it from " + list_in_words(alike, "or") + ".";
+    if (const std::string ground = told_on_the_ground(effect); !ground.empty()) same += " " + ground;
     items += fmt::format("<li><strong>{}</strong> <span class=\"sure\">{}</span>{}</li>",
                          escape(headline_of(effect, diagnosis)), sure(number(effect, "confidence")),
                          paragraph(notice_of(effect) + same, "notice"));

@@ -319,6 +319,26 @@ double weight_of(const Json& diagnosis, const Json& effect) {
 
 }  // namespace
 
+std::string told_on_the_ground(const Json& effect) {
+  constexpr std::pair<std::string_view, std::string_view> known[] = {
+      {"mass", "a pair of scales"},
+      {"thrust_scale", "a thrust stand"},
+      {"center_of_mass", "hanging the vehicle from two points"},
+      {"inertia", "swinging the vehicle on two strings"},
+      {"rotor_loss", "exchanging two propellers"},
+      {"steady_wind", "an anemometer"},
+      {"attitude_offset", "a level table"}};
+  std::vector<std::string> ways;
+  for (const Json& other : part(effect, "class")) {
+    const std::string label = other.is_string() ? other.get<std::string>() : "";
+    for (const auto& [name, way] : known)
+      if (label.substr(0, label.find('#')) == name)
+        ways.push_back(fmt::format("{} tells the {}", way, plain_label(label)));
+  }
+  if (alike_in_words(effect).empty()) ways.clear();
+  return ways.empty() ? "" : "Without flying, " + list_in_words(ways) + ".";
+}
+
 bool has_trade_words(const std::string& effect) { return words_for(effect) != nullptr; }
 
 std::string normal_flights(const Json& effect, const Json& diagnosis) {

@@ -16,6 +16,8 @@ std::string normal_flights(const Json& effect, const Json& diagnosis);
 std::string headline_of(const Json& effect, const Json& diagnosis = Json::object());
 // "The controller holds it with more command on rotor 3", empty when nobody would notice.
 std::string notice_of(const Json& effect);
+// What tells the names of its class apart without flying, a sentence; empty where it has no other, or nothing is known to.
+std::string told_on_the_ground(const Json& effect);
 bool has_trade_words(const std::string& effect);
 
 // "forward" for x of a vector in the body, "toward world x", "change in roll": what a number of this effect is.

@@ -52,7 +52,8 @@ TEST(DiagnosisPage, SaysWhatItHasInTheOrderThatIsAskedFor) {
                              "wrong by 0.7 cm instead of 3.1 cm",
                              "It leans toward rotor 3",
                              "The vehicle weighs 8.1 % more than its model",
-                             "cannot tell it from thrust scale",
+                             "cannot tell it from thrust scale. Without flying, a pair of scales tells the mass and a "
+                             "thrust stand tells the thrust scale.",
                              "About the recordings",
                              "battery sag cannot be told",
                              "Before and after",
