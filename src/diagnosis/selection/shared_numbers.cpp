@@ -10,12 +10,15 @@ namespace gustlab::diagnosis {
 
 namespace {
 
-// whether a fitted set gives a group a value that is possible, no trim, and not far less usual than a force's
-bool may_be_named(const Session& session, const std::vector<int>& columns, const Fit& fit, int group, double force) {
-  const Catalogue& catalogue = session.catalogue();
-  const Eigen::VectorXd value = value_at(catalogue, columns, fit);
-  return !below_tolerance(session, value, group) && possible(catalogue, value, group) &&
-         !is_far_more_usual(force, size_in_naturals(catalogue, value, group));
+// whether a fitted set gives a group a value that is possible and no trim
+bool may_be_named(const Session& session, const Eigen::VectorXd& value, int group) {
+  return !below_tolerance(session, value, group) && possible(session.catalogue(), value, group);
+}
+
+// whether a group looks like a force of the flights unless these turn, and is far less usual in its size than that force (natural sizes)
+bool is_the_less_usual(const Catalogue& catalogue, const Eigen::VectorXd& value, int group, int force, double size) {
+  return std::ranges::count(catalogue.group(group).row->like_unless_turning, catalogue.group(force).row->name) > 0 &&
+         is_far_more_usual(size, size_in_naturals(catalogue, value, group));
 }
 
 }  // namespace
@@ -42,7 +45,10 @@ std::vector<int> shared_instead(const Session& session, const Grams& grams, std:
       const std::vector<int> other_columns = session.with_biases(instead);
       const Fit fit = solve(total, other_columns);
       const double cost = fit.loss + grams.price(other_columns.size());
-      if (cost < least && may_be_named(session, other_columns, fit, other, size)) least = cost, best = instead;
+      const Eigen::VectorXd value = value_at(catalogue, other_columns, fit);
+      if (cost < least && may_be_named(session, value, other) &&
+          !is_the_less_usual(catalogue, value, other, force, size))
+        least = cost, best = instead;
     }
     chosen = best;
     std::ranges::sort(chosen);
