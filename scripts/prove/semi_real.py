@@ -12,7 +12,7 @@ FLIGHTS is what families.py wrote. Motion and air stay as they were recorded. Wh
   nothing    other parts of the flights, or more noise
 Each is asked in two ways: against the vehicle file (what is named beyond the untouched flights), and with untouched flights
 as --reference (exactly the effect, its size within 30 %). Its size is 1, 2 or 4 times its limit: the reporting tolerance or
-five standard errors on these flights, whatever is more. A finished diagnosis is kept. Writes DIR/truth.jsonl (one case a
+five standard errors on these flights, whatever is more; over five standard errors by thirds of these flights it is counted once more. A finished diagnosis is kept. Writes DIR/truth.jsonl (one case a
 line) and DIR/results.jsonl, prints Markdown.
 """
 
@@ -102,6 +102,12 @@ def part(log, from_s, to_s):
     time_s = log.column["time_s"] - log.column["time_s"][0]
     keep = (time_s >= from_s) & (time_s <= to_s)
     return Log(log.name, log.meta, {name: values[keep] for name, values in log.column.items()})
+
+
+def pieces_of(log, number):
+    """The log in so many pieces of the same duration."""
+    duration_s = log.column["time_s"][-1] - log.column["time_s"][0]
+    return [part(log, k * duration_s / number, (k + 1) * duration_s / number) for k in range(number)] if number > 1 else [log]
 
 
 def with_inputs(log, choice):
@@ -338,13 +344,17 @@ def possible(recordings):
     return {"file": file, "recording": recording, "input": inputs}
 
 
-def shown(recordings, effect, values):
-    """[(size, weight)] of an effect that each untouched flight shows by itself, in units of `values`; empty where that is not asked."""
+def shown(recordings, effect, values, pieces=1):
+    """[(size, weight)] of an effect that each untouched flight, or each of so many pieces of it, shows by itself, in units of `values`; empty where
+    that is not asked."""
     entries = recordings.set.new + recordings.set.reference + recordings.set.holdout
+    logs = [piece for entry in entries for piece in pieces_of(recordings.log(entry), pieces)]
     if effect in physics.SEEN_BY_SENSORS:
         axis, unit = next(iter(values.items()))
-        return [(physics.SEEN_BY_SENSORS[effect](recordings.log(entry), recordings.vehicle, axis) / unit, 1.0) for entry in entries]
-    return physics.sizes_shown(recordings.vehicle, [recordings.motion(recordings.log(entry)) for entry in entries], effect, values)
+        sizes = [(physics.SEEN_BY_SENSORS[effect](log, recordings.vehicle, axis) / unit, 1.0) for log in logs]
+    else:
+        sizes = physics.sizes_shown(recordings.vehicle, [recordings.motion(log) for log in logs], effect, values)
+    return [size for size in sizes if np.isfinite(size).all()]
 
 
 def mean_shown(recordings, effect, values):
@@ -358,6 +368,12 @@ def hover_difference(recordings):
     return float(np.sqrt(2 * np.var([t / t.mean() for t in thrusts], axis=0, ddof=1).mean()))
 
 
+def small_of(effect, values):
+    """(size, the values at it), small enough that all grows in proportion."""
+    natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
+    return natural, {name: value if name == "rotor" else natural * value for name, value in values.items()}
+
+
 def limit_of(recordings, effect, values, asked):
     """The larger of the tolerance and five standard errors on the new flights, in the leading parameter; beside reference flights, of the
     difference to those. Flights that differ among themselves tell no more than their spread allows."""
@@ -365,8 +381,7 @@ def limit_of(recordings, effect, values, asked):
     tolerance = physics.TOLERANCE.get(effect, SENSOR_LIMIT.get(effect, 0.0)) * (vehicle.arm if effect == "center_of_mass" else 1.0)
     if not recordings.has_rates():
         return 5 * hover_difference(recordings)
-    natural = 1e-3 if effect in ("center_of_mass", "translational_lift") else 0.01
-    small = {name: value if name == "rotor" else natural * value for name, value in values.items()}
+    natural, small = small_of(effect, values)
     spread, variance = natural * physics.spread(shown(recordings, effect, small)), 0.0
     for entries in (recordings.set.new, recordings.set.reference)[: 1 if asked == "file" else 2]:
         variance += spread**2 / len(entries)
@@ -374,6 +389,13 @@ def limit_of(recordings, effect, values, asked):
             flights = [recordings.motion(recordings.log(entry)) for entry in entries]
             variance += (natural * physics.standard_error(vehicle, flights, effect, small)) ** 2
     return max(tolerance, 5 * float(np.sqrt(variance)))
+
+
+def limit_of_thirds(recordings, effect, values, asked):
+    """Five standard errors by how much thirds of the flights differ: what flights that differ within themselves more than among themselves tell."""
+    natural, small = small_of(effect, values)
+    thirds = 3 * np.array([len(recordings.set.new)] + ([len(recordings.set.reference)] if asked == "reference" else []))
+    return 5 * natural * physics.spread(shown(recordings, effect, small, pieces=3)) * float(np.sqrt(np.sum(1 / thirds)))
 
 
 def in_range(log, recordings, effect, values):
@@ -636,14 +658,19 @@ def summary(rows):
         tally = Counter(r["outcome"] for r in rows if chosen(r) and (r["times"] == 2 or not r["truth"]))
         if total := sum(tally.values()):
             lines.append(f"| {text} | {total} | " + " | ".join(share(tally[o], total) for o in named) + " |")
-    stated = [r for r in rows if r["times"] == 2 and r.get("over_stated") is not None]
-    if stated:
-        lines += ["", "The same cases by what the diagnosis of the untouched flights says beforehand: the size from which on the effect would show there (`would_show`).", "",
-                  "| concealed, over what would show | N | " + " | ".join(named.values()) + " |", "|" + " --- |" + " ---: |" * (len(named) + 1)]
-        for text, least, most in (("said to be not identifiable", 0.0, 1e-12), ("below 1", 1e-12, 1.0), ("1 to 2", 1.0, 2.0), ("2 to 4", 2.0, 4.0), ("4 and more", 4.0, np.inf)):
-            tally = Counter(r["outcome"] for r in stated if least <= r["over_stated"] < most)
+    below_two = (("below 1", 1e-12, 1.0), ("1 to 2", 1.0, 2.0))
+    for key, said, head, bounds in (
+            ("over_stated", "what the diagnosis of the untouched flights says beforehand: the size from which on the effect would show there (`would_show`)", "what would show",
+             (("said to be not identifiable", 0.0, 1e-12), *below_two, ("2 to 4", 2.0, 4.0), ("4 and more", 4.0, np.inf))),
+            ("over_thirds", "how far thirds of these flights differ: five standard errors by thirds in place of whole flights, where these are more", "that limit",
+             (*below_two, ("2", 2.0, np.inf)))):
+        asked = [r for r in rows if r["times"] == 2 and r.get(key) is not None]
+        if asked:
+            lines += ["", f"The same cases by {said}.", "", f"| concealed, over {head} | N | " + " | ".join(named.values()) + " |", "|" + " --- |" + " ---: |" * (len(named) + 1)]
+        for name, least, most in bounds:
+            tally = Counter(r["outcome"] for r in asked if least <= r[key] < most)
             if total := sum(tally.values()):
-                lines.append(f"| {text} | {total} | " + " | ".join(share(tally[o], total) for o in named) + " |")
+                lines.append(f"| {name} | {total} | " + " | ".join(share(tally[o], total) for o in named) + " |")
     return "\n".join(lines) + "\n"
 
 
@@ -705,6 +732,9 @@ class Bench:
         from_file = base and case.effect and shown is None and case.asked == "file"
         before = sizes_before(base, case, self.of(case.set)) if from_file else {}
         row = judge(case, found, base, before, SETS[case.set].reported)
+        if case.limit and self.of(case.set).has_rates():
+            unit = {name: value if name == "rotor" else value / (case.times * case.limit) for name, value in case.parameters.items()}
+            row["over_thirds"] = case.times * case.limit / max(case.limit, limit_of_thirds(self.of(case.set), case.effect, unit, case.asked))
         if case.truth and shown is None and (untouched := base if case.asked == "file" else self.base(case.set, case.asked)):
             row["over_stated"] = over_stated(case, untouched)
         return row

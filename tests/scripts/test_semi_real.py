@@ -18,7 +18,7 @@ import conceal_inputs as physics  # noqa: E402
 from falsify import VehicleFolder  # noqa: E402
 from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
 from flight_files import Log, read_vehicle  # noqa: E402
-from semi_real import Case, change_inputs, change_recording, combined, falsify_file, hover_difference, in_range, judge, over_stated, seen_away, sizes_before, summary  # noqa: E402
+from semi_real import Case, change_inputs, change_recording, combined, falsify_file, hover_difference, in_range, judge, limit_of, limit_of_thirds, over_stated, seen_away, sizes_before, summary  # noqa: E402
 
 FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
 VEHICLE = read_vehicle(FILE)
@@ -369,3 +369,26 @@ def test_the_summary_counts_twice_the_limit_and_nothing_concealed():
                          "| nothing concealed | 1 | 1 (100 %) | 0 | 0 | 0 | 0 | 0 | 0 |"]
     lines = summary([{**row("exact"), "over_stated": 4.0}, {**row("nothing"), "over_stated": 0.0}, {**row("wrong"), "over_stated": 5.0}]).splitlines()
     assert lines[-2:] == ["| said to be not identifiable | 1 | 0 | 0 | 0 | 0 | 1 (100 %) | 0 | 0 |", "| 4 and more | 2 | 1 (50 %) | 1 (50 %) | 0 | 0 | 0 | 0 | 0 |"]
+    lines = summary([{**row("exact"), "over_thirds": 2.0}, {**row("nothing"), "over_thirds": 0.6}]).splitlines()
+    assert lines[-2:] == ["| below 1 | 1 | 0 | 0 | 0 | 0 | 1 (100 %) | 0 | 0 |", "| 2 | 1 | 1 (100 %) | 0 | 0 | 0 | 0 | 0 | 0 |"]
+
+
+def test_flights_that_differ_within_themselves_tell_less_than_their_means():
+    time_s = np.arange(0.0, 9.001, 0.01)
+    body_rate = 0.3 * np.sin(2 * time_s)
+    turn = Rotation.from_rotvec(np.c_[0 * time_s, 0 * time_s, -0.15 * np.cos(2 * time_s)]).as_quat()
+
+    def flight(scales):
+        scale = np.array(scales)[np.minimum((time_s / 3).astype(int), 2)]
+        columns = {"time_s": time_s, "wx": 0 * time_s, "wy": 0 * time_s, "wz": scale * body_rate, **dict(zip(("qx", "qy", "qz", "qw"), turn.T))}
+        return Log("f", {}, columns)
+
+    def limits(*flights):
+        recordings = SimpleNamespace(set=SimpleNamespace(new=flights, reference=(), holdout=()), log=flight, vehicle=None, has_rates=lambda: True)
+        return limit_of(recordings, "gyro_scale", {"delta": 1.0}, "file"), limit_of_thirds(recordings, "gyro_scale", {"delta": 1.0}, "file")
+
+    whole, thirds = limits((1.00, 1.03, 1.06), (1.06, 1.03, 1.00))
+    spread = np.std([0.0, 0.03, 0.06] * 2, ddof=1)
+    assert thirds == pytest.approx(5 * spread / np.sqrt(6), rel=0.15) and whole < 0.5 * thirds
+    whole, thirds = limits((1.02,) * 3, (1.08,) * 3)
+    assert thirds < whole == pytest.approx(5 * 0.06 / 2, rel=0.15)
