@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# sets up, builds and runs all tests; the last lines are ctest's summary. usage: scripts/test.sh [--quick] [ctest option...]
+# sets up, builds and runs the tests; the last lines are ctest's summary. usage: scripts/test.sh [--quick | --all] [ctest option...]
 # --quick: no whole diagnoses, no recorded flights, none of the commands end to end (two minutes on two cores, once it is built)
+# --all: all trials in which an effect is concealed, not a quarter of them
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -9,6 +10,10 @@ targets=()
 if [[ ${1:-} == --quick ]]; then
   targets=(gustlab quick_tests)
   set -- --label-regex quick "${@:2}"
+elif [[ ${1:-} == --all ]]; then
+  shift
+else
+  set -- --label-exclude slow "$@"
 fi
 scripts/setup.sh --test
 scripts/build.sh release "${targets[@]}"

@@ -197,11 +197,14 @@ std::vector<double> fastest_steps(const FlightLog& log) {
   return fastest;
 }
 
+// slower sensors are read whole: between every other row of 200 Hz commands have answered to what happened
+constexpr double least_coarse_hz = 235.0;
+
 // samples of a log or a sensor between two that are read, itself counted
 long stride_of(double step_s, const ReadingOptions& options) {
   const auto at = [step_s](double rate_hz) { return std::max(1L, std::lround(1.0 / (step_s * rate_hz))); };
   if (!(step_s > 0.0)) return 1;
-  if (options.coarse_rate_hz > 0.0 && at(options.coarse_rate_hz) >= 3) return at(options.coarse_rate_hz);
+  if (options.coarse_rate_hz > 0.0 && step_s * least_coarse_hz <= 1.0) return at(options.coarse_rate_hz);
   return at(options.max_rate_hz);
 }
 

@@ -307,8 +307,8 @@ TEST(FlightData, ASlowSensorIsReadWhole) {
   EXPECT_NEAR(static_cast<double>(with(has_rate)), 2000.0, 2.0);
 }
 
-// GIVEN a gyro at 500 Hz, and the same at 250 Hz WHEN what is three times as fast as some 130 Hz is read at that THEN every fourth sample of the
-// first is read, and of the second every one
+// GIVEN a gyro at 500 Hz, and the same at 250 and at 200 Hz WHEN what is faster than 235 Hz is read at some 130 Hz THEN every fourth sample of
+// the first is read, every other one of the second, and of the last every one
 TEST(FlightData, AFastSensorIsReadCoarsely) {
   FlightLog log = slow_noisy_positions();
   ReadingOptions options;
@@ -320,6 +320,8 @@ TEST(FlightData, AFastSensorIsReadCoarsely) {
   };
   EXPECT_NEAR(rates(), 1000.0, 2.0);
   for (double& t : log.time_s) t *= 2.0;
+  EXPECT_NEAR(rates(), 2000.0, 2.0);
+  for (double& t : log.time_s) t *= 1.25;
   EXPECT_NEAR(rates(), 4000.0, 2.0);
 }
 
