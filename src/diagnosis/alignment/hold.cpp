@@ -1,12 +1,14 @@
 #include "diagnosis/alignment/hold.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "diagnosis/estimation/session.hpp"
 #include "diagnosis/model/command_innovation.hpp"
 #include "diagnosis/model/row_acceleration.hpp"
 #include "diagnosis/recording/rotor_answer.hpp"
 #include "diagnosis/result/decisions.hpp"
+#include "util/parallel.hpp"
 
 namespace gustlab::diagnosis {
 
@@ -91,8 +93,11 @@ bool speeds_follow(const std::vector<FlightData>& flights) {
 
 bool linear_is_likelier(const VehicleModel& vehicle, int jobs,
                         const std::function<std::vector<FlightData>(bool linear)>& read) {
-  const double held = misfit(Session(read(false), vehicle, jobs));
-  return misfit(Session(read(true), vehicle, jobs)) < held;
+  std::array<double, 2> of{};
+  parallel_for(2, jobs, [&](std::int64_t linear) {
+    of[static_cast<std::size_t>(linear)] = misfit(Session(read(linear == 1), vehicle, jobs));
+  });
+  return of[1] < of[0];
 }
 
 }  // namespace gustlab::diagnosis

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -272,8 +273,11 @@ void Session::take_weights(const Session& other) {
 }
 
 void Session::for_each_flight(const std::function<void(std::size_t)>& body) const {
-  parallel_for(static_cast<std::int64_t>(flights_.size()), jobs_,
-               [&](std::int64_t f) { body(static_cast<std::size_t>(f)); });
+  // the longest begin first, so that no thread is left alone with one at the end
+  std::vector<std::size_t> order(flights_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t f) { return flights_[f].samples.size(); });
+  parallel_for(std::ssize(order), jobs_, [&](std::int64_t at) { body(order[static_cast<std::size_t>(at)]); });
 }
 
 void Session::suspect_load(const Swing& swing, std::vector<std::vector<Vector3>> force_per_flight) {

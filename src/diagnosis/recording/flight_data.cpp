@@ -197,14 +197,28 @@ std::vector<double> fastest_steps(const FlightLog& log) {
   return fastest;
 }
 
-// slower sensors are read whole: between every other row of 200 Hz commands have answered to what happened
-constexpr double least_coarse_hz = 235.0;
+// Slower sensors are read whole. What one estimator writes on every row moves together, and its errors last.
+double least_coarse_hz(const FlightLog& log) {
+  constexpr double of_sensors = 325.0, of_an_estimator = 235.0, nearly_all = 0.95;
+  const auto any_of = [&](std::initializer_list<const char*> names, std::size_t row) {
+    return std::ranges::any_of(names, [&](const char* name) {
+      const auto* column = log.find(name);
+      return column && std::isfinite((*column)[row]);
+    });
+  };
+  std::size_t inertial = 0, both = 0;
+  for (std::size_t k = 0; k < log.rows(); ++k)
+    if (any_of({"wx", "ax"}, k)) ++inertial, both += any_of({"px", "vx", "qw"}, k) ? 1 : 0;
+  return static_cast<double>(both) >= nearly_all * static_cast<double>(std::max<std::size_t>(inertial, 1))
+             ? of_an_estimator
+             : of_sensors;
+}
 
 // samples of a log or a sensor between two that are read, itself counted
 long stride_of(double step_s, const ReadingOptions& options) {
   const auto at = [step_s](double rate_hz) { return std::max(1L, std::lround(1.0 / (step_s * rate_hz))); };
   if (!(step_s > 0.0)) return 1;
-  if (options.coarse_rate_hz > 0.0 && step_s * least_coarse_hz <= 1.0) return at(options.coarse_rate_hz);
+  if (options.coarse_rate_hz > 0.0 && step_s * options.least_coarse_hz <= 1.0) return at(options.coarse_rate_hz);
   return at(options.max_rate_hz);
 }
 
@@ -556,7 +570,8 @@ CommandRecord as_answered(const CommandRecord& measured, const VehicleModel& veh
 }
 
 // one log, as the options say; without `each_rotor` and `sensors`
-FlightData read_alone(const FlightLog& original, const VehicleModel& vehicle, const ReadingOptions& options) {
+FlightData read_alone(const FlightLog& original, const VehicleModel& vehicle, ReadingOptions options) {
+  options.least_coarse_hz = least_coarse_hz(original);
   const bool filters = options.common_filter_s > 0.0, averages = !filters && options.coarse_rate_hz > 0.0;
   const FlightLog changed = filters    ? filtered_alike(original, options.common_filter_s)
                             : averages ? with_mean_poses(original, options)

@@ -158,7 +158,8 @@ inline constexpr double spin_up_s = 0.15;
 struct ReadingOptions {
   std::optional<bool> linear_hold;  // overrides the log when it does not say
   double max_rate_hz = 255.0;       // faster logs are read more slowly
-  double coarse_rate_hz = 0.0;      // and those of 235 Hz and more at it; 0: not
+  double coarse_rate_hz = 0.0;      // and those of `least_coarse_hz` and more at it; 0: not
+  double least_coarse_hz = 325.0;   // by what the log holds
   double substep_s = 0.0025;        // at most
   // Logs that were low-pass filtered, each column differently, are filtered once more and all alike (Gaussian of this
   // standard deviation, s; commands too), and then sampled: what is linear between them stays as it was. 0: not.

@@ -307,22 +307,34 @@ TEST(FlightData, ASlowSensorIsReadWhole) {
   EXPECT_NEAR(static_cast<double>(with(has_rate)), 2000.0, 2.0);
 }
 
-// GIVEN a gyro at 500 Hz, and the same at 250 and at 200 Hz WHEN what is faster than 235 Hz is read at some 130 Hz THEN every fourth sample of
-// the first is read, every other one of the second, and of the last every one
-TEST(FlightData, AFastSensorIsReadCoarsely) {
-  FlightLog log = slow_noisy_positions();
+double rates_read_coarsely(const FlightLog& log) {
   ReadingOptions options;
   options.coarse_rate_hz = 130.0;
-  const auto rates = [&] {
-    const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), options);
-    return static_cast<double>(
-        std::ranges::count_if(flight.samples, [](const Sample& s) { return (s.channels & has_rate) != 0; }));
-  };
-  EXPECT_NEAR(rates(), 1000.0, 2.0);
+  const FlightData flight = prepare_flight(log, read_vehicle("crazyflie", ""), options);
+  return static_cast<double>(
+      std::ranges::count_if(flight.samples, [](const Sample& s) { return (s.channels & has_rate) != 0; }));
+}
+
+// GIVEN a gyro at 500 Hz, and the same at 250 Hz WHEN what is three times as fast as some 130 Hz is read at that THEN every fourth sample of the
+// first is read, and of the second every one
+TEST(FlightData, AFastSensorIsReadCoarsely) {
+  FlightLog log = slow_noisy_positions();
+  EXPECT_NEAR(rates_read_coarsely(log), 1000.0, 2.0);
   for (double& t : log.time_s) t *= 2.0;
-  EXPECT_NEAR(rates(), 2000.0, 2.0);
+  EXPECT_NEAR(rates_read_coarsely(log), 4000.0, 2.0);
+}
+
+// GIVEN an estimator's rows with everything at 250 Hz, and at 200 Hz WHEN read coarsely THEN every other one of the first is read, and of the second
+// every one
+TEST(FlightData, AnEstimatorIsReadCoarselyFromALowerRateOn) {
+  FlightLog log = slow_noisy_positions();
+  for (std::size_t c = 0; c < 6; ++c) log.columns[c].values.assign(log.rows(), 0.0);
+  for (std::size_t c = 6; c < 10; ++c) log.columns[c].values.assign(log.rows(), 1000.0);
+  const auto rows = static_cast<double>(log.rows());
+  for (std::size_t k = 0; k < log.rows(); ++k) log.time_s[k] = 0.004 * static_cast<double>(k);
+  EXPECT_NEAR(rates_read_coarsely(log), 0.5 * rows, 2.0);
   for (double& t : log.time_s) t *= 1.25;
-  EXPECT_NEAR(rates(), 4000.0, 2.0);
+  EXPECT_NEAR(rates_read_coarsely(log), rows, 2.0);
 }
 
 // GIVEN noisy positions at 500 Hz WHEN read coarsely THEN each is the mean of three, which has less noise
