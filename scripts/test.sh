@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # sets up, builds and runs the tests; the last lines are ctest's summary. usage: scripts/test.sh [--quick | --all] [ctest option...]
 # --quick: no whole diagnoses, no recorded flights, none of the commands end to end (two minutes on two cores, once it is built)
-# --all: all trials in which an effect is concealed, not a quarter of them
+# --all: all trials in which an effect is concealed, not a quarter of them, and the slowest diagnoses of recorded flights
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit ;; esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -11,6 +11,7 @@ if [[ ${1:-} == --quick ]]; then
   targets=(gustlab quick_tests)
   set -- --label-regex quick "${@:2}"
 elif [[ ${1:-} == --all ]]; then
+  export GUSTLAB_EVERY_TEST=1
   shift
 else
   set -- --label-exclude slow "$@"

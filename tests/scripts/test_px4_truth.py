@@ -130,6 +130,7 @@ class Truth(unittest.TestCase):
         self.assertAlmostEqual(sizes["mass"]["delta"], MASS, delta=0.3 * MASS)
         self.assertAlmostEqual(sizes["rotor_drag"]["at_hover"], DRAG, delta=0.3 * DRAG)
 
+    @unittest.skipUnless(os.environ.get("GUSTLAB_EVERY_TEST"), "slow: scripts/test.sh --all runs it")
     def test_a_vehicle_that_is_as_its_file_says_is_given_no_name(self):
         found = self.diagnosis(REAL)
         self.assertLessEqual({effect["effect"] for effect in found["effects"]}, {"gust"}, found["effects"])
