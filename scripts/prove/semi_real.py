@@ -732,7 +732,7 @@ class Bench:
         from_file = base and case.effect and shown is None and case.asked == "file"
         before = sizes_before(base, case, self.of(case.set)) if from_file else {}
         row = judge(case, found, base, before, SETS[case.set].reported)
-        if case.limit and self.of(case.set).has_rates():
+        if case.truth and case.limit and self.of(case.set).has_rates():
             unit = {name: value if name == "rotor" else value / (case.times * case.limit) for name, value in case.parameters.items()}
             row["over_thirds"] = case.times * case.limit / max(case.limit, limit_of_thirds(self.of(case.set), case.effect, unit, case.asked))
         if case.truth and shown is None and (untouched := base if case.asked == "file" else self.base(case.set, case.asked)):

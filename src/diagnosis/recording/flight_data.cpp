@@ -209,9 +209,8 @@ double least_coarse_hz(const FlightLog& log) {
   std::size_t inertial = 0, both = 0;
   for (std::size_t k = 0; k < log.rows(); ++k)
     if (any_of({"wx", "ax"}, k)) ++inertial, both += any_of({"px", "vx", "qw"}, k) ? 1 : 0;
-  return static_cast<double>(both) >= nearly_all * static_cast<double>(std::max<std::size_t>(inertial, 1))
-             ? of_an_estimator
-             : of_sensors;
+  const bool together = inertial > 0 && static_cast<double>(both) >= nearly_all * static_cast<double>(inertial);
+  return together ? of_an_estimator : of_sensors;
 }
 
 // samples of a log or a sensor between two that are read, itself counted
