@@ -374,6 +374,11 @@ def small_of(effect, values):
     return natural, {name: value if name == "rotor" else natural * value for name, value in values.items()}
 
 
+def sides(recordings, asked):
+    """The flights whose errors count: the new ones, and beside reference flights those, too."""
+    return (recordings.set.new, recordings.set.reference)[: 1 if asked == "file" else 2]
+
+
 def limit_of(recordings, effect, values, asked):
     """The larger of the tolerance and five standard errors on the new flights, in the leading parameter; beside reference flights, of the
     difference to those. Flights that differ among themselves tell no more than their spread allows."""
@@ -383,7 +388,7 @@ def limit_of(recordings, effect, values, asked):
         return 5 * hover_difference(recordings)
     natural, small = small_of(effect, values)
     spread, variance = natural * physics.spread(shown(recordings, effect, small)), 0.0
-    for entries in (recordings.set.new, recordings.set.reference)[: 1 if asked == "file" else 2]:
+    for entries in sides(recordings, asked):
         variance += spread**2 / len(entries)
         if effect not in physics.SEEN_BY_SENSORS:
             flights = [recordings.motion(recordings.log(entry)) for entry in entries]
@@ -394,8 +399,8 @@ def limit_of(recordings, effect, values, asked):
 def limit_of_thirds(recordings, effect, values, asked):
     """Five standard errors by how much thirds of the flights differ: what flights that differ within themselves more than among themselves tell."""
     natural, small = small_of(effect, values)
-    thirds = 3 * np.array([len(recordings.set.new)] + ([len(recordings.set.reference)] if asked == "reference" else []))
-    return 5 * natural * physics.spread(shown(recordings, effect, small, pieces=3)) * float(np.sqrt(np.sum(1 / thirds)))
+    share = sum(1 / (3 * len(entries)) for entries in sides(recordings, asked))
+    return 5 * natural * physics.spread(shown(recordings, effect, small, pieces=3)) * float(np.sqrt(share))
 
 
 def in_range(log, recordings, effect, values):

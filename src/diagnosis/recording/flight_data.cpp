@@ -197,20 +197,25 @@ std::vector<double> fastest_steps(const FlightLog& log) {
   return fastest;
 }
 
+struct Sensor {
+  std::vector<const std::vector<double>*> columns;
+  double least_s = 0.0;                                      // between samples that are read
+  double last_s = -std::numeric_limits<double>::infinity();  // the last of them
+  bool has(std::size_t row) const {
+    return std::any_of(columns.begin(), columns.end(), [row](const auto* c) { return c && std::isfinite((*c)[row]); });
+  }
+};
+Sensor pose_of(const FlightLog& log) { return {{log.find("px"), log.find("vx"), log.find("qw")}}; }
+Sensor inertial_of(const FlightLog& log) { return {{log.find("wx"), log.find("ax")}}; }
+
 // Slower sensors are read whole. What one estimator writes on every row moves together, and its errors last.
 double least_coarse_hz(const FlightLog& log) {
   constexpr double of_sensors = 325.0, of_an_estimator = 235.0, nearly_all = 0.95;
-  const auto any_of = [&](std::initializer_list<const char*> names, std::size_t row) {
-    return std::ranges::any_of(names, [&](const char* name) {
-      const auto* column = log.find(name);
-      return column && std::isfinite((*column)[row]);
-    });
-  };
-  std::size_t inertial = 0, both = 0;
+  const Sensor pose = pose_of(log), inertial = inertial_of(log);
+  double rows = 0.0, both = 0.0;
   for (std::size_t k = 0; k < log.rows(); ++k)
-    if (any_of({"wx", "ax"}, k)) ++inertial, both += any_of({"px", "vx", "qw"}, k) ? 1 : 0;
-  const bool together = inertial > 0 && static_cast<double>(both) >= nearly_all * static_cast<double>(inertial);
-  return together ? of_an_estimator : of_sensors;
+    if (inertial.has(k)) rows += 1.0, both += pose.has(k) ? 1.0 : 0.0;
+  return rows > 0.0 && both >= nearly_all * rows ? of_an_estimator : of_sensors;
 }
 
 // samples of a log or a sensor between two that are read, itself counted
@@ -243,17 +248,7 @@ FlightLog with_mean_poses(FlightLog log, const ReadingOptions& options) {
 
 // Rows that are read: of every sensor at most so many samples a second, and each of a slower one's.
 std::vector<std::size_t> rows_read(const FlightLog& log, const ReadingOptions& options) {
-  struct Sensor {
-    std::vector<const std::vector<double>*> columns;
-    double least_s = 0.0;                                      // between samples that are read
-    double last_s = -std::numeric_limits<double>::infinity();  // the last of them
-    bool has(std::size_t row) const {
-      return std::any_of(columns.begin(), columns.end(),
-                         [row](const auto* c) { return c && std::isfinite((*c)[row]); });
-    }
-  };
-  std::array<Sensor, 2> sensors{Sensor{{log.find("px"), log.find("vx"), log.find("qw")}},
-                                Sensor{{log.find("wx"), log.find("ax")}}};
+  std::array<Sensor, 2> sensors{pose_of(log), inertial_of(log)};
   for (Sensor& sensor : sensors) {
     const double step_s = interval_s(steps_between(log.time_s, [&sensor](std::size_t row) { return sensor.has(row); }));
     const long stride = stride_of(step_s, options);
