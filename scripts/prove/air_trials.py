@@ -12,7 +12,7 @@ import json
 from collections import defaultdict
 from pathlib import Path
 
-from semi_real import label, means
+from outcomes import label, means
 
 ROUGHNESS = (1.0, 1.8, 4.0, 10.0)            # of the air, over the quiet room
 AIR_KINDS = ("steady", "gusty", "outdoor")

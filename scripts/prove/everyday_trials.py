@@ -19,9 +19,8 @@ from functools import cache
 from pathlib import Path
 
 from flight_files import HOME
-from outcomes import by_effect, by_value, counted, others, table
+from outcomes import by_effect, by_value, counted, label, means, others, table
 from run_trials import run_measured
-from semi_real import label, means
 
 VEHICLES = ("crazyflie", "crazyflie_21", "crazyflie_real", "imrc_brushed", "imrc_brushless", "iris", "neuralfly_tunnel", "neurobem_racer")
 TRAJECTORIES = ("lemniscate", "circle", "multisine", "spiral", "hover")

@@ -1,6 +1,7 @@
-"""Reads flight logs (CSV with sidecar) and vehicles (TOML with MJCF) for the proof; FORMATS.md of the project."""
+"""Reads and writes flight logs (CSV with sidecar), reads vehicles (TOML with MJCF), for the proof; FORMATS.md of the project."""
 
 import gzip
+import json
 import tomllib
 import xml.etree.ElementTree as xml
 from dataclasses import dataclass, field
@@ -90,6 +91,23 @@ def read_log(path):
     data = np.array(rows)
     meta = tomllib.loads(sidecar_of(path).read_text(encoding="utf-8"))
     return Log(path.name, meta, {name: data[:, i] for i, name in enumerate(names)})
+
+
+def write_log(path, log, vehicle):
+    """CSV and sidecar; cells as precise as they were."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    names = [name for name in log.column if name != "time_s"]
+    block = np.column_stack([log.column[name] for name in names])
+    block = block[:, used := ~np.all(np.isnan(block), axis=0)]
+    lines = [",".join(["time_s", *(name for name, keep in zip(names, used) if keep)])]
+    for time_s, row in zip(log.column["time_s"], block):
+        lines.append(f"{time_s:.6f}," + ",".join("" if x != x else f"{x:.9g}" for x in row))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    text = [f"{key} = {json.dumps(value)}" for key, value in {**log.meta, "vehicle": vehicle}.items() if not isinstance(value, (dict, list))]
+    for table in ("environment", "condition"):
+        if table in log.meta:
+            text += [f"[{table}]", *(f"{key} = {json.dumps(value)}" for key, value in log.meta[table].items())]
+    sidecar_of(path).write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
 def rotor_speed(log, vehicle):

@@ -25,10 +25,9 @@ from scipy import signal
 from scipy.spatial.transform import Rotation
 
 from falsify import vehicle_text
-from flight_files import HOME, Log
-from outcomes import by_effect, by_value, counted, others, table, truth_names
+from flight_files import HOME, Log, write_log
+from outcomes import by_effect, by_value, counted, label, means, others, table, truth_names
 from run_trials import run_measured
-from semi_real import label, means, write_log
 
 G, AIR_DENSITY, STEP_S = 9.81, 1.225, 0.001
 SETTLE = 3000                              # steps before the log begins

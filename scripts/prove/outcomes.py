@@ -2,7 +2,21 @@
 
 from collections import Counter
 
-from semi_real import means
+
+def rotor_of(effect):
+    rotor = effect["parameters"].get("rotor")
+    return rotor and int(rotor["value"])
+
+
+def label(effect):
+    return effect["effect"] + (f"#{rotor_of(effect)}" if rotor_of(effect) else "")
+
+
+def means(effect, truth, rotor):
+    """Whether a finding names the truth, itself or in its class."""
+    if effect["effect"] == truth:
+        return rotor in (None, rotor_of(effect))
+    return truth in effect.get("class", ()) or f"{truth}#{rotor}" in effect.get("class", ())
 
 
 def truth_names(hidden):

@@ -4,7 +4,7 @@ import re
 
 import proof_figures
 import air_trials
-import semi_real
+import semi_real_outcomes
 
 GOALS = {"nothing concealed: no name": "≥ 99 %", "calibration scatter: no name": "≥ 99 %", "one effect: exact": "≥ 97 %", "two effects: exact": "≥ 88 %",
          "outside the catalogue: no name": "≥ 95 %",
@@ -89,7 +89,7 @@ def real(result):
 
 
 def semi_real_part(real, part):
-    """`part`: semi_real.summary or semi_real.markdown."""
+    """`part`: semi_real_outcomes.summary or semi_real_outcomes.markdown."""
     return part(real["semi_real"]) if real and real.get("semi_real") else "Not run: the recordings are not shipped.\n"
 
 
@@ -133,7 +133,7 @@ diagnosis counts as a failure.
 Flights that others recorded; motion and air stay as they were, and the truth is exact. Concealed is a wrong number in the vehicle file, a sensor's fault, or an
 effect whose inputs give the same motion (`scripts/prove/semi_real.py`, which says what a limit is). Families and cases one by one stand below.
 
-{semi_real_part(result['real'], semi_real.summary)}
+{semi_real_part(result['real'], semi_real_outcomes.summary)}
 ## An independent reality
 
 Simulated by `tests/reality`, which shares no code with the diagnosis; seed {result['seed']} was used for nothing else. The answers were sealed before the first diagnosis
@@ -178,7 +178,7 @@ noise and an oracle that knows the answer leave. Trials with an effect above its
 {real(result['real'])}
 ## Real recordings in which one thing is concealed, by family
 
-{semi_real_part(result['real'], semi_real.markdown)}
+{semi_real_part(result['real'], semi_real_outcomes.markdown)}
 ## Time and memory
 
 {timing(result['timing'])}

@@ -17,6 +17,7 @@ from pathlib import Path
 import semi_real
 from families import lay_out
 from flight_files import HOME
+from outcomes import label
 from run_trials import run_measured
 
 # mean errors over every window that the benchmark publishes for its test flights, 50 steps (0.5 s) ahead
@@ -70,11 +71,6 @@ class Bench:
                    "--stride", "1", "--format", "json"]
         result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
         return json.loads(result.stdout) if result.returncode == 0 else {"failed": result.stderr.strip()}
-
-
-def label(effect):
-    rotor = effect["parameters"].get("rotor")
-    return effect["effect"] + (f"#{int(rotor['value'])}" if rotor else "")
 
 
 def names(diagnosis):

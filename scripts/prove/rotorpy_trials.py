@@ -33,10 +33,9 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from falsify import vehicle_text
-from flight_files import HOME, Log, read_log
-from outcomes import by_effect, by_value, counted, others, table, truth_names
+from flight_files import HOME, Log, read_log, write_log
+from outcomes import by_effect, by_value, counted, label, means, others, table, truth_names
 from run_trials import run_measured
-from semi_real import label, means, write_log
 
 G, AIR_DENSITY = 9.81, 1.225
 SAMPLE_S, SETTLE_S, FLIGHT_S = 0.005, 2.0, 20.0

@@ -24,10 +24,10 @@ from pathlib import Path
 import numpy as np
 from air_trials import AIR_TRIALS, air_parts, judge
 from flight_files import HOME
+from outcomes import means
 from prove import Draw, draw_sets
 from real_flights import import_flights
 from run_trials import diagnose_sets
-from semi_real import means
 
 TABLE = "diagnosis/result/decisions.hpp"
 # threshold: (kind of trials, a step down, a step up); several that stand for one decision move together

@@ -18,7 +18,8 @@ import conceal_inputs as physics  # noqa: E402
 from falsify import VehicleFolder  # noqa: E402
 from families import large_frame_thrust_N, merged, smallest_three  # noqa: E402
 from flight_files import Log, read_vehicle  # noqa: E402
-from semi_real import Case, change_inputs, change_recording, combined, falsify_file, hover_difference, in_range, judge, limit_of, limit_of_thirds, over_stated, seen_away, sizes_before, summary  # noqa: E402
+from semi_real import Case, change_inputs, change_recording, falsify_file, hover_difference, in_range, limit_of, limit_of_thirds, seen_away, sizes_before  # noqa: E402
+from semi_real_outcomes import combined, judge, over_stated, summary  # noqa: E402
 
 FILE = HOME / "models" / "imrc_brushed" / "vehicle.toml"
 VEHICLE = read_vehicle(FILE)
