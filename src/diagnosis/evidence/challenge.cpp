@@ -146,8 +146,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
   while (true) {
     const HoldoutTest tested = test_holdout(session, selection, held.read, held.own_rate, jobs);
     result.regimes = regimes(session, selection);
-    result.rest = remainder(session, selection, without_forces_per_flight);
-    result.records = gather_evidence(session, selection, tested, result.regimes, result.rest);
+    result.records = gather_evidence(session, selection, tested, result.regimes);
     fly_without_each(to_fly, session.vehicle().effects, effects_found(session.catalogue(), selection), jobs,
                      result.records);
     for (Evidence& record : result.records) {
@@ -155,10 +154,15 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       judge(record);
     }
     result.history.push_back(judged_set(selection, result.records));
+    // whether anything else is left, of a set that stands alone: it takes as long as all the rest of the evidence
+    result.rest = lasting_push(session, selection, without_forces_per_flight);
+    const bool may_be_gust = result.rest.gust_like;
+    if (may_be_gust) ask_rest(session, selection, result.rest);
     const std::vector<int> means =
         result.rest.gust_like ? means_of_gust(session, selection, result.rest.gust) : std::vector<int>{};
     const std::vector<std::size_t> failed = failing(selection, result.records, means, stays_from);
     if (failed.empty()) {
+      if (!may_be_gust) ask_rest(session, selection, result.rest);
       if (result.withdrawn.empty()) break;
       std::optional<Selection> next = looks.next(session, selection, result, left_out);
       if (!next) break;

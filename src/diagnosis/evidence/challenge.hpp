@@ -9,6 +9,7 @@
 #include "diagnosis/evidence/gather_evidence.hpp"
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/result/findings.hpp"
+#include "diagnosis/validation/remainder.hpp"
 #include "gustlab/flight_log.hpp"
 
 namespace gustlab::diagnosis {

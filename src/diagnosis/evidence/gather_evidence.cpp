@@ -362,7 +362,7 @@ double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const 
 }
 
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
-                                      const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest) {
+                                      const std::vector<std::vector<Regimes>>& regimes) {
   const Catalogue& catalogue = session.catalogue();
   const Eigen::MatrixXd total = selection.grams.total();
   const std::vector<int> cluster = clusters_of(session, selection.grams);
@@ -404,7 +404,6 @@ std::vector<Evidence> gather_evidence(const Session& session, const Selection& s
           selection.unpredicted_delta_chi2 * share_of_innovations(session, selection, total, finding);
     record.force_excess = both[i].excess, record.force_excess_sd = both[i].deviation;
     record.part_lacking = both[i].lacking;
-    record.unexplained_delta_chi2 = rest.omnibus_delta_chi2;
     record.at_bound = at_its_bound(catalogue, selection.value, finding.group);
     record.undone = undone[i].share, record.outweighed = undone[i].outweighed;
     record.dwarfed_by = dwarfed_by(catalogue, selection, beside, i);

@@ -6,7 +6,6 @@
 #include "diagnosis/result/evidence.hpp"
 #include "diagnosis/rollout/rollout.hpp"
 #include "diagnosis/validation/holdout.hpp"
-#include "diagnosis/validation/remainder.hpp"
 #include "gustlab/flight_log.hpp"
 
 namespace gustlab::diagnosis {
@@ -45,7 +44,7 @@ bool headings_are_kept(const Session& session);
 
 // Of every finding of a selection, the session linearised there; rollouts are not flown yet.
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,
-                                      const std::vector<std::vector<Regimes>>& regimes, const Remainder& rest);
+                                      const std::vector<std::vector<Regimes>>& regimes);
 
 // Flies held-out flights in the simulator with all findings and without each in turn; fills `recovered` of the records, which are in the
 // order of `found`. `own`: effects of the vehicle file. Flights that cannot be flown are passed over.

@@ -52,9 +52,8 @@ struct Evidence {
   // its force less its moment, in its sizes, and how much the smaller one lacks of one size (parts.hpp)
   double force_excess = 0.0, force_excess_sd = 0.0, part_lacking = 0.0;
   double sensors_share =
-      1.0;  // of a late pose, the share of its delay that gyro and attitudes by themselves leave possible
-  double unexplained_delta_chi2 = 0.0;  // Δχ² of the generic family that still finds most
-  bool at_bound = false;                // a value ran into its bound
+      1.0;                // of a late pose, the share of its delay that gyro and attitudes by themselves leave possible
+  bool at_bound = false;  // a value ran into its bound
   // share of what it does to the predictions that another finding of like size, or all of them, take back; 0 where they add to it
   double undone = 0.0;
   // what all other findings do against it, over what it does

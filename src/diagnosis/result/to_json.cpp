@@ -80,7 +80,6 @@ ordered_json records(const std::vector<Evidence>& evidence) {
                         {"force_excess", number(e.force_excess)},
                         {"force_excess_std", number(e.force_excess_sd)},
                         {"part_lacking", number(e.part_lacking)},
-                        {"unexplained_delta_chi2", number(e.unexplained_delta_chi2)},
                         {"sensors_share", number(e.sensors_share)},
                         {"at_bound", e.at_bound},
                         {"undone_share", number(e.undone)},

@@ -36,24 +36,6 @@ constexpr std::array<const char*, disturbance_groups> group_name = {"horizontal 
 const std::array<std::vector<std::string>, disturbance_groups> channels_of = {
     {{"force_x", "force_y"}, {"force_z"}, {"torque_x", "torque_y"}, {"torque_z"}}};
 
-// A gust lasts longer than the air of a calm room, or has a line; it does not depend on where the vehicle is. Says whether it has a line.
-bool find_gust(const Session& session, const Selection& selection, bool force_withdrawn, Remainder& result) {
-  const auto floor = reference_floor(session.vehicle());
-  result.gust = gust_parts(session, selection.smoothed_selected);
-  const bool slow = result.gust.slow_mps2 > least_slow_share * floor[0] && result.gust.time_s > fastest_gust_s &&
-                    result.gust.time_s < slowest_gust_s;
-  // a line below a calm room's disturbance may be the flown figure's own, and so may a small part of what the vehicle does
-  const bool line = result.gust.line_mps2 > floor[0] && !result.gust.line_of_motion;
-  if (!line) result.gust.line_mps2 = 0.0;
-  if (!slow) result.gust.horizontal_mps2 = 0.0;
-  result.depends_on_state = (slow || line) && depends_on_state(session, selection.smoothed_selected);
-  if (result.depends_on_state)
-    result.alarms.push_back(
-        {"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
-  result.gust_like = !force_withdrawn && (slow || line) && !result.depends_on_state;
-  return line;
-}
-
 // generic functions of everything that was recorded, beside what was found and small trims
 void ask_generic_bases(const Session& session, const Selection& selection, const std::vector<int>& columns,
                        Remainder& result) {
@@ -89,7 +71,6 @@ void ask_generic_bases(const Session& session, const Selection& selection, const
   }
   result.gust_like = result.gust_like && worst == 0.0;
   const double explained = std::max(0.0, selection.loss_nominal - selection.loss_selected);
-  result.omnibus_delta_chi2 = worst;
   result.omnibus_share = worst > 0.0 ? worst / (worst + explained) : 0.0;
 }
 
@@ -205,18 +186,34 @@ bool beyond_chance(double delta_chi2, int size, double rows) {
   return delta_chi2 > size + beyond_chance_sd * std::sqrt(2.0 * size) + beyond_chance_share * rows;
 }
 
-Remainder remainder(const Session& session, const Selection& selection, bool force_withdrawn) {
+// A gust lasts longer than the air of a calm room, or has a line; it does not depend on where the vehicle is.
+Remainder lasting_push(const Session& session, const Selection& selection, bool force_withdrawn) {
   Remainder result;
+  const auto floor = reference_floor(session.vehicle());
+  result.gust = gust_parts(session, selection.smoothed_selected);
+  const bool slow = result.gust.slow_mps2 > least_slow_share * floor[0] && result.gust.time_s > fastest_gust_s &&
+                    result.gust.time_s < slowest_gust_s;
+  // a line below a calm room's disturbance may be the flown figure's own, and so may a small part of what the vehicle does
+  const bool line = result.gust.line_mps2 > floor[0] && !result.gust.line_of_motion;
+  if (!line) result.gust.line_mps2 = 0.0;
+  if (!slow) result.gust.horizontal_mps2 = 0.0;
+  result.depends_on_state = (slow || line) && depends_on_state(session, selection.smoothed_selected);
+  if (result.depends_on_state)
+    result.alarms.push_back(
+        {"omnibus", "horizontal force depends on where or how fast the vehicle is", 0.0, channels_of[0]});
+  result.gust_like = !force_withdrawn && (slow || line) && !result.depends_on_state;
+  return result;
+}
+
+void ask_rest(const Session& session, const Selection& selection, Remainder& result) {
   const std::vector<int> columns = session.with_biases(selection.groups());
-  const bool line = find_gust(session, selection, force_withdrawn, result);
   ask_generic_bases(session, selection, columns, result);
   ask_whiteness(session, selection.noise_selected, columns, result);
   ask_floor(session, selection.noise_selected, result);
   ask_growth(session, selection, result);
   const GustParts& gust = result.gust;
-  result.names_gust = result.gust_like && (line || gust.time_s > longest_of_rough_air_s ||
+  result.names_gust = result.gust_like && (gust.line_mps2 > 0.0 || gust.time_s > longest_of_rough_air_s ||
                                            gust.horizontal_mps2 > least_sideways * gust.vertical_mps2);
-  return result;
 }
 
 }  // namespace gustlab::diagnosis

@@ -16,8 +16,7 @@ inline constexpr std::array<const char*, 6> channel_name = {"force_x",  "force_y
 
 struct Remainder {
   std::vector<Alarm> alarms;
-  double omnibus_delta_chi2 = 0.0;  // χ² of the family that still finds most
-  double omnibus_share = 0.0;       // of all structure, what the omnibus test still finds
+  double omnibus_share = 0.0;  // of all structure, what the omnibus test still finds
   bool gust_like =
       false;  // horizontal floor raised and slowly varying, or with a line, and no dependence on the state explains it
   bool names_gust =
@@ -26,9 +25,12 @@ struct Remainder {
   GustParts gust;
 };
 
-// At the selected model; the session must be linearised there.
+// Both at the selected model; the session must be linearised there.
+// What pushes for long, which takes little time: `gust`, `depends_on_state`, and `gust_like` but for what ask_rest() finds.
 // `force_withdrawn`: a force of every flight's own was found and did not stand, so what is left is no gust.
-Remainder remainder(const Session& session, const Selection& selection, bool force_withdrawn);
+Remainder lasting_push(const Session& session, const Selection& selection, bool force_withdrawn);
+// all else
+void ask_rest(const Session& session, const Selection& selection, Remainder& result);
 
 // more than chance and more than a thousandth of the information (DIAGNOSIS.md §3.5c)
 bool beyond_chance(double delta_chi2, int size, double rows);

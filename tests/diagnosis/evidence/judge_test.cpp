@@ -94,13 +94,6 @@ TEST(Judge, WhatNothingInFlightChangesIsTheSameAllAlongIt) {
   EXPECT_EQ(probability(e), shared);
 }
 
-// it lowers the verdict
-TEST(Judge, WhatRemainsUnexplainedTakesNoName) {
-  Evidence e = strong();
-  e.unexplained_delta_chi2 = 20000.0;
-  EXPECT_EQ(probability(e), probability(strong()));
-}
-
 // held-out flights that hardly excite an effect do not refute it
 TEST(Judge, HeldOutFlightsSpeakOnlyOfWhatTheyExcite) {
   const auto with = [](double expected, double delta_chi2) {

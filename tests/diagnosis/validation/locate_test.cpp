@@ -172,9 +172,15 @@ TEST(Locate, AnAlarmMarksItsChannels) {
     EXPECT_EQ(m.significant, m.channel == "torque_y") << m.channel;
 }
 
+Remainder remainder_of(const NothingChosen& set) {
+  Remainder result = lasting_push(set.session, set.selection, false);
+  ask_rest(set.session, set.selection, result);
+  return result;
+}
+
 TEST(RemainderOfFlights, IsQuietWhereNothingIsLeft) {
   const NothingChosen calm(1.0);
-  const Remainder rest = remainder(calm.session, calm.selection, false);
+  const Remainder rest = remainder_of(calm);
   for (const Alarm& alarm : rest.alarms) ADD_FAILURE() << alarm.says << " " << alarm.size;
   EXPECT_FALSE(rest.gust_like || rest.names_gust);
   EXPECT_EQ(rest.omnibus_share, 0.0);
@@ -183,7 +189,7 @@ TEST(RemainderOfFlights, IsQuietWhereNothingIsLeft) {
 // an error of a position that lasts 0.2 s is no white noise: the alarm says of which sensor
 TEST(RemainderOfFlights, SaysOfWhichSensorTheInnovationsAreCorrelated) {
   const NothingChosen waving(1.0, 0.0, 0.01);
-  const Remainder rest = remainder(waving.session, waving.selection, false);
+  const Remainder rest = remainder_of(waving);
   std::vector<std::string> sensors;
   for (const Alarm& alarm : rest.alarms) {
     EXPECT_EQ(alarm.sensor.empty(), alarm.kind != "whiteness") << alarm.says;
@@ -201,7 +207,7 @@ TEST(RemainderOfFlights, SaysOfWhichSensorTheInnovationsAreCorrelated) {
 // thrust that is a fifth short shows in the generic bases, in the channel of the vertical force, and is no gust
 TEST(RemainderOfFlights, SaysInWhichChannelSomethingIsLeft) {
   const NothingChosen heavy(1.2);
-  const Remainder rest = remainder(heavy.session, heavy.selection, false);
+  const Remainder rest = remainder_of(heavy);
   EXPECT_FALSE(rest.names_gust);
   EXPECT_EQ(rest.omnibus_share, 1.0);  // nothing was explained
   std::vector<std::string> channels;
@@ -215,11 +221,11 @@ TEST(RemainderOfFlights, SaysInWhichChannelSomethingIsLeft) {
 TEST(RemainderOfFlights, AForceOfOneFrequencyIsAGustOfThatLine) {
   constexpr double force_mps2 = 0.6;
   const NothingChosen blown(1.0, force_mps2);
-  const Remainder rest = remainder(blown.session, blown.selection, false);
+  const Remainder rest = remainder_of(blown);
   EXPECT_NEAR(rest.gust.line_radps, pace_radps, 0.05);
   EXPECT_NEAR(rest.gust.line_mps2, force_mps2 / std::sqrt(2.0), 0.05);  // root mean square of both axes
   EXPECT_TRUE(rest.names_gust);
-  EXPECT_FALSE(remainder(blown.session, blown.selection, true).gust_like) << "after a force was withdrawn";
+  EXPECT_FALSE(lasting_push(blown.session, blown.selection, true).gust_like) << "after a force was withdrawn";
 }
 
 }  // namespace locate_test
