@@ -64,6 +64,8 @@ constexpr double most_windows = 600.0;
 constexpr double slow_s = 0.06;
 // EM ends when no variance, power or time changes by more than this share in a step
 constexpr double least_change = 0.01;
+// of the search for the noise
+constexpr NoiseSteps coarse_steps{2.0, 8}, fine_steps{1.4, 4};
 
 std::array<double, disturbance_groups> reference_floor(const VehicleModel& vehicle) {
   // 0.106 m/s² of force; torques in proportion to that force at 0.23 (0.20 in yaw) of the arm
@@ -433,7 +435,7 @@ void Session::search_noise(const std::vector<int>& columns) {
   std::vector<LinearFlight> rest;
   for (const LinearFlight& flight : linear_) rest.push_back(taken_out(flight, fitted, coefficient));
   const NoiseModel calm = noise;
-  const double forgetful = descend(rest, noise);
+  const double near = descend(rest, noise, coarse_steps), forgetful = descend(rest, noise, fine_steps);
   // errors of the sensors may last
   std::vector<Whitened> whitened(rest.size());
   for_each_flight([&](std::size_t f) { whitened[f] = whiten(flights_[f], rest[f], noise); });
@@ -447,14 +449,16 @@ void Session::search_noise(const std::vector<int>& columns) {
   lasting.lasting_variance = {1.6e-5, 2.5e-5, any_channel(flights_, has_rate) ? noise.measurement[2] : 1e-12,
                               any_channel(flights_, has_force) ? noise.measurement[3] : 1e-12};  // 4 mm, 5 mrad
   lasting.lasting_time_s = {0.1, 0.1, 0.5 * sample_s(), 0.5 * sample_s()};
-  const double remembering = descend(rest, lasting);
   const double rows = std::accumulate(whitened.begin(), whitened.end(), 0.0, [](double sum, const Whitened& w) {
     return sum + static_cast<double>(w.time_s.size());
   });
-  if (remembering < forgetful - decisions::lasting_gain * rows) noise = lasting;
+  const double pays_below = forgetful - decisions::lasting_gain * rows;
+  // fine steps bring about as much as without memory, where a state has fewer numbers
+  if (descend(rest, lasting, coarse_steps) - 2.0 * (near - forgetful) > pays_below) return;
+  if (descend(rest, lasting, fine_steps) < pays_below) noise = lasting;
 }
 
-double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const {
+double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& model, const NoiseSteps& steps) const {
   const std::size_t count = flights.size();
   const auto misfits = [&](const std::vector<NoiseModel>& models) {
     std::vector<double> of(models.size() * count), sum(models.size(), 0.0);
@@ -470,6 +474,7 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
   struct Part {
     PerGroup NoiseModel::*values;
     bool time = false;
+    double way = 0.0;  // its last step: larger, smaller, or none
   };
   struct Law {
     std::size_t group;
@@ -481,26 +486,28 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
   for (std::size_t g = 0; g < disturbance_groups; ++g)
     groups.push_back({g, {{&NoiseModel::variance}, {&NoiseModel::time_s, true}, {&NoiseModel::white}}});
   double least = misfits({model}).front();
-  for (const auto& [factor, sweeps] : {std::pair{2.0, 8}, {1.4, 4}}) {
-    // groups hardly depend on each other: one that stays will stay
-    std::vector<bool> moved(groups.size(), true);
-    for (int sweep = 0; sweep < sweeps; ++sweep)
-      for (std::size_t g = 0; g < groups.size(); ++g) {
-        if (!moved[g]) continue;
-        moved[g] = false;
-        for (const Part& part : groups[g].parts) {
-          std::vector<NoiseModel> trials;
-          for (const double by : {factor, 1.0 / factor}) {
-            NoiseModel trial = model;
-            (trial.*part.values)[groups[g].group] *= part.time ? by : by * by;
-            if (trial.possible()) trials.push_back(trial);
-          }
-          const std::vector<double> here = misfits(trials);
-          for (std::size_t i = 0; i < trials.size(); ++i)
-            if (here[i] < least - 1.0) least = here[i], model = trials[i], moved[g] = true;
+  // groups hardly depend on each other: one that stays will stay
+  std::vector<bool> moved(groups.size(), true);
+  for (int sweep = 0; sweep < steps.sweeps; ++sweep)
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (!moved[g]) continue;
+      moved[g] = false;
+      for (Part& part : groups[g].parts) {
+        std::vector<NoiseModel> trials;
+        std::vector<double> ways;
+        for (const double way : {1.0, -1.0}) {
+          if (way == -part.way) continue;  // where it came from
+          const double by = way > 0.0 ? steps.factor : 1.0 / steps.factor;
+          NoiseModel trial = model;
+          (trial.*part.values)[groups[g].group] *= part.time ? by : by * by;
+          if (trial.possible()) trials.push_back(trial), ways.push_back(way);
         }
+        part.way = 0.0;
+        const std::vector<double> here = misfits(trials);
+        for (std::size_t i = 0; i < trials.size(); ++i)
+          if (here[i] < least - 1.0) least = here[i], model = trials[i], part.way = ways[i], moved[g] = true;
       }
-  }
+    }
   return least;
 }
 

@@ -26,6 +26,12 @@ LatencyStart least_left_at(const Catalogue& catalogue, const Eigen::VectorXd& pr
                            const std::function<double(const Eigen::VectorXd&)>& left,
                            double hopeless = std::numeric_limits<double>::infinity());
 
+// How a number of the noise is tried: so much larger and smaller, in at most so many sweeps over all.
+struct NoiseSteps {
+  double factor;
+  int sweeps;
+};
+
 class Session {
  public:
   // `shooting_flights`: other (less filtered) versions of the same flights; Grams then come from predictions half a
@@ -138,7 +144,7 @@ class Session {
   void weigh(ShootingWeights weights);
   std::vector<int> present(const std::vector<int>& columns) const;
   // Changes the model, a part at a time, to a likelier one; returns −2 log likelihood.
-  double descend(const std::vector<LinearFlight>& flights, NoiseModel& model) const;
+  double descend(const std::vector<LinearFlight>& flights, NoiseModel& model, const NoiseSteps& steps) const;
   int jobs_;
   VehicleModel vehicle_;
   std::vector<FlightData> flights_;
