@@ -474,7 +474,6 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
   struct Part {
     PerGroup NoiseModel::*values;
     bool time = false;
-    double way = 0.0;  // its last step: larger, smaller, or none
   };
   struct Law {
     std::size_t group;
@@ -492,20 +491,16 @@ double Session::descend(const std::vector<LinearFlight>& flights, NoiseModel& mo
     for (std::size_t g = 0; g < groups.size(); ++g) {
       if (!moved[g]) continue;
       moved[g] = false;
-      for (Part& part : groups[g].parts) {
+      for (const Part& part : groups[g].parts) {
         std::vector<NoiseModel> trials;
-        std::vector<double> ways;
-        for (const double way : {1.0, -1.0}) {
-          if (way == -part.way) continue;  // where it came from
-          const double by = way > 0.0 ? steps.factor : 1.0 / steps.factor;
+        for (const double by : {steps.factor, 1.0 / steps.factor}) {
           NoiseModel trial = model;
           (trial.*part.values)[groups[g].group] *= part.time ? by : by * by;
-          if (trial.possible()) trials.push_back(trial), ways.push_back(way);
+          if (trial.possible()) trials.push_back(trial);
         }
-        part.way = 0.0;
         const std::vector<double> here = misfits(trials);
         for (std::size_t i = 0; i < trials.size(); ++i)
-          if (here[i] < least - 1.0) least = here[i], model = trials[i], part.way = ways[i], moved[g] = true;
+          if (here[i] < least - 1.0) least = here[i], model = trials[i], moved[g] = true;
       }
     }
   return least;
