@@ -17,7 +17,7 @@ from pathlib import Path
 import semi_real
 from families import lay_out
 from flight_files import HOME
-from outcomes import label
+from outcomes import label, rotor_of
 from run_trials import run_measured
 
 # mean errors over every window that the benchmark publishes for its test flights, 50 steps (0.5 s) ahead
@@ -86,8 +86,7 @@ def among(diagnosis, wanted):
     """Whether a name, or one of its class, is `wanted` (rotor_loss#3 for a rotor)."""
     effect, _, rotor = wanted.partition("#")
     for found in diagnosis["effects"]:
-        own = found["parameters"].get("rotor", {}).get("value")
-        if found["effect"] == effect and (not rotor or int(own) == int(rotor)):
+        if found["effect"] == effect and (not rotor or rotor_of(found) == int(rotor)):
             return True
         if any(alike in (effect, wanted) for alike in found["class"] if alike != found["effect"]):
             return True

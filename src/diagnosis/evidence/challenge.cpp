@@ -154,7 +154,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       judge(record);
     }
     result.history.push_back(judged_set(selection, result.records));
-    // whether anything else is left, of a set that stands alone: it takes as long as all the rest of the evidence
+    // whether anything else is left, of a set that stands alone: asked of every set it took an eighth of a diagnosis
     result.rest = lasting_push(session, selection, without_forces_per_flight);
     const bool may_be_gust = result.rest.gust_like;
     if (may_be_gust) ask_rest(session, selection, result.rest);
