@@ -263,8 +263,7 @@ Evidence begun_record(const Catalogue& catalogue, const Selection& selection, co
   record.group = finding.group;
   record.rotor = group.rotor;
   record.per_flight = group.row->per_flight;
-  record.constant =
-      group.row->per_flight || (group.row->in_hover == InHover::weight && group.row->place == Place::body);
+  record.constant = keeps_its_size(*group.row);
   record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
   record.delta_chi2 = finding.delta_chi2;
   record.delta_chi2_with_partner = finding.delta_chi2_with_partner;
@@ -359,6 +358,11 @@ double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const 
     if (other != i && !selection.findings[other].calibration && !one_feels_the_other(other))
       largest = std::max(largest, beside(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(other)));
   return largest;
+}
+
+bool keeps_its_size(const EffectRow& row) {
+  return row.per_flight || row.latency != Latency::none ||
+         (row.in_hover == InHover::weight && row.place == Place::body);
 }
 
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,

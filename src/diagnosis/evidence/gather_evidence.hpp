@@ -6,6 +6,7 @@
 #include "diagnosis/result/evidence.hpp"
 #include "diagnosis/rollout/rollout.hpp"
 #include "diagnosis/validation/holdout.hpp"
+#include "gustlab/effect.hpp"
 #include "gustlab/flight_log.hpp"
 
 namespace gustlab::diagnosis {
@@ -41,6 +42,9 @@ double own_acceleration_mps2(const Session& session, const Selection& selection,
 
 // Whether no flight turns: what stays in the world stays in the body then.
 bool headings_are_kept(const Session& session);
+
+// Whether nothing in flight changes how large an effect is: a mass, a lag, a force of every flight's own.
+bool keeps_its_size(const EffectRow& row);
 
 // Of every finding of a selection, the session linearised there; rollouts are not flown yet.
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,

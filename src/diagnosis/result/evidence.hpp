@@ -28,7 +28,7 @@ struct Evidence {
   int group = -1;
   int rotor = 0;            // of a rotor's own effect: 1 to N
   bool per_flight = false;  // its values are each flight's own, fitted to the held-out ones as well
-  bool constant = false;    // nothing in flight changes it: a mass, a force of every flight's own
+  bool constant = false;    // nothing in flight changes it: a mass, a lag, a force of every flight's own
   int parameters = 1;       // free numbers
   double delta_chi2 = 0.0;  // Δχ² when it is left out and all else is fitted anew
   double delta_chi2_with_partner =

@@ -5,6 +5,10 @@
 
 #include <functional>
 #include <limits>
+#include <set>
+#include <string_view>
+
+#include "diagnosis/evidence/gather_evidence.hpp"
 
 namespace gustlab::diagnosis {
 namespace judge_test {
@@ -76,6 +80,18 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
     worse[i](e);
     EXPECT_LT(probability(e), probability(strong())) << "change " << i;
   }
+}
+
+TEST(Judge, AMassALagAndAForceOfEveryFlightKeepTheirSize) {
+  const std::set<std::string_view> keep = {"mass", "motor_lag", "actuation_delay", "constant_force"},
+                                   change = {"rotor_drag", "center_of_mass", "rotor_inertia"};
+  std::size_t asked = 0;
+  for (const EffectRow& row : effect_registry()) {
+    if (!keep.contains(row.name) && !change.contains(row.name)) continue;
+    EXPECT_EQ(keeps_its_size(row), keep.contains(row.name)) << row.name;
+    ++asked;
+  }
+  EXPECT_EQ(asked, keep.size() + change.size());
 }
 
 // a tether pulls harder the higher the vehicle is, and is neither a constant force nor a mass
