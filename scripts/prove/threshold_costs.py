@@ -34,7 +34,7 @@ TABLE = "diagnosis/result/decisions.hpp"
 STEPS = {
     "hover_significance": ("hover", 1e-5, 0.05), "flight_to_flight": ("hover", 0.013, 0.03), "flight_to_flight_counts": ("hover", 2.0, 8.0),
     "number_costs": ("hover", 3.8, 10.8), "other_number_costs": ("hover", 1.0, 4.0), "often_limited": ("hover", 0.1, 0.5),
-    "wald_p": ("air", 1e-5, 0.05), "materiality": ("air", 0.0003, 0.0012), "relative_materiality": ("air", 5e-5, 2e-4),
+    "wald_p": ("air", 1e-5, 0.05), "relative_materiality": ("air", 5e-5, 2e-4),
     "scatter_margin": ("air", 1.0, 1.5), "trim_cost": ("air", 4.0, 16.0), "most_lost_to_rival": ("air", 0.25, 0.75),
     "hopeless": ("air", 0.02, 0.1), "named_from": ("confidence", 0.7, 0.9), "surely_needed": ("air", 1.0, 3.0),
     "beyond_chance_sd": ("air", 4.0, 9.0), "most_correlation": ("air", 0.1, 0.2), "most_of_floor": ("air", 1.8, 3.5),

@@ -60,10 +60,10 @@ inline constexpr double usual_shift = 0.003;
 
 // ---- selection
 
-// What a further effect must gain, as a share of the degrees of freedom, as a share of the whole gain, and at most.
-// Statistic: Δχ². From: no derivation of the values; the second keeps the second-order error of a giant effect out, and is bounded where the
+// What a further effect must gain beyond the price of its numbers, as a share of the whole gain, and at most as a share of the degrees of freedom.
+// Statistic: Δχ². From: no derivation of the values; the first keeps the second-order error of a giant effect out, and is bounded where the
 // model was linearised about that effect. Costs: smaller effects are not looked at; the judge withdraws what is let in too much.
-inline constexpr double materiality = 0.0006, relative_materiality = 1e-4, most_materiality = 0.003;
+inline constexpr double relative_materiality = 1e-4, most_materiality = 0.003;
 // A chosen effect is not zero.
 // Statistic: Wald test with clustered errors, over the number of groups. From: one false effect in a thousand searches (Bonferroni). Costs:
 // effects below some four standard errors.

@@ -28,13 +28,6 @@ constexpr std::size_t most_changes = 8;    // of a set that was found, before it
 // What may happen to a set that was fitted: nothing more is tried, a group more, or one for another as well.
 enum class Improve { no, by_more, freely };
 
-std::vector<int> joined(std::vector<int> groups, const std::vector<int>& further) {
-  groups.insert(groups.end(), further.begin(), further.end());
-  std::ranges::sort(groups);
-  groups.erase(std::ranges::unique(groups).begin(), groups.end());
-  return groups;
-}
-
 // A mean of block differences over its standard error, blocks of a cluster together.
 double paired_z(const Grams& grams, const Eigen::VectorXd& difference) {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(grams.clusters);
@@ -189,11 +182,11 @@ class Selector {
     return s_.reference() ? beside_reference(catalogue_, s_.all_columns(), *s_.reference(), std::move(grams)) : grams;
   }
 
-  // what a further effect must gain; where the model was linearised anew about what was found, a large effect leaves no
+  // what a further effect must gain beyond the price of its numbers; where the model was linearised anew about what was found, a large effect leaves no
   // second-order error that could be taken for another
   double material(double rows, double total_delta_chi2) const {
     const double relative = decisions::relative_materiality * total_delta_chi2;
-    return std::max(decisions::materiality * rows,
+    return std::max(asked(0.0).gained_by_chance(),
                     anew_ && !s_.shoots() ? std::min(relative, decisions::most_materiality * rows) : relative);
   }
 
@@ -339,7 +332,7 @@ class Selector {
       const Grams grams = s_.grams();
       const double loss = solve(grams.total(), s_.with_biases(groups)).loss;
       const double score = loss + grams.price(columns_of(catalogue_, groups).size()) +
-                           decisions::materiality * grams.rows * static_cast<double>(groups.size());
+                           asked(0.0).gained_by_chance() * static_cast<double>(groups.size());
       if (score < best) {
         best = score;
         value = refined;

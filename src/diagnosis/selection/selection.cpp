@@ -6,6 +6,13 @@
 
 namespace gustlab::diagnosis {
 
+std::vector<int> joined(std::vector<int> groups, const std::vector<int>& further) {
+  groups.insert(groups.end(), further.begin(), further.end());
+  std::ranges::sort(groups);
+  groups.erase(std::ranges::unique(groups).begin(), groups.end());
+  return groups;
+}
+
 std::vector<int> Selection::groups() const {
   std::vector<int> result;
   for (const Finding& finding : findings) result.push_back(finding.group);

@@ -57,6 +57,9 @@ struct Selection {
   const Finding* find(int group) const;
 };
 
+// All of both, sorted, each once.
+std::vector<int> joined(std::vector<int> groups, const std::vector<int>& further);
+
 // A selection and the session as it is beside it.
 struct Settled {
   Selection selection;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/subset_search.hpp"
 #include "gustlab/random.hpp"
 #include "util/parallel.hpp"
@@ -31,15 +30,13 @@ std::vector<double> inclusion(const Session& session, const Grams& grams, const 
       first[i] = random.uniform4(static_cast<std::uint64_t>(draw) * 100000 + i)[0] < 0.5;
     for (const bool half : {true, false}) {
       Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(grams.columns + 1, grams.columns + 1);
-      double blocks = 0.0;
       for (std::size_t b = 0; b < grams.block.size(); ++b) {
         const bool drawn = first[static_cast<std::size_t>(grams.cluster[b])] == half;
         if (drawn || grams.known[b]) gram += grams.block[b];
-        if (drawn) blocks += 1.0 / static_cast<double>(grams.block.size());
       }
       const auto by_size = search.run(project_out(gram, session.biases()), most, 5);
       found[static_cast<std::size_t>(2 * draw + (half ? 0 : 1))] =
-          SubsetSearch::choose(by_size, decisions::materiality * grams.rows * blocks).groups;
+          SubsetSearch::choose(by_size, search.gained_by_chance()).groups;
     }
   });
   for (const std::vector<int>& groups : found) {

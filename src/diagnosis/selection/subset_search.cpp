@@ -1,6 +1,7 @@
 #include "diagnosis/selection/subset_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -20,7 +21,12 @@ double fitted_value(const Column& column, const Fit& fit, std::size_t i) {
 SubsetSearch::SubsetSearch(const Catalogue& known, const VehicleModel&, double per_parameter)
     : catalogue(known), penalty(per_parameter) {
   for (std::size_t g = 0; g < catalogue.groups().size(); ++g)
-    if (catalogue.groups()[g].candidate) candidates.push_back(static_cast<int>(g));
+    if (const Group& group = catalogue.groups()[g]; group.candidate && !group.columns.empty())
+      candidates.push_back(static_cast<int>(g));
+}
+
+double SubsetSearch::gained_by_chance() const {
+  return 2.0 * std::log(static_cast<double>(std::max<std::size_t>(1, candidates.size())));
 }
 
 bool SubsetSearch::allowed(const std::vector<int>& groups) const {

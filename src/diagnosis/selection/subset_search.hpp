@@ -28,6 +28,8 @@ struct SubsetSearch {
   // less is worth as much. Empty: nothing does.
   std::vector<int> improved(const Eigen::MatrixXd& gram, const std::vector<int>& groups,
                             const std::set<std::vector<int>>& visited, double material, bool exchange) const;
+  // What the best of all candidates gains by chance beyond the price of its numbers (Chen and Chen, Biometrika 95, 2008, γ = 1), Δχ².
+  double gained_by_chance() const;
   bool allowed(const std::vector<int>& groups) const;
   // `groups` without one of them, and without a wind that nothing feels any more.
   std::vector<int> without(std::vector<int> groups, int group) const;

@@ -48,6 +48,18 @@ Eigen::MatrixXd some_gram() {
 
 SubsetSearch search() { return {catalogue(), vehicle(), std::log(300.0)}; }
 
+// it would cost nothing, and gain as little
+TEST(SubsetSearch, AGroupOfWhichNoNumberIsAskedIsNoCandidate) {
+  Catalogue some = catalogue();
+  const int mass = some.find("mass");
+  ASSERT_THAT(search().candidates, ::testing::Contains(mass));
+  for (const std::vector<int> all = some.group(mass).columns; const int c : all) some.freeze(c);
+  const SubsetSearch without(some, vehicle(), 0.0);
+  EXPECT_THAT(without.candidates, ::testing::Not(::testing::Contains(mass)));
+  EXPECT_EQ(without.candidates.size() + 1, search().candidates.size());
+  EXPECT_EQ(without.gained_by_chance(), 2.0 * std::log(static_cast<double>(without.candidates.size())));
+}
+
 // the best of all subsets of a size
 double best_score(const SubsetSearch& by, const Eigen::MatrixXd& gram, int size) {
   double best = std::numeric_limits<double>::infinity();
