@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -9,6 +11,7 @@
 #include "diagnosis/result/decisions.hpp"
 #include "diagnosis/selection/found_effects.hpp"
 #include "diagnosis/selection/select_effects.hpp"
+#include "diagnosis/selection/subset_search.hpp"
 #include "diagnosis/validation/gust_parts.hpp"
 #include "diagnosis/validation/regimes.hpp"
 
@@ -67,34 +70,63 @@ struct Stood {
   std::set<int> left_out;  // not asked any more
 };
 
+// the set that was the answer when a history was this long
+std::size_t answer_of(const std::vector<JudgedSet>& history) {
+  const auto answer = std::ranges::find(history, true, &JudgedSet::answer);
+  return static_cast<std::size_t>((answer == history.end() ? std::prev(answer) : answer) - history.begin());
+}
+
 // Looks at what was withdrawn, once all that is left stands: what went beside a wrong partner may come back when that has gone too.
 class Looks {
  public:
+  void saw(const Selection& selection, const std::vector<Evidence>& records) {
+    judged_.insert(joined(selection.groups(), {}));
+    for (std::size_t i = 0; i < records.size(); ++i)
+      if (double& most = likeliest_[records[i].group]; !selection.findings[i].calibration)
+        most = std::max(most, records[i].probability);
+  }
+
   // The set to be judged next; nothing: `selection`, as `judged`, is the answer. A look that has cost a name and explains no more was in
   // vain: then that is the set before it, with what was learned beside it.
   std::optional<Selection> next(Session& session, Selection& selection, Challenge& judged,
                                 const std::set<int>& left_out) {
     std::vector<int> names = likely(judged.records);
-    if (before_ && !std::ranges::includes(names, before_->names) &&
-        !explains_more(session, selection, before_->settled.selection)) {
-      selection = go_back(session, std::move(before_->settled));
-      before_->judged.withdrawn = std::move(judged.withdrawn);
-      const std::size_t answer = before_->judged.history.size() - 1;
-      before_->judged.history = std::move(judged.history);
-      before_->judged.history[answer].answer = true;
-      judged = std::move(before_->judged);
-      return std::nullopt;
-    }
+    const bool in_vain = before_ && !std::ranges::includes(names, before_->names) &&
+                         !explains_more(session, selection, before_->settled.selection);
     // a look that brings no name back is the last, but for what it leaves room for
-    if ((before_ && names == before_->names && left_out == before_->left_out) || tried_.size() >= most_looks)
-      return std::nullopt;
+    const bool last = before_ && names == before_->names && left_out == before_->left_out;
+    if (in_vain) back(session, selection, judged);
+    if (in_vain || last || tried_.size() >= most_looks) return with_one_back(session, selection, judged, left_out);
     before_ = Stood{settled(session, selection), judged, std::move(names), left_out};
-    return look_again(session, selection, tried_, left_out);
+    std::optional<Selection> more = look_again(session, selection, tried_, left_out);
+    return more ? std::move(more) : with_one_back(session, selection, judged, left_out);
   }
 
  private:
-  std::set<std::vector<int>> tried_;
-  std::optional<Stood> before_;  // the last look
+  void back(Session& session, Selection& selection, Challenge& judged) {
+    Stood stood = std::move(*before_);
+    before_.reset();
+    selection = go_back(session, std::move(stood.settled));
+    const std::size_t answer = answer_of(stood.judged.history);
+    stood.judged.withdrawn = std::move(judged.withdrawn);
+    stood.judged.history = std::move(judged.history);
+    stood.judged.history[answer].answer = true;
+    judged = std::move(stood.judged);
+  }
+
+  std::optional<Selection> with_one_back(Session& session, const Selection& selection, Challenge& judged,
+                                         const std::set<int>& left_out) {
+    const std::optional<int> group = comes_back(session, selection, likeliest_, judged_);
+    if (!group) return std::nullopt;
+    judged_.insert(joined(selection.groups(), {*group}));
+    before_ = Stood{settled(session, selection), judged, likely(judged.records), left_out};
+    for (JudgedSet& set : judged.history) set.answer = false;
+    return with_also(session, selection, {*group}, selection.value);
+  }
+
+  std::set<std::vector<int>> tried_, judged_;
+  std::map<int, double> likeliest_;  // of every group, its largest probability in any set
+  std::optional<Stood> before_;      // the last look
 };
 
 }  // namespace
@@ -136,6 +168,19 @@ std::optional<int> nearest_rival(const Catalogue& catalogue, const Selection& se
   return std::nullopt;
 }
 
+std::optional<int> comes_back(const Session& session, const Selection& selection,
+                              const std::map<int, double>& likeliest, const std::set<std::vector<int>>& judged) {
+  const SubsetSearch search(session.catalogue(), session.vehicle(), 0.0);
+  for (const auto& [group, probability] : likeliest) {
+    if (probability < decisions::named_from || session.catalogue().group(group).row->per_flight ||
+        selection.find(group) || selection.at_bounds.contains(group))
+      continue;
+    const std::vector<int> groups = joined(selection.groups(), {group});
+    if (search.allowed(groups) && !judged.contains(groups)) return group;
+  }
+  return std::nullopt;
+}
+
 Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
                     const std::function<std::optional<double>()>& most_pose_latency_s, int jobs, double stays_from) {
   Challenge result;
@@ -153,6 +198,7 @@ Challenge challenge(Session& session, Selection& selection, const HeldOut& held,
       ask_sensors(session, selection, most_pose_latency_s, record);
       judge(record);
     }
+    looks.saw(selection, result.records);
     result.history.push_back(judged_set(selection, result.records));
     // whether anything else is left, of a set that stands alone: asked of every set it took an eighth of a diagnosis
     result.rest = lasting_push(session, selection, without_forces_per_flight);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <vector>
@@ -39,12 +40,18 @@ std::size_t weakest(const std::vector<Evidence>& records, std::vector<std::size_
 std::optional<int> nearest_rival(const Catalogue& catalogue, const Selection& selection, const Finding& finding,
                                  const Evidence& record, const std::set<int>& asked);
 
+// A name that was likely beside others which have gone is asked once more beside those that stand: the noise that was learned without it may hold it by
+// now, so that no search finds it. `likeliest`: of every group its largest probability in any set; `judged`: sets that were asked. No values of every
+// flight's own, and nothing that ran into its bound.
+std::optional<int> comes_back(const Session& session, const Selection& selection,
+                              const std::map<int, double>& likeliest, const std::set<std::vector<int>>& judged);
+
 // Whether one set of effects explains more than another, linearised about both and under the noise beside either (Schwarz, Ann. Stat.
 // 6, 1978: a number costs the logarithm of the rows).
 bool explains_more(const Session& session, const Selection& one, const Selection& other);
 
-// What was withdrawn is looked at again at the end, beside noise that was learned beside all effects; where it costs a name or a suspicion and the new set
-// explains no more, all is exactly as it was before.
+// What was withdrawn is looked at again at the end, beside noise that was learned beside all effects, and by comes_back; where that costs a name or a
+// suspicion and the new set explains no more, all is exactly as it was before.
 // `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
 // `stays_from`: the probability from which a finding stays.
 // The session must be linearised at the selection, and is so again at the end.

@@ -165,5 +165,26 @@ TEST(NearestRival, KeepsHalfOfTheGainAndWasNotAskedBefore) {
   EXPECT_EQ(rival(other, {}), std::nullopt);
 }
 
+// a mass that the noise holds once a curve and a tilt that went with it have been withdrawn
+TEST(ComesBack, WhatWasLikelyAndWasNotAskedBesideTheNamesThatStand) {
+  const Session session = test::session_of(test::short_flights("", {"multisine"}));
+  const auto group = [&](const char* label) { return session.catalogue().find(std::string_view(label)); };
+  const int drag = group("rotor_drag"), mass = group("mass"), force = group("constant_force");
+  Selection selection;
+  selection.findings.emplace_back().group = drag;
+  std::map<int, double> likeliest = {{drag, 0.99}, {mass, 0.93}, {force, 0.97}, {group("thrust_curve"), 0.79}};
+  std::set<std::vector<int>> judged;
+  const auto back = [&] { return comes_back(session, selection, likeliest, judged); };
+  EXPECT_EQ(back(), mass);
+  likeliest[mass] = 0.79;
+  EXPECT_EQ(back(), std::nullopt);
+  likeliest[mass] = 0.93;
+  selection.at_bounds = {mass};
+  EXPECT_EQ(back(), std::nullopt);
+  selection.at_bounds.clear();
+  judged.insert({std::min(drag, mass), std::max(drag, mass)});
+  EXPECT_EQ(back(), std::nullopt);
+}
+
 }  // namespace challenge_stages_test
 }  // namespace gustlab::diagnosis
