@@ -691,14 +691,14 @@ std::string cannot_tell(const Json& diagnosis) {
                     figure(number(entry, "delta_score")));
   }
   if (!rows.empty())
-    html +=
-        "<details><summary>Looked at and not named</summary>" +
-        card_table({{"effect"}, {"why not"}, {"would show from"}, {"score", true}}, rows) +
-        paragraph(
-            "Would show from: five standard errors, if nothing else looked like it. Score: how much better the model "
-            "predicts with it, less a price for each of its numbers.",
-            "note") +
-        "</details>";
+    html += "<details><summary>Looked at and not named</summary>" +
+            card_table({{"effect"}, {"why not"}, {"would show from"}, {"score", true}}, rows) +
+            paragraph(
+                "Would show from: five standard errors beside what was found, and what pays for its numbers. Score: "
+                "how much better the model "
+                "predicts with it, less a price for each of its numbers.",
+                "note") +
+            "</details>";
   return html;
 }
 

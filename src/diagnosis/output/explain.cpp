@@ -198,19 +198,53 @@ void note_tilted_frame(const Session& session, Diagnosis& out) {
   }
 }
 
-// the size of every number of a group from which on it would show; of one per flight the flight that shows it best
-std::vector<NamedValue> would_show(const Session& session, const Eigen::MatrixXd& projected, const Group& group) {
-  std::vector<NamedValue> sizes;
-  for (const int c : group.columns) {
-    const Column& column = session.catalogue().columns()[static_cast<std::size_t>(c)];
-    const double typical = size_that_shows(projected, c), size = typical * column.natural;
-    if (!(typical < hardly_shown)) continue;
-    const auto same = std::ranges::find(sizes, column.name, &NamedValue::name);
-    if (same == sizes.end()) sizes.push_back({column.name, column.unit, size, 0.0});
-    else same->value = std::min(same->value, size);
+// From which size on numbers would show in these flights.
+class Shown {
+ public:
+  Shown(const Session& session, const Selection& selection)
+      : session_(session),
+        selection_(selection),
+        by_chance_(SubsetSearch(session.catalogue(), session.vehicle(), 0.0).gained_by_chance()),
+        total_(selection.grams.total()),
+        alone_(project_out(total_, session.biases())) {}
+
+  // The size of every number of a group beside all else that was found; of one per flight the flight that shows it best. Left out where no possible
+  // size would show.
+  std::vector<NamedValue> sizes(int g) const {
+    const Group& group = session_.catalogue().group(g);
+    std::vector<int> others = selection_.groups();
+    std::erase(others, g);
+    const std::vector<int> beside = session_.with_biases(others);
+    const Eigen::MatrixXd left = project_out(total_, beside);
+    std::vector<NamedValue> sizes;
+    for (const int c : group.columns) {
+      const Column& column = session_.catalogue().column(c);
+      if (!(size_that_shows(alone_, c) < hardly_shown)) continue;
+      const double size = shows_from(c, beside, left(c, c), group.columns.size()) * column.natural;
+      if (!(size < std::max(column.max - column.nominal, column.nominal - column.min))) continue;
+      const auto same = std::ranges::find(sizes, column.name, &NamedValue::name);
+      if (same == sizes.end()) sizes.push_back({column.name, column.unit, size, 0.0});
+      else same->value = std::min(same->value, size);
+    }
+    return sizes;
   }
-  return sizes;
-}
+
+ private:
+  // In typical sizes: five standard errors, which disturbances that last make larger, and what pays for all numbers of its group.
+  double shows_from(int column, std::vector<int> beside, double information, std::size_t numbers) const {
+    beside.push_back(column);
+    const Grams& grams = selection_.grams;
+    const double variance =
+        clustered_covariance(grams, beside, solve(total_, beside).coefficient).bottomRightCorner<1, 1>().value();
+    return std::sqrt(
+        std::max({25.0 / information, 25.0 * variance, (grams.price(numbers) + by_chance_) / information}));
+  }
+
+  const Session& session_;
+  const Selection& selection_;
+  const double by_chance_;
+  const Eigen::MatrixXd total_, alone_;
+};
 
 // a wind beside what was found is felt by nothing
 bool blows_unfelt(const Session& session, const Selection& selection, int g) {
@@ -251,13 +285,13 @@ void list_rejected(const Session& session, const Selection& selection, const std
   for (const Finding& finding : selection.findings) said.insert(name_of(finding.group));
   for (const NotIdentifiable& unknown : out.not_identifiable) not_identifiable.insert(unknown.effect);
   std::map<int, double> scores(selection.alone.begin(), selection.alone.end());
-  const Eigen::MatrixXd projected = project_out(selection.grams.total(), session.biases());
+  const Shown shown(session, selection);
   const auto reject = [&](int g, double score, const std::string& why) {
     const Group& group = group_of(session, g);
     said.insert(group.row->name);
     const bool unfelt = blows_unfelt(session, selection, g);
-    out.rejected.push_back({with_rotor(group.row->name, group.rotor), score, why,
-                            unfelt ? std::vector<NamedValue>{} : would_show(session, projected, group)});
+    out.rejected.push_back(
+        {with_rotor(group.row->name, group.rotor), score, why, unfelt ? std::vector<NamedValue>{} : shown.sizes(g)});
   };
   for (const Evidence& record : unlikely) {
     if (not_identifiable.contains(name_of(record.group))) continue;

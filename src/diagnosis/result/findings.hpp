@@ -67,7 +67,7 @@ struct Rejected {
   std::string effect;  // with its rotor
   double score = 0.0;  // Δχ² of adding it to what was found, less what its numbers cost
   std::string why;
-  std::vector<NamedValue> would_show = {};  // numbers from which on it would show, if nothing looked like it
+  std::vector<NamedValue> would_show = {};  // numbers from which on it would show beside what was found
 };
 
 // What would make an effect identifiable that is not: a kind for programs and for the page, beside the reason in words.

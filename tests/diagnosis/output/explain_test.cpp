@@ -7,6 +7,7 @@
 
 #include "config/toml.hpp"
 #include "diagnosis/result/decisions.hpp"
+#include "diagnosis/selection/subset_search.hpp"
 #include "support/flight_data.hpp"
 #include "support/vehicles.hpp"
 
@@ -344,6 +345,39 @@ TEST_F(Explained, OfEveryEffectThatFlightsWouldShowIsSaidThatItIsNotThere) {
   ASSERT_EQ(scale->would_show.size(), 1u);
   const Column& number = session.catalogue().columns()[static_cast<std::size_t>(column("thrust_scale"))];
   EXPECT_NEAR(scale->would_show[0].value, 0.05 * number.natural, 1e-12);
+}
+
+// of which nine parts of ten look like the mass that was found, and then all of it
+TEST_F(Explained, WhatLooksLikeANameWouldShowFromALargerSizeOnAndNotBeyondItsBounds) {
+  found("mass", 0.05, 0.97);
+  selection.alone = {{session.catalogue().find("thrust_scale"), -1.0}};
+  const int mass = column("mass"), thrust = column("thrust_scale");
+  Eigen::MatrixXd& gram = selection.grams.block[0];
+  const auto would_show = [&](double alike) {
+    gram(mass, thrust) = gram(thrust, mass) = alike * 1e4;
+    const Diagnosis d = explained();
+    const auto scale = std::ranges::find(d.rejected, "thrust_scale", &Rejected::effect);
+    return scale == d.rejected.end() ? std::vector<NamedValue>{} : scale->would_show;
+  };
+  const double natural = session.catalogue().column(thrust).natural;
+  ASSERT_EQ(would_show(std::sqrt(0.9)).size(), 1u);
+  EXPECT_NEAR(would_show(std::sqrt(0.9))[0].value, 0.05 * natural / std::sqrt(0.1), 1e-6 * natural);
+  EXPECT_THAT(would_show(1.0), IsEmpty());
+}
+
+// a centre of mass costs three numbers
+TEST_F(Explained, AnEffectOfManyNumbersWouldShowFromWhatPaysForThem) {
+  selection.alone = {{session.catalogue().find("center_of_mass"), -1.0}};
+  selection.grams.rows = 1e6;
+  const Diagnosis d = explained();
+  const auto center = std::ranges::find(d.rejected, "center_of_mass", &Rejected::effect);
+  ASSERT_NE(center, d.rejected.end());
+  ASSERT_EQ(center->would_show.size(), 3u);
+  const double chance = SubsetSearch(session.catalogue(), session.vehicle(), 0.0).gained_by_chance();
+  EXPECT_NEAR(
+      center->would_show[0].value,
+      std::sqrt((3.0 * std::log(1e6) + chance) / 1e4) * session.catalogue().column(column("center_of_mass")).natural,
+      1e-9);
 }
 
 struct ExplainedWithoutDrag : Explained {
