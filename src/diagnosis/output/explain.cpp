@@ -208,12 +208,13 @@ class Shown {
         total_(selection.grams.total()),
         alone_(project_out(total_, session.biases())) {}
 
-  // The size of every number of a group beside all else that was found; of one per flight the flight that shows it best. Left out where no possible
-  // size would show.
+  // The size of every number of a group beside all else that was found but calibration, which it may be itself; of one per flight the flight that shows
+  // it best. Left out where no possible size would show.
   std::vector<NamedValue> sizes(int g) const {
     const Group& group = session_.catalogue().group(g);
-    std::vector<int> others = selection_.groups();
-    std::erase(others, g);
+    std::vector<int> others;
+    for (const Finding& finding : selection_.findings)
+      if (!finding.calibration && finding.group != g) others.push_back(finding.group);
     const std::vector<int> beside = session_.with_biases(others);
     const Eigen::MatrixXd left = project_out(total_, beside);
     std::vector<NamedValue> sizes;
