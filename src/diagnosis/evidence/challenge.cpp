@@ -68,6 +68,7 @@ struct Stood {
   Challenge judged;
   std::vector<int> names;
   std::set<int> left_out;  // not asked any more
+  bool one_back = false;   // the look is at one name, not by a search
 };
 
 // the set that was the answer when a history was this long
@@ -87,14 +88,16 @@ class Looks {
   }
 
   // The set to be judged next; nothing: `selection`, as `judged`, is the answer. A look that has cost a name and explains no more was in
-  // vain: then that is the set before it, with what was learned beside it.
+  // vain, and one at a single name that ended where it began: then that is the set before it, with what was learned beside it.
   std::optional<Selection> next(Session& session, Selection& selection, Challenge& judged,
                                 const std::set<int>& left_out) {
     std::vector<int> names = likely(judged.records);
-    const bool in_vain = before_ && !std::ranges::includes(names, before_->names) &&
-                         !explains_more(session, selection, before_->settled.selection);
+    const bool same = before_ && names == before_->names;
+    const bool in_vain = before_ && (same ? before_->one_back
+                                          : !std::ranges::includes(names, before_->names) &&
+                                                !explains_more(session, selection, before_->settled.selection));
     // a look that brings no name back is the last, but for what it leaves room for
-    const bool last = before_ && names == before_->names && left_out == before_->left_out;
+    const bool last = same && left_out == before_->left_out;
     if (in_vain) back(session, selection, judged);
     if (in_vain || last || tried_.size() >= most_looks) return with_one_back(session, selection, judged, left_out);
     before_ = Stood{settled(session, selection), judged, std::move(names), left_out};
@@ -119,7 +122,7 @@ class Looks {
     const std::optional<int> group = comes_back(session, selection, likeliest_, judged_);
     if (!group) return std::nullopt;
     judged_.insert(joined(selection.groups(), {*group}));
-    before_ = Stood{settled(session, selection), judged, likely(judged.records), left_out};
+    before_ = Stood{settled(session, selection), judged, likely(judged.records), left_out, true};
     for (JudgedSet& set : judged.history) set.answer = false;
     return with_also(session, selection, {*group}, selection.value);
   }
