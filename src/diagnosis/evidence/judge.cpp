@@ -68,8 +68,9 @@ struct Feature {
 //   (decision 63).
 // * "constant": two tethers each in the trials of seeds 86000 and 87000 were a constant force (.82 to .89), which grew by a half with height or to one side.
 //   With that withdrawn all four were a mass (.86 to .93). Neither changes along a flight: of 67 right names of the two .18 is the largest change, of the
-//   wrong ones .18 to .32. Nor does a lag or a delay: two speed controllers that stick until they are asked for enough were a motor lag (.90, .97), by .29 and
-//   .30 smaller where commands change more; of 41 others that are named .14 is the largest change. Other effects' sizes do differ so much in recordings (the drag of nanodrone by .65), as their formulas are none too exact.
+//   wrong ones .18 to .32. Nor does a lag or a delay: two speed controllers that stick until they are asked for enough were a motor lag (.90, .97), smaller
+//   by .29 and .30 where commands change more; of 41 others that are named .14 is the largest change. Other effects' sizes do differ so much in recordings
+//   (the drag of nanodrone by .65), as their formulas are none too exact.
 // * "slow_fast": a payload that swings was a centre of mass (.86 to .94) which pushed the other way in fast changes. Of 91 right names the largest
 //   difference is .34, of 30 wrong ones seven have .49 to 1.54 (decision 56).
 // * "latency": beside the one reference flight of imrc (brushed), whose torques swing at 10 to 15 Hz, flights in which nothing was changed had a lag
