@@ -694,9 +694,8 @@ std::string cannot_tell(const Json& diagnosis) {
     html += "<details><summary>Looked at and not named</summary>" +
             card_table({{"effect"}, {"why not"}, {"would show from"}, {"score", true}}, rows) +
             paragraph(
-                "Would show from: five standard errors beside what was found, and what pays for its numbers. Score: "
-                "how much better the model "
-                "predicts with it, less a price for each of its numbers.",
+                "Would show from: five standard errors beside what was found, and what pays for its numbers. "
+                "Score: how much better the model predicts with it, less a price for each of its numbers.",
                 "note") +
             "</details>";
   return html;

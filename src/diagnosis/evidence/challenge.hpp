@@ -51,7 +51,7 @@ std::optional<int> comes_back(const Session& session, const Selection& selection
 bool explains_more(const Session& session, const Selection& one, const Selection& other);
 
 // What was withdrawn is looked at again at the end, beside noise that was learned beside all effects, and by comes_back; where that costs a name or a
-// suspicion and the new set explains no more, all is exactly as it was before.
+// suspicion and the new set explains no more, or asks one name and ends where it began, all is exactly as it was before.
 // `most_pose_latency_s`: how late the pose is at most by gyro and attitudes themselves; nothing where they are not recorded.
 // `stays_from`: the probability from which a finding stays.
 // The session must be linearised at the selection, and is so again at the end.

@@ -325,14 +325,15 @@ class Selector {
   // the set did not settle: every visited set under one noise model
   Eigen::VectorXd best_visited(const std::map<std::vector<int>, Eigen::VectorXd>& visited, std::vector<int>& chosen) {
     double best = std::numeric_limits<double>::infinity();
+    const double by_chance = asked(0.0).gained_by_chance();
     Eigen::VectorXd value = catalogue_.nominal();
     for (const auto& [groups, start] : visited) {
       const Eigen::VectorXd refined = refine(groups, start);
       s_.linearise(refined, s_.with_biases(groups));
       const Grams grams = s_.grams();
       const double loss = solve(grams.total(), s_.with_biases(groups)).loss;
-      const double score = loss + grams.price(columns_of(catalogue_, groups).size()) +
-                           asked(0.0).gained_by_chance() * static_cast<double>(groups.size());
+      const double score =
+          loss + grams.price(columns_of(catalogue_, groups).size()) + by_chance * static_cast<double>(groups.size());
       if (score < best) {
         best = score;
         value = refined;
