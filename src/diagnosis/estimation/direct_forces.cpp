@@ -51,15 +51,18 @@ Smoothed smooth_forces(const LinearFlight& flight) {
     const Vector3 residual = flight.y[k].tail<3>();
     out.disturbance[k].head<3>() = flight.R_WB[k] * residual;
     for (std::size_t j = 0; j < 3; ++j) {
-      const double d = residual[static_cast<Eigen::Index>(j)];
+      const double d = residual[static_cast<Eigen::Index>(j)], e = before[static_cast<Eigen::Index>(j)];
       out.second[j] += d * d, out.count[j] += 1.0;
-      if (linked) out.lagged[j] += d * before[static_cast<Eigen::Index>(j)], out.pairs[j] += 1.0;
+      if (linked) out.earlier[j] += e * e, out.later[j] += d * d, out.lagged[j] += d * e, out.pairs[j] += 1.0;
     }
     before = residual;
     linked = true;
   }
   // of torques nothing is learnt: at their floor, and no finding
-  for (std::size_t j = 3; j < 6; ++j) out.second[j] = 1e-12, out.lagged[j] = 0.5e-12, out.count[j] = out.pairs[j] = 1.0;
+  for (std::size_t j = 3; j < 6; ++j) {
+    out.second[j] = out.earlier[j] = out.later[j] = 1e-12, out.lagged[j] = 0.5e-12;
+    out.count[j] = out.pairs[j] = 1.0;
+  }
   return out;
 }
 

@@ -36,8 +36,8 @@ std::vector<std::array<double, row_count>> lag_correlation(const std::vector<Whi
 
 // Sufficient statistics of one flight for EM, and the smoothed disturbance.
 struct Smoothed {
-  // of the disturbance and of errors that last: Σ E[d²], Σ E[d_k d_{k−1}]
-  std::array<double, 6 + row_count> second{}, lagged{}, pairs{}, count{};
+  // of the disturbance and of errors that last: Σ E[d²] over all samples, over the earlier and over the later one of every pair; Σ E[d_k d_{k−1}]
+  std::array<double, 6 + row_count> second{}, earlier{}, later{}, lagged{}, pairs{}, count{};
   std::array<double, 6> white{};  // Σ E[w²] / Δt of the white part, over pairs
   std::array<double, noise_groups> residual{}, residual_count{};
   std::vector<Eigen::Matrix<double, 6, 1>> disturbance, disturbance_variance;  // both parts; variance of the slow one

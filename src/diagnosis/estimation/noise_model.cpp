@@ -1,7 +1,9 @@
 #include "diagnosis/estimation/noise_model.hpp"
 
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -24,25 +26,57 @@ double NoiseModel::rms(std::size_t group) const {
 
 namespace {
 
-// of slow parts with one law, over all flights: mean square and correlation from one sample to the next
+// Of slow parts with one law, over all flights: expected squares, and products of one sample and the next.
 struct Memory {
-  double square, correlation;
+  double second = 0.0, earlier = 0.0, later = 0.0, lagged = 0.0, count = 0.0, pairs = 0.0;
+
+  // The likeliest variance of a stationary first-order process, given how it is correlated from one sample to the next.
+  double variance(double correlation) const {
+    const double a = correlation, steps = later - 2.0 * a * lagged + a * a * earlier;
+    return std::max((second - later + steps / (1.0 - a * a)) / count, 1e-12);
+  }
+
+  // The likeliest correlation in a range: where −2 log likelihood, count log variance + pairs log(1 − a²), is least.
+  double correlation(double least, double most) const {
+    const double starts = count - pairs, of_starts = second - later;
+    const auto slope = [&](double a) {
+      const double curvature = earlier - of_starts;
+      return count * (a * curvature - lagged) * (1.0 - a * a) +
+             a * starts * (second - 2.0 * a * lagged + a * a * curvature);
+    };
+    if (slope(least) >= 0.0) return least;
+    if (slope(most) <= 0.0) return most;
+    std::uintmax_t iterations = 100;
+    const auto [below, above] =
+        boost::math::tools::toms748_solve(slope, least, most, boost::math::tools::eps_tolerance<double>(), iterations);
+    return 0.5 * (below + above);
+  }
 };
 
 template <class Belongs>
 std::optional<Memory> memory(const std::vector<Smoothed>& flights, const Belongs& belongs) {
-  double second = 0.0, count = 0.0, lagged = 0.0, pairs = 0.0;
+  Memory sum;
   for (const Smoothed& f : flights)
     for (std::size_t j = 0; j < f.second.size(); ++j)
-      if (belongs(j)) second += f.second[j], count += f.count[j], lagged += f.lagged[j], pairs += f.pairs[j];
-  if (count == 0.0) return std::nullopt;
-  return Memory{std::max(second / count, 1e-12), std::clamp(lagged / pairs / (second / count), 0.02, 0.9995)};
+      if (belongs(j)) {
+        sum.second += f.second[j], sum.earlier += f.earlier[j], sum.later += f.later[j];
+        sum.lagged += f.lagged[j], sum.count += f.count[j], sum.pairs += f.pairs[j];
+      }
+  if (sum.count == 0.0) return std::nullopt;
+  return sum;
 }
 
 }  // namespace
 
 NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights, double sample_s) {
   NoiseModel next = noise;
+  // the likeliest law of a slow part
+  const auto learn = [&](const Memory& slow, double least_s, double& variance, double& time_s) {
+    const auto decay = [&](double t) { return std::exp(-sample_s / t); };
+    const double correlation = slow.correlation(decay(least_s), decay(slowest_disturbance_s));
+    variance = slow.variance(correlation);
+    time_s = std::clamp(-sample_s / std::log(correlation), least_s, slowest_disturbance_s);
+  };
   for (std::size_t g = 0; g < disturbance_groups; ++g) {
     const auto ours = [g](std::size_t j) { return j < 6 && disturbance_group[j] == static_cast<int>(g); };
     const auto slow = memory(flights, ours);
@@ -51,18 +85,14 @@ NoiseModel update(const NoiseModel& noise, const std::vector<Smoothed>& flights,
     for (const Smoothed& f : flights)
       for (std::size_t j = 0; j < 6; ++j)
         if (ours(j)) white += f.white[j], pairs += f.pairs[j];
-    next.variance[g] = slow->square;
     next.white[g] = std::max(white / pairs, noise.least_white[g]);
     // what is faster is the white part's, where there is one
-    next.time_s[g] =
-        std::clamp(-sample_s / std::log(slow->correlation), white > 0.0 ? 0.04 : 0.004, slowest_disturbance_s);
+    learn(*slow, white > 0.0 ? 0.04 : 0.004, next.variance[g], next.time_s[g]);
   }
   for (std::size_t g = 0; g < noise_groups && noise.errors_last(); ++g) {
     const auto error = memory(flights, [g](std::size_t j) { return j / 3 == g + 2; });
     if (!error) continue;
-    next.lasting_variance[g] = error->square;
-    next.lasting_time_s[g] =
-        std::clamp(-sample_s / std::log(error->correlation), 0.2 * sample_s, slowest_disturbance_s);
+    learn(*error, 0.2 * sample_s, next.lasting_variance[g], next.lasting_time_s[g]);
   }
   for (std::size_t g = 0; g < noise_groups; ++g) {
     double sum = 0.0, count = 0.0;

@@ -89,14 +89,17 @@ class WayBack {
       const auto at = static_cast<std::size_t>(j);
       const double mean = step.x[j] - step.P.row(j).dot(lambda_);
       const double variance = step.P(j, 12 + j) + step.P.row(j).dot(product_.row(j).template head<size>());
-      out_.second[at] += mean * mean + variance;
+      const double second = mean * mean + variance;
+      out_.second[at] += second;
       out_.count[at] += 1.0;
+      if (!flight_.starts[k]) out_.later[at] += second;
       if (j < 6) out_.disturbance[k][j] += mean, out_.disturbance_variance[k][j] = variance;
       if (!linked) continue;
       const double decay = filter_.transition()[static_cast<std::size_t>(12 + j)].value[0], q = filter_.process(12 + j);
       const double mean_next = decay * mean - q * next_[12 + j];
       out_.lagged[at] +=
           mean_next * mean + decay * variance - q * through_.row(12 + j).template head<size>().dot(step.P.row(j));
+      out_.earlier[at] += second;
       out_.pairs[at] += 1.0;
     }
   }

@@ -143,12 +143,17 @@ TEST(InnovationFilter, MomentsOfTheSmootherAreThoseOfTheConditionedGaussian) {
   const Eigen::MatrixXd spread = all.H * covariance * all.H.transpose();
   const Smoothed smoothed = smooth(some_flight(), some_noise());
   for (Eigen::Index j = 0; j < 6; ++j) {
-    double second = 0.0, lagged = 0.0;
+    double second = 0.0, earlier = 0.0, later = 0.0, lagged = 0.0;
     for (Eigen::Index at = 12 + j; at < states; at += 18) {
-      second += mean[at] * mean[at] + covariance(at, at);
+      const double square = mean[at] * mean[at] + covariance(at, at);
+      second += square;
+      if (at + 18 < states) earlier += square;
+      if (at >= 18) later += square;
       if (at >= 18) lagged += mean[at] * mean[at - 18] + covariance(at, at - 18);
     }
     EXPECT_NEAR(smoothed.second[static_cast<std::size_t>(j)], second, 1e-7 * second);
+    EXPECT_NEAR(smoothed.earlier[static_cast<std::size_t>(j)], earlier, 1e-7 * earlier);
+    EXPECT_NEAR(smoothed.later[static_cast<std::size_t>(j)], later, 1e-7 * later);
     EXPECT_NEAR(smoothed.lagged[static_cast<std::size_t>(j)], lagged, 1e-7 * std::abs(lagged));
   }
   std::array<double, noise_groups> residual{};

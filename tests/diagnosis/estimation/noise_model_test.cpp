@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "diagnosis/estimation/innovation_filter.hpp"
 #include "support/linear_flights.hpp"
 
 namespace gustlab::diagnosis {
@@ -18,18 +19,19 @@ NoiseModel some_noise() {
   return noise;
 }
 
-// what a flight of so many samples would have on average, were the disturbance of this model
-Smoothed expected_of(const NoiseModel& noise, double count) {
+// what a flight of so many samples, in parts between gaps, would have on average, were the disturbance of this model
+Smoothed expected_of(const NoiseModel& noise, double count, double parts = 1.0) {
   Smoothed s;
   const auto set = [&](std::size_t j, double variance, double time_s) {
-    s.count[j] = count, s.pairs[j] = count - 1.0;
+    s.count[j] = count, s.pairs[j] = count - parts;
     s.second[j] = count * variance;
-    s.lagged[j] = (count - 1.0) * variance * std::exp(-sample_s / time_s);
+    s.earlier[j] = s.later[j] = (count - parts) * variance;
+    s.lagged[j] = (count - parts) * variance * std::exp(-sample_s / time_s);
   };
   for (std::size_t j = 0; j < 6; ++j) {
     const auto g = static_cast<std::size_t>(disturbance_group[j]);
     set(j, noise.variance[g], noise.time_s[g]);
-    s.white[j] = (count - 1.0) * noise.white[g];
+    s.white[j] = (count - parts) * noise.white[g];
   }
   for (std::size_t r = 0; r < row_count; ++r)
     if (noise.errors_last()) set(6 + r, noise.lasting_variance[r / 3], noise.lasting_time_s[r / 3]);
@@ -67,7 +69,7 @@ TEST(NoiseUpdate, WeighsFlightsByWhatTheySaw) {
   NoiseModel quiet = some_noise(), loud = some_noise();
   for (double& v : loud.variance) v *= 5.0;
   for (double& v : loud.measurement) v *= 3.0;
-  const NoiseModel next = update(quiet, {expected_of(quiet, 300.0), expected_of(loud, 100.0)}, sample_s);
+  const NoiseModel next = update(quiet, {expected_of(quiet, 300.0, 3.0), expected_of(loud, 100.0)}, sample_s);
   for (std::size_t g = 0; g < 4; ++g) {
     EXPECT_NEAR(next.variance[g], 2.0 * quiet.variance[g], 1e-12);
     EXPECT_NEAR(next.measurement[g], 1.5 * quiet.measurement[g], 1e-12);
@@ -90,6 +92,62 @@ TEST(NoiseUpdate, StaysWithinItsBounds) {
   EXPECT_TRUE(next.possible());
   still.white = {1e-3, 1e-3, 1e-3, 1e-3};
   EXPECT_EQ(update(start, {expected_of(still, 200.0)}, sample_s).time_s[2], 0.04);
+}
+
+// What nothing explains yet may last (a load's weight). A process that must forget sooner moves by less than its mean square says.
+TEST(NoiseUpdate, AConstantIsNotTakenForChance) {
+  constexpr double constant = 3.0, count = 5000.0;
+  Smoothed flight = expected_of(some_noise(), count);
+  flight.second[2] += count * constant * constant;
+  for (auto* sum : {&flight.earlier, &flight.later, &flight.lagged}) (*sum)[2] += (count - 1.0) * constant * constant;
+  const NoiseModel next = update(some_noise(), {flight}, sample_s);
+  EXPECT_EQ(next.time_s[1], slowest_disturbance_s);
+  const double a = std::exp(-sample_s / slowest_disturbance_s),
+               steps = flight.later[2] - 2.0 * a * flight.lagged[2] + a * a * flight.earlier[2];
+  const auto unlikely = [&](double variance) {
+    return count * std::log(variance) + (flight.second[2] - flight.later[2] + steps / (1.0 - a * a)) / variance;
+  };
+  EXPECT_LT(unlikely(next.variance[1]), unlikely(1.01 * next.variance[1]));
+  EXPECT_LT(unlikely(next.variance[1]), unlikely(next.variance[1] / 1.01));
+  EXPECT_LT(unlikely(next.variance[1]), unlikely(constant * constant) - 1000.0);
+}
+
+// hovers under a steady downward push that the model lacks, which rocks a little
+LinearFlight pushed_flight() {
+  constexpr std::size_t samples = 2000;
+  LinearFlight flight;
+  Matrix12 F = Matrix12::Identity();
+  for (int i = 0; i < 3; ++i) F(i, 3 + i) = F(6 + i, 9 + i) = sample_s;
+  for (std::size_t k = 0; k < samples; ++k) {
+    flight.F.push_back(F);
+    flight.b.push_back(Vector12::Zero());
+    flight.b.back()[5] = -sample_s * (2.6 + 0.5 * std::sin(0.11 * static_cast<double>(k)));
+    flight.interval_s.push_back(sample_s);
+    flight.starts.push_back(k == 0);
+    flight.measured.push_back(Eigen::Matrix<bool, row_count, 1>::Constant(true));
+    flight.measured.back().tail<3>().setConstant(false);
+    flight.y.push_back(Vector12::Zero());
+    for (int row = 0; row < 9; ++row)
+      flight.y.back()[row] = 1e-3 * std::sin(1.0 + static_cast<double>(row + 1) * static_cast<double>(k * k));
+    flight.R_WB.push_back(Matrix3::Identity());
+    flight.force_rows.push_back(Eigen::Matrix<double, 3, 9>::Zero());
+  }
+  return flight;
+}
+
+TEST(NoiseUpdate, MakesTheFlightLikelierEveryTime) {
+  const LinearFlight flight = pushed_flight();
+  NoiseModel noise = some_noise();
+  double unlikely = misfit(flight, noise);
+  bool at_bound = false;
+  for (int step = 0; step < 40; ++step) {
+    noise = update(noise, {smooth(flight, noise)}, sample_s);
+    const double now = misfit(flight, noise);
+    EXPECT_LT(now, unlikely + 1e-9 * std::abs(unlikely)) << step;
+    unlikely = now;
+    at_bound |= noise.time_s[1] == slowest_disturbance_s;
+  }
+  EXPECT_TRUE(at_bound);
 }
 
 TEST(NoiseUpdate, LeavesAloneWhatNobodySaw) {
