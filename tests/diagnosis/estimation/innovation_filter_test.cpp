@@ -188,22 +188,34 @@ TEST(EmStep, IsThatOfTheConditionedGaussian) {
   const Joint all = joint(flight, noise);
   const auto [mean, covariance] = conditioned(all);
   for (int g = 0; g < disturbance_groups; ++g) {
-    double second = 0.0, lagged = 0.0, white = 0.0, axes = 0.0;
+    double first = 0.0, earlier = 0.0, later = 0.0, lagged = 0.0, white = 0.0, axes = 0.0;
     for (int j = 0; j < 6; ++j) {
       if (disturbance_group[static_cast<std::size_t>(j)] != g) continue;
       axes += 1.0;
       white += white_of(flight, noise, j);
-      for (Eigen::Index at = 12 + j; at < states; at += 18) {
-        second += mean[at] * mean[at] + covariance(at, at);
-        if (at >= 18) lagged += mean[at] * mean[at - 18] + covariance(at, at - 18);
+      const auto square = [&](Eigen::Index at) { return mean[at] * mean[at] + covariance(at, at); };
+      first += square(12 + j);
+      for (Eigen::Index at = 30 + j; at < states; at += 18) {
+        earlier += square(at - 18), later += square(at);
+        lagged += mean[at] * mean[at - 18] + covariance(at, at - 18);
       }
     }
-    const double variance = second / (axes * samples), pairs = axes * (samples - 1);
+    const double pairs = axes * (samples - 1), count = axes * samples;
     const auto at = static_cast<std::size_t>(g);
-    EXPECT_NEAR(next.variance[at], variance, 1e-6 * variance);
     EXPECT_NEAR(next.white[at], white / pairs, 1e-5 * white / pairs);
-    const double correlation = std::clamp(lagged / pairs / variance, 0.02, 0.9995);
-    EXPECT_NEAR(next.time_s[at], std::clamp(-sample_s / std::log(correlation), 0.04, slowest_disturbance_s), 1e-5);
+    // −2 log likelihood of the slow part, expected
+    const auto squares = [&](double a) { return first + (later - 2.0 * a * lagged + a * a * earlier) / (1.0 - a * a); };
+    const auto unlikely = [&](double variance, double time_s) {
+      const double a = std::exp(-sample_s / time_s);
+      return count * std::log(variance) + pairs * std::log(1.0 - a * a) + squares(a) / variance;
+    };
+    const double variance = next.variance[at], time_s = next.time_s[at], least = unlikely(variance, time_s);
+    const double likeliest = squares(std::exp(-sample_s / time_s)) / count;
+    EXPECT_NEAR(variance, likeliest, 1e-6 * likeliest);
+    for (const double factor : {0.9, 0.99, 0.999, 1.001, 1.01, 1.1})
+      if (const double other_s = std::clamp(factor * time_s, 0.04, slowest_disturbance_s); other_s != time_s) {
+        EXPECT_LT(least, unlikely(squares(std::exp(-sample_s / other_s)) / count, other_s));
+      }
   }
   const Eigen::VectorXd left = all.y - all.H * mean;
   const Eigen::MatrixXd spread = all.H * covariance * all.H.transpose();
