@@ -17,7 +17,7 @@ from pathlib import Path
 import semi_real
 from families import lay_out
 from flight_files import HOME
-from outcomes import label, rotor_of
+from outcomes import label, means
 from run_trials import run_measured
 
 # mean errors over every window that the benchmark publishes for its test flights, 50 steps (0.5 s) ahead
@@ -85,12 +85,7 @@ def named(diagnosis, wanted):
 def among(diagnosis, wanted):
     """Whether a name, or one of its class, is `wanted` (rotor_loss#3 for a rotor)."""
     effect, _, rotor = wanted.partition("#")
-    for found in diagnosis["effects"]:
-        if found["effect"] == effect and (not rotor or rotor_of(found) == int(rotor)):
-            return True
-        if any(alike in (effect, wanted) for alike in found["class"] if alike != found["effect"]):
-            return True
-    return False
+    return any(means(found, effect, int(rotor) if rotor else None) for found in diagnosis["effects"])
 
 
 def findings(diagnosis, kind):

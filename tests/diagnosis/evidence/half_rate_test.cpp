@@ -93,7 +93,7 @@ TEST(HalfRateTrials, WhatALogLeavesOutBetweenItsRowsIsNoPhysics) {
       diagnose(test::fly_trial(folder, {.vehicle = "crazyflie_21",
                                         .controller = "l1",
                                         .fit = {"multisine"},
-                                        .holdout = {"lemniscate"},
+                                        .holdout = {"hover"},
                                         .sensors = {"pose", "velocity", "gyroscope", "accelerometer", "rotor_speed"},
                                         .duration_s = 15.0,
                                         .log_rate_hz = 100.0,

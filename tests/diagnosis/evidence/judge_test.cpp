@@ -59,7 +59,7 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
       [](Evidence& e) { e.slow_fast = 0.6; },
       [](Evidence& e) { e.held_out_delta_chi2 = -300.0; },
       [](Evidence& e) {
-        e.recovered_z = {-3.0, -3.0, -3.0};
+        e.recovered = {-0.2, -0.3, -0.3}, e.recovered_z = {-3.0, -3.0, -3.0};
       },
       [](Evidence& e) { e.size_in_tolerances = 1.3; },
       [](Evidence& e) { e.inclusion = 0.2; },
@@ -119,6 +119,18 @@ TEST(Judge, HeldOutFlightsSpeakOnlyOfWhatTheyExcite) {
   };
   EXPECT_EQ(with(9.0, -9.0), with(9.0, 9.0));
   EXPECT_LT(with(11.0, -11.0), with(11.0, 11.0));
+}
+
+// no model predicts to a hundredth: what rollouts lose by less is none, however surely it is seen
+TEST(Judge, ALossOfLessThanAHundredthIsNone) {
+  Evidence e = strong();
+  e.recovered_z = {0.0, -3.0, 0.0};
+  e.recovered = {0.0, -0.007, 0.0};
+  const double lost_a_little = probability(e);
+  e.recovered[1] = -0.02;
+  EXPECT_LT(probability(e), lost_a_little);
+  e.recovered[1] = e.recovered_z[1] = 0.0;
+  EXPECT_EQ(probability(e), lost_a_little);
 }
 
 TEST(Judge, NumbersThatCannotBeSaidDoNotDecide) {
