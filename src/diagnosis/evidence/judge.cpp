@@ -85,7 +85,6 @@ struct Feature {
 // .5 to .8 only 39 to 58 % were right, and 98 % of those from .9 on where .95 was said (decision 63).
 constexpr double steepness = 1.25;
 constexpr double intercept = -79.3;
-constexpr double least_loss = 0.01;  // of rollouts half a second ahead, as a share of their error
 constexpr Feature features[] = {
     // 10 to 200
     {"gain", 4.8, [](const Evidence& e) { return std::log10(std::max(e.robust_delta_chi2(), 10.0) / 10.0) / 1.3; }},
@@ -120,7 +119,7 @@ constexpr Feature features[] = {
     // nothing gained is nothing said, a loss speaks against it
     {"rollout_500ms", 4.0,
      [](const Evidence& e) {
-       return e.recovered_z.size() < 2 || e.recovered[1] > -least_loss ? 1.0 : 1.0 + e.recovered_z[1] / 4.0;
+       return e.recovered_z.size() < 2 || e.recovered[1] > -decisions::least_loss ? 1.0 : 1.0 + e.recovered_z[1] / 4.0;
      },
      true},
     {"rival", 1.65,

@@ -32,10 +32,10 @@ std::map<std::pair<std::string, int>, double> sizes_of_each_flight(const Catalog
 ReferenceFlights::ReferenceFlights(std::vector<FlightData> flights, std::vector<FlightData> own_rate,
                                    std::vector<FlightLog> logs, const VehicleModel& vehicle, int jobs)
     : session_(std::move(flights), vehicle, jobs, std::move(own_rate)), selection_(select_effects(session_)) {
-  // what is left out here comes back as a change: only what is hopeless goes
+  // what is left out here comes back as a change
   challenge(
       session_, selection_, {{}, {}, std::move(logs)}, [] { return std::nullopt; }, session_.jobs(),
-      decisions::hopeless);
+      decisions::reference_stays_from);
 }
 
 bool ReferenceFlights::have(const Catalogue& catalogue, const Selection& found, const std::vector<int>& changed) {
