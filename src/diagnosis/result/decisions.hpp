@@ -187,7 +187,7 @@ inline constexpr double hardly_shown = 6.0;
 inline constexpr double named_from = 0.8, suspected_from = 0.5, hopeless = 0.043;
 // With a name rollouts are worse.
 // Statistic: share of their error half a second ahead. From: of eleven wrong names of recorded flights that this alone holds down the least is 0.086, of
-// right ones 0.007 (docs/proof/judge.md). Costs: a name that harms by less is not doubted for it.
+// three right ones 0.007, 0.008 and 0.033 (docs/proof/judge.md). Costs: a name that harms by less is not doubted for it.
 inline constexpr double least_loss = 0.01;
 // While names are judged together a candidate stays beside the others from here on.
 // Statistic: probability by its record. From: what others take from it may come back when they have gone; it is one half before it is stretched
