@@ -63,7 +63,7 @@ class FullDisk(unittest.TestCase):
         writes = self.sound(*arguments)
         wanted = self.files("out")
         self.assertGreaterEqual(writes, least)
-        step = 1 if "GUSTLAB_EVERY_WRITE" in os.environ else 1 + writes // 20
+        step = 1 if "GUSTLAB_EVERY_WRITE" in os.environ else 1 + writes // 6
         for number in sorted({1, writes, *range(1, writes + 1, step)}):
             for path in self.folder.glob("out*"):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()

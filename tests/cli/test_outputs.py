@@ -13,6 +13,7 @@ import tomllib
 import unittest
 from pathlib import Path
 
+import pytest
 from concealed_trials import trials_toml
 from processes import catches, wait_for
 from small_experiments import CIRCLE, GUST, TUNING, VARIANTS, calibration_toml, experiment_toml
@@ -421,6 +422,7 @@ class Signals(Commands):
                     self.assertEqual(self.files(), before)
 
     # run had no handler at all; conceal and train flew to the end of a flight of hours
+    @pytest.mark.slow
     def test_a_flight_and_the_writing_of_its_log_end_soon(self):
         (self.folder / "long.toml").write_text(experiment_toml("circle", duration_s=5000.0, more=CIRCLE + GUST))
         (self.folder / "winds.toml").write_text(experiment_toml("circle", duration_s=5000.0, more=CIRCLE + GUST + VARIANTS))

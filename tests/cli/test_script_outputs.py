@@ -11,6 +11,7 @@ import time
 import unittest
 from pathlib import Path
 
+import pytest
 from processes import catches, wait_for
 from small_experiments import experiment_toml
 
@@ -78,6 +79,7 @@ class Places(Commands):
                     self.assertTrue(stat.S_ISCHR((self.folder / name).stat().st_mode))
                     (self.folder / name).unlink()
 
+    @pytest.mark.slow
     def test_a_link_stays_one_and_its_file_is_replaced(self):
         for command, name in WRITERS:
             with self.subTest(name=name):

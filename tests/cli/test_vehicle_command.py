@@ -10,6 +10,8 @@ import unittest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import pytest
+
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 NEW = ["vehicle", "new", "--mass", "1.2kg", "--arm", "0.25m", "--prop", "10in", "--thrust-to-weight", "2.1"]
 BODY = """<mujoco><worldbody><body><freejoint/><inertial pos="0 0 0" mass="1.2" diaginertia="0.018 0.018 0.03"/>
@@ -285,6 +287,7 @@ class FitOnFlights(InFolder):
         self.assertNotRegex((self.folder / "fitted" / "vehicle.toml").read_text(encoding="utf-8"), r"\d\.\d{8}")
         self.ok("vehicle", "check", "fitted/vehicle.toml")
 
+    @pytest.mark.slow
     def test_a_delay_within_its_tolerance_is_none_and_a_flight_held_out_is_not_counted(self):
         said, vehicle = self.fit([{"type": "thrust_scale", "delta": -0.1}, {"type": "actuation_delay", "delay": 0.001}])
         self.assertNotIn("actuation_delay", [effect["type"] for effect in vehicle.get("effect", [])])

@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+import pytest
 from ulog_fixture import MIX, px4_flight
 
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
@@ -122,6 +123,7 @@ class Truth(unittest.TestCase):
         self.call("diagnose", "logs/one_1.csv", "logs/two_1.csv", "--holdout", "logs/three_1.csv", "--out", "diagnosis")
         return json.loads((self.folder / "diagnosis" / "diagnosis.json").read_text())
 
+    @pytest.mark.slow
     def test_weight_and_drag_are_named_with_their_sizes(self):
         found = self.diagnosis(REAL + CONCEALED)
         sizes = {effect["effect"]: {name: value["value"] for name, value in effect["parameters"].items()} for effect in found["effects"]}
@@ -130,7 +132,7 @@ class Truth(unittest.TestCase):
         self.assertAlmostEqual(sizes["mass"]["delta"], MASS, delta=0.3 * MASS)
         self.assertAlmostEqual(sizes["rotor_drag"]["at_hover"], DRAG, delta=0.3 * DRAG)
 
-    @unittest.skipUnless(os.environ.get("GUSTLAB_EVERY_TEST"), "slow: scripts/test.sh --all runs it")
+    @pytest.mark.slow
     def test_a_vehicle_that_is_as_its_file_says_is_given_no_name(self):
         found = self.diagnosis(REAL)
         self.assertLessEqual({effect["effect"] for effect in found["effects"]}, {"gust"}, found["effects"])

@@ -8,6 +8,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import pytest
+
 HOME = Path(__file__).resolve().parents[2]
 FLIGHTS = os.environ.get("GUSTLAB_FLIGHTS", "")
 PROGRAM = os.environ.get("GUSTLAB_PROGRAM", "")
@@ -38,7 +40,7 @@ class ConcealedInFlights(unittest.TestCase):
         # the untouched flights show 4 ms of it
         self.assertAlmostEqual(delay, 0.034, delta=0.004)
 
-    @unittest.skipUnless(os.environ.get("GUSTLAB_EVERY_TEST"), "slow: scripts/test.sh --all runs it")
+    @pytest.mark.slow
     def test_a_force_of_every_flight_that_a_number_replaced_does_not_come_back(self):
         heavier = Case("file_mass", "neuralswarm", "file", "file", "mass", {"delta": -0.107})
         found = effects_of(heavier, "neuralswarm")

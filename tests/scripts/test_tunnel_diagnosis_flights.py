@@ -8,6 +8,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import pytest
+
 HOME = Path(__file__).resolve().parents[2]
 FLIGHTS = Path(os.environ.get("GUSTLAB_FLIGHTS", ""))
 PROGRAM = os.environ.get("GUSTLAB_PROGRAM", "")
@@ -15,7 +17,7 @@ PROGRAM = os.environ.get("GUSTLAB_PROGRAM", "")
 
 @unittest.skipUnless((FLIGHTS / "neuralfly").is_dir() and PROGRAM, "GUSTLAB_FLIGHTS or GUSTLAB_PROGRAM is not set: the tunnel was not diagnosed")
 class WindTunnel(unittest.TestCase):
-    @unittest.skipUnless(os.environ.get("GUSTLAB_EVERY_TEST"), "slow: scripts/test.sh --all runs it")
+    @pytest.mark.slow
     def test_drag_and_the_wind_of_every_flight_are_named(self):
         with tempfile.TemporaryDirectory() as folder:
             call = lambda *command: subprocess.run([*map(str, command)], cwd=folder, check=True, capture_output=True)

@@ -10,6 +10,8 @@ import unittest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["GUSTLAB_PROGRAM"]
 
@@ -51,6 +53,7 @@ class Tutorials(unittest.TestCase):
         self.assertEqual(printed[1].count("| crazyflie |"), 6)
         self.assertTrue((self.folder / "flight" / "flight.csv").exists())
 
+    @pytest.mark.slow
     def test_diagnose_a_flight(self):
         self.run_page("diagnose_a_flight.md")
         found = json.loads((self.folder / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))

@@ -62,7 +62,7 @@ TEST(Challenge, WhatItHasNotIsNotNamed) {
 }
 
 // where torques swing, a single reference flight may itself have been fitted by another latency
-TEST(Challenge, BesideOneReferenceFlightNoDelayIsNamed) {
+TEST(ChallengeTrials, BesideOneReferenceFlightNoDelayIsNamed) {
   const Recordings late = test::short_flights(R"({type = "actuation_delay", delay = 0.015})", {"multisine"});
   for (const std::vector<std::string>& flights : {std::vector<std::string>{"multisine"}, {"multisine", "lemniscate"}}) {
     const Recordings good = test::short_flights("", flights);

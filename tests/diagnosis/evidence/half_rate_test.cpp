@@ -52,7 +52,7 @@ TEST(ChangesAtHalfRate, AreOfTheSize) {
 }
 
 // a load swings there as it does in all rows: without it a battery's sag stood in for it
-TEST(ChangesAtHalfRate, KnowALoadThatSwings) {
+TEST(HalfRateTrials, KnowALoadThatSwings) {
   expect_of_the_size("slung_load", R"({type = "slung_load", mass = 0.004, length = 0.3})",
                      R"({type = "slung_load", mass = 0.008, length = 0.3})");
 }

@@ -114,7 +114,7 @@ TEST_F(SelectEffects, WithinBoundsNothingIsLeftOut) {
 }
 
 // a moment of inertia that is larger than any file is wrong by: whatever it stands for is looked for without it
-TEST(SelectWithinBounds, AGroupAtItsBoundIsNotAsked) {
+TEST(WithinBoundsTrials, AGroupAtItsBoundIsNotAsked) {
   const Recordings flown = test::short_flights(
       R"({type = "inertia", delta_x = 1.1, delta_y = 1.1, delta_z = 1.1}, {type = "center_of_mass", x = 6e-4, y = -4e-4})",
       {"multisine"});
@@ -149,7 +149,7 @@ double how_unlikely(const Session& session, const Selection& selection) {
 }
 
 // beside a lag of 60 ms: the search begun anew ends in a set that is less likely than what is left of the one before
-TEST(SelectWithinBounds, KeepsWhatIsLeftWhereTheFlightsAreLikelierWithIt) {
+TEST(WithinBoundsTrials, KeepsWhatIsLeftWhereTheFlightsAreLikelierWithIt) {
   const Recordings flown = test::short_flights(
       R"({type = "inertia", delta_x = 1.3, delta_y = 1.3, delta_z = 1.3}, {type = "motor_lag", time_constant = 0.06})",
       {"multisine"});
@@ -169,7 +169,7 @@ TEST(SelectWithinBounds, KeepsWhatIsLeftWhereTheFlightsAreLikelierWithIt) {
 }
 
 // flights that keep their heading tell no moment of inertia in yaw; fitted, it took the moments in roll and pitch with it out of their bounds
-TEST(UnidentifiableNumbers, AreNotAsked) {
+TEST(UnidentifiableNumbersTrials, AreNotAsked) {
   const auto asked_of = [](const char* trajectory) {
     const Recordings flown =
         test::short_flights(R"({type = "inertia", delta_x = 0.3, delta_y = 0.3, delta_z = 0.3})", {trajectory}, 8.0);

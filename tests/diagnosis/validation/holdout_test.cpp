@@ -36,7 +36,7 @@ TEST(CarryOver, TakesSharedValuesAsTheyAreAndThoseOfFlightsAtTheirMean) {
 }
 
 // a reference flight hardly tells a mass from a thrust scale: where one of the two alone could be wrong of it, it would explain the change as well
-TEST(HoldOut, BesideReferenceFlightsAChangeSaysWhatItSaysOfTheOthers) {
+TEST(HoldOutTrials, BesideReferenceFlightsAChangeSaysWhatItSaysOfTheOthers) {
   const Recordings good = test::short_flights("", {"multisine", "lemniscate"}),
                    heavier = test::short_flights(R"({type = "mass", delta = 0.1})", {"multisine"});
   ReferenceFit normal = ReferenceFlights(test::session_of(good).flights(), {}, good.fit, good.vehicle, 1).fit();
