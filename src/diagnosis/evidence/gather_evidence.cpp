@@ -263,7 +263,7 @@ Evidence begun_record(const Catalogue& catalogue, const Selection& selection, co
   record.group = finding.group;
   record.rotor = group.rotor;
   record.per_flight = group.row->per_flight;
-  record.constant = keeps_its_size(*group.row);
+  record.may_differ = may_differ(*group.row);
   record.parameters = static_cast<int>(own_columns(catalogue, selection.groups(), finding.group).size());
   record.delta_chi2 = finding.delta_chi2;
   record.delta_chi2_with_partner = finding.delta_chi2_with_partner;
@@ -360,9 +360,12 @@ double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const 
   return largest;
 }
 
-bool keeps_its_size(const EffectRow& row) {
-  return row.per_flight || row.latency != Latency::none ||
-         (row.in_hover == InHover::weight && row.place == Place::body);
+double may_differ(const EffectRow& row) {
+  if (row.per_flight || row.latency != Latency::none || (row.in_hover == InHover::weight && row.place == Place::body))
+    return decisions::constant_differs;
+  const bool law_of_thrust =
+      row.place == Place::rotor && row.commanded && row.needs == Need::nothing && row.like_but_for_turning.empty();
+  return law_of_thrust ? decisions::law_differs : decisions::other_differs;
 }
 
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,

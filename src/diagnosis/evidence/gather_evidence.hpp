@@ -43,8 +43,8 @@ double own_acceleration_mps2(const Session& session, const Selection& selection,
 // Whether no flight turns: what stays in the world stays in the body then.
 bool headings_are_kept(const Session& session);
 
-// Whether nothing in flight changes how large an effect is: a mass, a lag, a force of every flight's own.
-bool keeps_its_size(const EffectRow& row);
+// Evidence::may_differ of an effect: least of what nothing in flight changes (a mass, a lag, a force of every flight's own).
+double may_differ(const EffectRow& row);
 
 // Of every finding of a selection, the session linearised there; rollouts are not flown yet.
 std::vector<Evidence> gather_evidence(const Session& session, const Selection& selection, const HoldoutTest& tested,

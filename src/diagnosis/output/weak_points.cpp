@@ -18,7 +18,7 @@ std::string of_gain(const Evidence& e) {
   if (twice * e.delta_chi2_with_partner < e.delta_chi2)
     return "it and another name undo each other: without both the predictions are hardly worse";
   const double moved = e.surrogates.movable ? e.surrogates.inflation : 1.0;
-  if (std::max(moved, e.clustered_inflation) < twice) return "the predictions become hardly better with it";
+  if (std::max(moved, e.clustered_inflation) < twice) return "the flights are hardly likelier with it";
   return moved > e.clustered_inflation ? "moved along the flight it gains a large part of what it gains in its place"
                                        : "its size changes from one part of a flight to the next";
 }
@@ -79,6 +79,7 @@ constexpr Words words[] = {
      [](const Evidence&) -> std::string { return "it is of another size in fast changes than in slow ones"; }},
     {"rollout_100ms", [](const Evidence& e) { return of_rollout(e, 0, "0.1 s"); }},
     {"rollout_500ms", [](const Evidence& e) { return of_rollout(e, 1, "0.5 s"); }},
+    {"predicts", [](const Evidence& e) { return of_rollout(e, 1, "0.5 s"); }},
     {"rival", [](const Evidence&) -> std::string { return "another name explains nearly the same"; }},
     {"commands", [](const Evidence&) -> std::string { return "it may come from commands that the log does not hold"; }},
     {"force_and_moment",
@@ -124,8 +125,10 @@ constexpr Words words[] = {
            "another name does {:.0f} times as much where it shows, and what its model leaves may look like this",
            std::sqrt(e.dwarfed_by));
      }},
-    {"constant",
-     [](const Evidence&) -> std::string { return "it should be the same all along a flight, and surely is not"; }},
+    {"even",
+     [](const Evidence&) -> std::string {
+       return "its size should be the same all along a flight, and surely is not";
+     }},
     {"tilt",
      [](const Evidence&) -> std::string { return "an attitude that is a little off would push the vehicle just so"; }}};
 

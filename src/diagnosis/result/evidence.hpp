@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/result/decisions.hpp"
+
 namespace gustlab::diagnosis {
 
 // How much a signature gains by chance: the same one moved along its flight, or mirrored in time (estimation/surrogates.hpp).
@@ -28,9 +30,9 @@ struct Evidence {
   int group = -1;
   int rotor = 0;            // of a rotor's own effect: 1 to N
   bool per_flight = false;  // its values are each flight's own, fitted to the held-out ones as well
-  bool constant = false;    // nothing in flight changes it: a mass, a lag, a force of every flight's own
-  int parameters = 1;       // free numbers
-  double delta_chi2 = 0.0;  // Δχ² when it is left out and all else is fitted anew
+  double may_differ = decisions::other_differs;  // by what share of itself its size may surely differ along a flight
+  int parameters = 1;                            // free numbers
+  double delta_chi2 = 0.0;                       // Δχ² when it is left out and all else is fitted anew
   double delta_chi2_with_partner =
       std::numeric_limits<double>::infinity();  // Δχ² when another finding goes with it, the one that makes this least
   double delta_chi2_alone = std::numeric_limits<double>::infinity();  // Δχ² beside those alone that gain far more

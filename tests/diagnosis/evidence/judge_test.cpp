@@ -5,7 +5,7 @@
 
 #include <functional>
 #include <limits>
-#include <set>
+#include <map>
 #include <string_view>
 
 #include "diagnosis/evidence/gather_evidence.hpp"
@@ -82,32 +82,51 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
   }
 }
 
-TEST(Judge, AMassALagAndAForceOfEveryFlightKeepTheirSize) {
-  const std::set<std::string_view> keep = {"mass", "motor_lag", "actuation_delay", "constant_force"},
-                                   change = {"rotor_drag", "center_of_mass", "rotor_inertia"};
-  std::size_t asked = 0;
-  for (const EffectRow& row : effect_registry()) {
-    if (!keep.contains(row.name) && !change.contains(row.name)) continue;
-    EXPECT_EQ(keeps_its_size(row), keep.contains(row.name)) << row.name;
-    ++asked;
-  }
-  EXPECT_EQ(asked, keep.size() + change.size());
+TEST(Judge, AMassALagAndAForceOfEveryFlightKeepTheirSizeMoreThanALawOfThrustAndThatMoreThanOthers) {
+  const std::map<std::string_view, double> expected = {{"mass", decisions::constant_differs},
+                                                       {"motor_lag", decisions::constant_differs},
+                                                       {"actuation_delay", decisions::constant_differs},
+                                                       {"constant_force", decisions::constant_differs},
+                                                       {"thrust_curve", decisions::law_differs},
+                                                       {"battery_sag", decisions::law_differs},
+                                                       {"thrust_scale", decisions::other_differs},
+                                                       {"rotor_drag", decisions::other_differs},
+                                                       {"center_of_mass", decisions::other_differs},
+                                                       {"rotor_tilt", decisions::other_differs},
+                                                       {"rotor_loss", decisions::other_differs},
+                                                       {"axial_inflow", decisions::other_differs}};
+  for (const auto& [name, share] : expected) EXPECT_EQ(may_differ(*find_effect(name)), share) << name;
 }
 
 // a tether pulls harder the higher the vehicle is, and is neither a constant force nor a mass
 TEST(Judge, WhatNothingInFlightChangesIsTheSameAllAlongIt) {
   Evidence e = strong();
-  e.constant = true;
+  e.may_differ = decisions::constant_differs;
   const double even = probability(e);
   e.uneven = 0.1;
   EXPECT_EQ(probability(e), even);
   e.uneven = 0.25;
-  EXPECT_LT(probability(e), even);
-  // of other effects it is no sure sign
-  e.constant = false;
-  const double shared = probability(e);
-  e.uneven = 0.0;
-  EXPECT_EQ(probability(e), shared);
+  const double doubted = probability(e);
+  EXPECT_LT(doubted, even);
+  // of other effects it is no sure sign, but where little of them is the same
+  e.may_differ = decisions::other_differs;
+  EXPECT_EQ(probability(e), even);
+  e.uneven = 1.6;
+  EXPECT_EQ(probability(e), doubted);
+}
+
+// a centre of mass is known no better than torque trims let it be, and predicts other flights far better
+TEST(Judge, WhatPredictsOtherFlightsFarBetterIsLikelier) {
+  const auto with = [](double share, double z, double uneven = 0.0) {
+    Evidence e = strong();
+    e.recovered = {0.0, share, 0.0}, e.recovered_z = {0.0, z, 0.0}, e.uneven = uneven;
+    return probability(e);
+  };
+  EXPECT_LT(with(0.2, 20.0), with(0.5, 20.0));
+  EXPECT_EQ(with(0.2, 20.0), with(0.0, 20.0));
+  EXPECT_EQ(with(0.7, 7.0), with(0.2, 7.0));
+  // what is true of some parts of a flight only may be something else
+  EXPECT_EQ(with(0.7, 20.0, 0.1), with(0.2, 20.0, 0.1));
 }
 
 // held-out flights that hardly excite an effect do not refute it

@@ -72,7 +72,7 @@ TEST(WeakPoints, OneThatSpeaksAgainstItIsTheFirst) {
 TEST(WeakPoints, OfASmallGainSayWhy) {
   Evidence e = strong();
   e.delta_chi2 = 12.0;
-  EXPECT_THAT(points(e), Contains("the predictions become hardly better with it"));
+  EXPECT_THAT(points(e), Contains("the flights are hardly likelier with it"));
   e = strong();
   e.delta_chi2_with_partner = 12.0;
   EXPECT_THAT(points(e), Contains(HasSubstr("it and another name undo each other")));
