@@ -13,6 +13,8 @@ namespace gustlab::diagnosis {
 
 namespace {
 
+constexpr const char* changes = "its size changes from one part of a flight to the next";
+
 std::string of_gain(const Evidence& e) {
   constexpr double twice = 2.0;
   if (twice * e.delta_chi2_with_partner < e.delta_chi2)
@@ -20,7 +22,7 @@ std::string of_gain(const Evidence& e) {
   const double moved = e.surrogates.movable ? e.surrogates.inflation : 1.0;
   if (std::max(moved, e.clustered_inflation) < twice) return "the flights are hardly likelier with it";
   return moved > e.clustered_inflation ? "moved along the flight it gains a large part of what it gains in its place"
-                                       : "its size changes from one part of a flight to the next";
+                                       : changes;
 }
 
 std::string of_moved_signature(const Evidence& e) {
@@ -58,6 +60,11 @@ std::string of_rollout(const Evidence& e, std::size_t horizon, const char* ahead
                      e.recovered_z[horizon] < -1.0 ? "worse" : "hardly better");
 }
 
+std::string of_predictions(const Evidence& e) {
+  if (e.per_flight) return own_values;
+  return e.uneven > 0.0 ? changes : of_rollout(e, 1, "0.5 s");
+}
+
 struct Words {
   std::string_view feature;
   std::string (*say)(const Evidence&);
@@ -79,7 +86,7 @@ constexpr Words words[] = {
      [](const Evidence&) -> std::string { return "it is of another size in fast changes than in slow ones"; }},
     {"rollout_100ms", [](const Evidence& e) { return of_rollout(e, 0, "0.1 s"); }},
     {"rollout_500ms", [](const Evidence& e) { return of_rollout(e, 1, "0.5 s"); }},
-    {"predicts", [](const Evidence& e) { return of_rollout(e, 1, "0.5 s"); }},
+    {"predicts", of_predictions},
     {"rival", [](const Evidence&) -> std::string { return "another name explains nearly the same"; }},
     {"commands", [](const Evidence&) -> std::string { return "it may come from commands that the log does not hold"; }},
     {"force_and_moment",

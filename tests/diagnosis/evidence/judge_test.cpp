@@ -117,16 +117,18 @@ TEST(Judge, WhatNothingInFlightChangesIsTheSameAllAlongIt) {
 
 // a centre of mass is known no better than torque trims let it be, and predicts other flights far better
 TEST(Judge, WhatPredictsOtherFlightsFarBetterIsLikelier) {
-  const auto with = [](double share, double z, double uneven = 0.0) {
+  const auto with = [](double share, double z, double uneven = 0.0, bool per_flight = false) {
     Evidence e = strong();
-    e.recovered = {0.0, share, 0.0}, e.recovered_z = {0.0, z, 0.0}, e.uneven = uneven;
+    e.recovered = {0.0, share, 0.0}, e.recovered_z = {0.0, z, 0.0}, e.uneven = uneven, e.per_flight = per_flight;
     return probability(e);
   };
   EXPECT_LT(with(0.2, 20.0), with(0.5, 20.0));
   EXPECT_EQ(with(0.2, 20.0), with(0.0, 20.0));
-  EXPECT_EQ(with(0.7, 7.0), with(0.2, 7.0));
+  EXPECT_EQ(with(0.7, 4.0), with(0.2, 4.0));
   // what is true of some parts of a flight only may be something else
   EXPECT_EQ(with(0.7, 20.0, 0.1), with(0.2, 20.0, 0.1));
+  // its values were fitted to those flights, too
+  EXPECT_EQ(with(0.7, 20.0, 0.0, true), with(0.2, 20.0, 0.0, true));
 }
 
 // held-out flights that hardly excite an effect do not refute it

@@ -11,6 +11,7 @@ namespace gustlab::diagnosis {
 namespace weak_points_test {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -81,6 +82,17 @@ TEST(WeakPoints, OfASmallGainSayWhy) {
   EXPECT_THAT(points(e), Contains("its size changes from one part of a flight to the next"));
   e.surrogates.inflation = 300.0;
   EXPECT_THAT(points(e), Contains(HasSubstr("moved along the flight it gains a large part")));
+}
+
+// a force of each flight, or one that changes along it, may well predict held-out flights far better
+TEST(WeakPoints, OfWhatPredictsButDoesNotRepeatSayNothingOfPredictions) {
+  Evidence e;
+  e.features = {{"predicts", 0.0}}, e.probability = 0.6;
+  e.recovered = {0.5, 0.7, 0.7}, e.recovered_z = {9.0, 20.0, 20.0};
+  e.uneven = 0.2;
+  EXPECT_THAT(weak_points(e), ElementsAre("its size changes from one part of a flight to the next"));
+  e.per_flight = true;
+  EXPECT_THAT(weak_points(e), ElementsAre(HasSubstr("each flight has its own values of it")));
 }
 
 TEST(WeakPoints, AreTheHeaviestThreeAtMostAndEachOnce) {
