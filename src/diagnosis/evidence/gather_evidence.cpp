@@ -363,6 +363,7 @@ double dwarfed_by(const Catalogue& catalogue, const Selection& selection, const 
 double may_differ(const EffectRow& row) {
   if (row.per_flight || row.latency != Latency::none || (row.in_hover == InHover::weight && row.place == Place::body))
     return decisions::constant_differs;
+  if (row.place == Place::body || row.per_rotor) return decisions::airframe_differs;
   const bool law_of_thrust =
       row.place == Place::rotor && row.commanded && row.needs == Need::nothing && row.like_but_for_turning.empty();
   return law_of_thrust ? decisions::law_differs : decisions::other_differs;

@@ -82,7 +82,7 @@ TEST(Judge, AllThatSpeaksAgainstLowersTheProbability) {
   }
 }
 
-TEST(Judge, AMassALagAndAForceOfEveryFlightKeepTheirSizeMoreThanALawOfThrustAndThatMoreThanOthers) {
+TEST(Judge, NumbersOfTheVehicleAndForcesOfEveryFlightKeepTheirSizeMoreThanALawOfThrustAndThatMoreThanOthers) {
   const std::map<std::string_view, double> expected = {{"mass", decisions::constant_differs},
                                                        {"motor_lag", decisions::constant_differs},
                                                        {"actuation_delay", decisions::constant_differs},
@@ -91,9 +91,10 @@ TEST(Judge, AMassALagAndAForceOfEveryFlightKeepTheirSizeMoreThanALawOfThrustAndT
                                                        {"battery_sag", decisions::law_differs},
                                                        {"thrust_scale", decisions::other_differs},
                                                        {"rotor_drag", decisions::other_differs},
-                                                       {"center_of_mass", decisions::other_differs},
+                                                       {"center_of_mass", decisions::airframe_differs},
                                                        {"rotor_tilt", decisions::other_differs},
-                                                       {"rotor_loss", decisions::other_differs},
+                                                       {"rotor_loss", decisions::airframe_differs},
+                                                       {"inertia", decisions::airframe_differs},
                                                        {"axial_inflow", decisions::other_differs}};
   for (const auto& [name, share] : expected) EXPECT_EQ(may_differ(*find_effect(name)), share) << name;
 }
